@@ -1,7 +1,7 @@
-"""The source's own formulation (Lin 2.25, 2.26, Appendix E), its misprints mended: a second, independent solver.
+"""Lin's formulation (2.25, 2.26, Appendix E) with its misprints corrected: a second, independent solver.
 
 Unknowns are ball centres, contact angles and all nodal motions of the screw; plain Newton on the equilibrium equations
-with the explicit Jacobian, dense. Kept to check the energy solver and to show where the source's iteration fails.
+with the explicit Jacobian, dense. It checks the energy solver and shows where the source's iteration fails.
 """
 
 from __future__ import annotations
@@ -38,19 +38,27 @@ MOST = 60
 
 @dataclass(frozen=True)
 class SourceSolution:
-    """Outcome of the source's Newton: status, loads ``(N, 4)`` [N], angles ``(N, 4)`` [rad], centres ``(N, 2)`` [m],
-    nodal motions ``(n, 6)``, reactions of the supports ``(n, 6)`` [N, N m], iterations, relative residual, seconds, number
-    of unknowns."""
+    """Outcome of Lin's Newton iteration for N balls and n nodes."""
 
+    #: ``"converged"``, or why not.
     status: str
+    #: Contact forces ``(N, 4)`` [N].
     load: Array
+    #: ``(N, 4)`` [rad].
     contact_angle: Array
+    #: Shifts of the balls ``(N, 2)`` [m].
     centre: Array
+    #: Of the nodes ``(n, 6)`` [m, rad].
     motion: Array
+    #: Of the supports ``(n, 6)`` [N, N m].
     reactions: Array
+    #: Newton steps.
     iterations: int
+    #: Relative residual.
     residual: float
+    #: Time [s].
     seconds: float
+    #: Number of unknowns.
     unknowns: int
 
     @property
@@ -60,7 +68,19 @@ class SourceSolution:
 
 
 def element_stiffness(length: float, s: BeamSection) -> Array:
-    """Standard Timoshenko element ``(12, 12)`` (Przemieniecki; mends Lin D.1, D.2)."""
+    """Return the stiffness of a Timoshenko element ``(12, 12)``.
+
+    Parameters
+    ----------
+    length
+        [m].
+    s
+        Section.
+
+    References
+    ----------
+    Przemieniecki (1968); corrects Lin (2019), D.1 and D.2.
+    """
     phi = 12.0 * s.EI / (s.kGA * length**2)
     c = s.EI / (length**3 * (1.0 + phi))
     k = np.zeros((12, 12))
@@ -80,7 +100,7 @@ def element_stiffness(length: float, s: BeamSection) -> Array:
 
 
 def beam_matrix(problem: Problem) -> Array:
-    """Dense stiffness of the screw, ``(6 n, 6 n)``."""
+    """Return the dense stiffness of the screw ``(6 n, 6 n)``."""
     n = problem.nodes.size
     k = np.zeros((6 * n, 6 * n))
     for e, length in enumerate(np.diff(problem.nodes)):
@@ -90,16 +110,21 @@ def beam_matrix(problem: Problem) -> Array:
 
 @dataclass
 class System:
-    """Everything of one scene that the equations need, laid out by contact."""
+    """Scene as the equations need it."""
 
+    #: Arrays of the scene.
     problem: Problem
+    #: Whether lever arms follow the contact angle.
     kinematics: Kinematics
+    #: Stiffness of the screw ``(6 n, 6 n)``.
     K: Array
+    #: Indices of the free unknowns.
     free: NDArray[np.int64]
+    #: Radial and binormal axis of each ball's section ``(N, 2, 3)``.
     axes: Array
 
     def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """First freedom of each flank's nodes and M with its two derivatives, ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
+        """Return first freedom of each flank's nodes, and M with two derivatives ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
         p = self.problem
         if self.kinematics == "arc":
             zero = np.zeros_like(p.B[:, side])
@@ -130,7 +155,10 @@ class System:
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Flank profile A(gamma) from the nominal ball centre and its derivatives, ``(N, 2)`` each (Lin 2.3, 2.27)."""
+        """Return the flank's profile A(gamma) from the nominal ball centre and its derivatives, ``(N, 2)`` each.
+
+        Lin 2.3 and 2.27.
+        """
         drawn = self.problem.drawn
         r, r1, r2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
         c, s = np.cos(gamma), np.sin(gamma)
@@ -144,7 +172,7 @@ class System:
 def _contacts(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
-    """Normal n, tangent t, dt/dgamma, distance, force, dF/d delta and the motion matrices of one side's contacts."""
+    """Return normal n, tangent t, dt/dgamma, distance, force, dF/d delta and motion matrices of one flank's contacts."""
     problem = system.problem
     a, t, t1 = system.flank(side, gamma)
     count = p.shape[0]
@@ -164,7 +192,19 @@ def _contacts(
 
 
 def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
-    """Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact forces."""
+    """Return Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact forces.
+
+    Parameters
+    ----------
+    system
+        The scene.
+    x
+        Ball centres, contact angles and nodal motions.
+    load
+        Loads on the nodes ``(6 n,)`` [N, N m].
+    jacobian
+        Whether to compute the Jacobian; None in its place otherwise.
+    """
     problem = system.problem
     count = problem.C.shape[0]
     p, gamma, u = x[: 2 * count].reshape(count, 2), x[2 * count : 6 * count].reshape(count, 4), x[6 * count :]
@@ -209,7 +249,7 @@ def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -
 
 
 def initial_state(system: System, start: Start, fraction: float) -> Array:
-    """Nominal state, or the designer's guess: the screw shifted along its axis as if all balls shared the load."""
+    """Return the nominal state, or a designer's guess: the screw shifted along its axis as if all balls shared the load."""
     problem = system.problem
     scene = problem.scene
     count = problem.C.shape[0]
@@ -236,12 +276,28 @@ def solve_source(
     member: int = 0,
     tolerance: float = 1e-12,
 ) -> SourceSolution:
-    """Solve a scene with the source's equations and plain Newton iteration (Lin 2.26).
+    """Solve a scene with Lin's equations and plain Newton iteration (Lin 2.26).
 
-    kinematics: ``"source"``, lever arm and station follow the contact angle (Lin 2.18-2.21), or ``"arc"``, the same
-    rigid arcs as the energy solver, for which both must agree to round-off. start: nominal state, a designer's guess,
-    or ten load steps from that guess.
-    A scene with a rigid screw is refused (ValueError): the source's equations are those of a beam.
+    Parameters
+    ----------
+    scene
+        The scene; its screw must be a beam.
+    kinematics
+        ``"source"``: lever arm and station follow the contact angle (Lin 2.18-2.21); ``"arc"``: the same rigid arcs as the
+        energy solver, with which it then agrees to round-off.
+    start
+        Nominal state, a designer's guess, or ten load steps from that guess.
+    everything
+        Whether the shaft without influence is built too.
+    member
+        Number of the specimen, for a scene with random errors.
+    tolerance
+        Relative residual to reach.
+
+    Raises
+    ------
+    ValueError
+        A scene with a rigid screw.
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
@@ -278,9 +334,9 @@ def solve_source(
 
 
 def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
-    """``solve_source`` from the designer's guess, as the same result record as the other models.
+    """Return the result of `solve_source` from the designer's guess, as the other models' record.
 
-    With Hertz constants of error-free parts, as the source has them, where the scene asks for each contact's own radii.
+    With Hertz constants of error-free parts, as Lin has them, where the scene asks for each contact's actual radii.
     """
     scene = error_free(scene)
     layout = ball_layout(scene)
@@ -319,7 +375,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
 
 
 def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
-    """Largest unbalanced force over the largest force; moments over the pitch radius, contact conditions over r_G."""
+    """Return largest unbalanced force over largest force; moments over the pitch radius, contact conditions over r_G."""
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
     weights = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], system.problem.nodes.size)
@@ -333,7 +389,7 @@ def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
 
 
 def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
-    """Plain Newton (Lin 2.26): state, iterations, relative residual and status text."""
+    """Iterate by plain Newton (Lin 2.26); return state, iterations, relative residual and status text."""
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(MOST + 1):
@@ -365,7 +421,7 @@ def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Arr
 
 
 def best_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
-    """The source's Newton from its designer's guess, or by load steps where that fails."""
+    """Return Lin's Newton from the designer's guess, or by load steps where that fails."""
     solution = solve_source(scene, kinematics=kinematics, start="guess")
     if solution.converged:
         return solution

@@ -18,27 +18,46 @@ MEANS = 9
 
 @dataclass(frozen=True)
 class HertzConstants:
-    """Constants of elliptical contact, each of the shape of the curvatures they belong to.
+    """Constants of elliptical contact: approach and semi-axes as powers of the normal force F.
 
-    C: approach = C F^(2/3) [m/N^(2/3)]; C_a, C_b: semi-axes = C_a F^(1/3) [m/N^(1/3)], a >= b;
-    eccentricity: sqrt(1 - b2/a2); the pole pressure is 3 F / (2 pi a b).
+    Each has the shape of the relative curvatures it was computed from (`hertz_constants`). The pressure is semi-ellipsoidal
+    over the contact ellipse; its largest value, at the centre, is 3 F/(2 pi a b).
     """
 
+    #: Of the approach, C F^(2/3) [m/N^(2/3)].
     C: Array
+    #: Of the major semi-axis, a = C_a F^(1/3) [m/N^(1/3)], a >= b.
     C_a: Array
+    #: Of the minor semi-axis, b = C_b F^(1/3) [m/N^(1/3)].
     C_b: Array
+    #: Of the contact ellipse, sqrt(1 - b^2/a^2).
     eccentricity: Array
 
     def pressure(self, force: Array) -> Array:
-        """Pole pressure [Pa] at normal force [N]."""
+        """Return the largest contact pressure, 3 F/(2 pi a b) [Pa] (Johnson 1985, 4.30).
+
+        Parameters
+        ----------
+        force
+            Normal force F [N], of the shape of the constants.
+        """
         return np.asarray(1.5 * np.cbrt(force) / (np.pi * self.C_a * self.C_b))
 
 
 def contact_force(approach: Array | float, C: Array | float) -> Array:
-    """Force F = (approach/C)^(3/2) [N] of contacts with constants C [m/N^(2/3)] at approaches [m]; none where they gape.
+    """Return the normal force F = (approach/C)^(3/2) [N]; zero where the surfaces do not touch.
 
-    Shapes broadcast. C of two contacts in series is the sum of theirs, as they carry one force.
+    Parameters
+    ----------
+    approach
+        Approach of the bodies' distant points [m], negative for a gap.
+    C
+        Constant of the contact [m/N^(2/3)], see `HertzConstants`. Shapes broadcast. Of two contacts in series that carry
+        the
+        same force it is the sum of both.
 
+    Examples
+    --------
     >>> [round(float(x), 12) for x in (contact_force(4e-6, 1e-6), 1e6 * contact_approach(8.0, 1e-6))]
     [8.0, 4.0]
     >>> float(contact_slope(4e-6, 1e-6)), float(contact_stiffness(8.0, 1e-6))
@@ -48,30 +67,97 @@ def contact_force(approach: Array | float, C: Array | float) -> Array:
 
 
 def contact_approach(force: Array | float, C: Array | float) -> Array:
-    """Approach C F^(2/3) [m] under forces [N]: the inverse of `contact_force`."""
+    """Return the approach C F^(2/3) [m] under a normal force: the inverse of `contact_force`.
+
+    Parameters
+    ----------
+    force
+        Normal force F [N], not negative.
+    C
+        Constant of the contact [m/N^(2/3)]; shapes broadcast.
+    """
     return np.asarray(C * force ** (2.0 / 3.0))
 
 
 def contact_slope(approach: Array | float, C: Array | float) -> Array:
-    """Tangent stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m] at approaches [m]; none where contacts gape."""
+    """Return the contact stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m]; zero for a gap.
+
+    Parameters
+    ----------
+    approach
+        Approach of the bodies' distant points [m], negative for a gap.
+    C
+        Constant of the contact [m/N^(2/3)]; shapes broadcast.
+    """
     return np.asarray(1.5 * np.sqrt(np.maximum(approach, 0.0) / C) / C)
 
 
 def contact_stiffness(force: Array | float, C: Array | float) -> Array:
-    """The same under forces [N]: 3 F^(1/3)/(2 C)."""
+    """Return the contact stiffness dF/d(approach) = 3 F^(1/3)/(2 C) [N/m].
+
+    Parameters
+    ----------
+    force
+        Normal force F [N].
+    C
+        Constant of the contact [m/N^(2/3)]; shapes broadcast.
+    """
     return np.asarray(1.5 * np.cbrt(force) / C)
 
 
 def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
-    """Contact modulus E* [Pa], 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (Lin B.6)."""
+    """Return the contact modulus E* of two elastic bodies, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
+
+    Parameters
+    ----------
+    e1, e2
+        Young's moduli [Pa].
+    nu1, nu2
+        Poisson's ratios.
+
+    Returns
+    -------
+        E* [Pa]. Some authors call twice this value the equivalent modulus.
+
+    References
+    ----------
+    Lin (2019), B.6; Johnson (1985), 4.23.
+
+    Examples
+    --------
+    >>> round(contact_modulus(210e9, 0.3, 210e9, 0.3) / 1e9, 3)
+    115.385
+    """
     return 1.0 / ((1.0 - nu1**2) / e1 + (1.0 - nu2**2) / e2)
 
 
 def axis_ratio(curvature_ratio: Array) -> Array:
-    """Ratio b/a of the contact ellipse from the ratio A/B <= 1 of the relative curvatures, along a over along b.
+    """Return the ratio b/a of a contact ellipse's semi-axes from the ratio of the relative curvatures.
 
-    Solves A/B = R_D(0, k^2, 1) / R_D(0, 1, k^2) for k = b/a by Newton's method in log k, to round-off.
-    Equivalent to Lin B.8 with the ratio the right way round (Johnson 1985, 4.28). Valid for 1e-12 <= A/B <= 1.
+    Solves A/B = R_D(0, k^2, 1)/R_D(0, 1, k^2) for k = b/a by Newton's method in log k, to round-off.
+
+    Parameters
+    ----------
+    curvature_ratio
+        A/B <= 1, the relative curvature along a over that along b; any shape.
+
+    Returns
+    -------
+        b/a, of the same shape, at most 1.
+
+    Raises
+    ------
+    ValueError
+        A ratio outside (0, 1]. Accurate from 1e-12 on.
+
+    References
+    ----------
+    Johnson (1985), 4.28; Lin (2019), B.8, whose printed ratio is upside down.
+
+    Examples
+    --------
+    >>> axis_ratio(np.array([1.0, 0.1])).round(6).tolist()
+    [1.0, 0.22225]
     """
     ratio = np.asarray(curvature_ratio, dtype=float)
     if np.any(ratio <= 0.0) or np.any(ratio > 1.0 + 1e-12):
@@ -97,12 +183,23 @@ def _log_ratio(x: Array) -> Array:
 
 
 def complete_integrals(k: Array) -> tuple[Array, Array, Array]:
-    """R_F(0, 1, k^2), R_D(0, k^2, 1) and R_D(0, 1, k^2) for 1e-6 <= k <= 1, to some round-offs.
+    """Return the elliptic integrals R_F(0, 1, k^2), R_D(0, k^2, 1) and R_D(0, 1, k^2), to a few round-offs.
 
-    By the arithmetic-geometric mean of 1 and k (DLMF 19.8.5, 19.8.7): R_F = K, and with the sum s of its differences
-    R_D(0, k^2, 1) = 3 K (1/2 + s), R_D(0, 1, k^2) = 3 K (1/2 - s)/k^2. scipy.special has them too, but takes longer to
-    import than a scene takes to be solved.
+    By the arithmetic-geometric mean of 1 and k: R_F = K, and with the sum s of its differences R_D(0, k^2, 1) = 3 K (1/2 +
+    s),
+    R_D(0, 1, k^2) = 3 K (1/2 - s)/k^2. scipy.special has them too, but takes longer to import than a scene takes to solve.
 
+    Parameters
+    ----------
+    k
+        Ratio b/a of semi-axes, 1e-6 <= k <= 1, any shape.
+
+    References
+    ----------
+    NIST Digital Library of Mathematical Functions (DLMF), 19.8.5 and 19.8.7.
+
+    Examples
+    --------
     >>> [round(float(x), 12) for x in complete_integrals(np.array(1.0))]
     [1.570796326795, 2.356194490192, 2.356194490192]
     """
@@ -116,15 +213,41 @@ def complete_integrals(k: Array) -> tuple[Array, Array, Array]:
 
 
 def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Array) -> HertzConstants:
-    """Hertz constants for relative principal curvatures [1/m] (sum over both bodies, positive) and E* [Pa].
+    """Return the constants of elliptical contact for the relative principal curvatures.
 
-    With a >= b, A <= B the halved relative curvatures: p0 a b R_D(0, a^2, b^2) / (3 E*) = B and the same for A with
-    a, b exchanged; approach = p0 a b R_F(0, a^2, b^2) / E* (Johnson 1985, 4.2; mends Lin B.1, B.8, B.11).
-    Raises ValueError where a curvature is not positive: the surfaces conform and Hertz does not apply.
+    With a >= b and A <= B the halved relative curvatures: p0 a b R_D(0, a^2, b^2)/(3 E*) = B, the same for A with a and b
+    exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*. Holds for semi-axes small against the radii of curvature, without
+    friction and plastic deformation.
 
-    >>> c = hertz_constants(1 / 2.778e-3, 1 / 2.778e-3, contact_modulus(210e9, 0.28, 210e9, 0.28))
-    >>> round(float(c.C) * 225 ** (2 / 3) * 1e6, 5)
-    9.24316
+    Parameters
+    ----------
+    curvature_1, curvature_2
+        Relative principal curvatures [1/m], each the sum over both bodies, positive for convex ones; in either order,
+        shapes
+        broadcast.
+    modulus
+        Contact modulus E* [Pa] (`contact_modulus`).
+
+    Raises
+    ------
+    ValueError
+        A relative curvature that is not positive: the surfaces conform and Hertz's theory does not apply.
+
+    References
+    ----------
+    Johnson, *Contact Mechanics* (1985), 4.2. Lin (2019), B.1, B.8 and B.11 with their misprints corrected.
+
+    Examples
+    --------
+    A ball of 5.556 mm on a flat under 225 N, for which the closed form is (9 F^2/(16 E*^2 R))^(1/3):
+
+    >>> E = contact_modulus(210e9, 0.28, 210e9, 0.28)
+    >>> R, F = 2.778e-3, 225.0
+    >>> c = hertz_constants(1 / R, 1 / R, E)
+    >>> round(float(c.C) * F ** (2 / 3) * 1e6, 5), round((9 * F**2 / (16 * E**2 * R)) ** (1 / 3) * 1e6, 5)
+    (9.24316, 9.24316)
+    >>> round(float(c.pressure(np.array(F))) / 1e9, 4), round((6 * F * E**2 / (np.pi**3 * R**2)) ** (1 / 3) / 1e9, 4)
+    (4.1838, 4.1838)
     """
     k1, k2 = np.broadcast_arrays(np.asarray(curvature_1, float), np.asarray(curvature_2, float))
     low, high = np.minimum(k1, k2), np.maximum(k1, k2)
@@ -140,24 +263,47 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
 
 @dataclass(frozen=True)
 class PrintedHertz:
-    """One side of Lin's Table B.1 as printed; lengths [m], constants in SI. Faults kept on purpose."""
+    """Constants of one raceway as Lin's Table B.1 prints them, errors of the source included; lengths in m."""
 
+    #: First eigenvalue of the second fundamental form, taken for a radius of curvature [m].
     rho_1: float
+    #: Second eigenvalue, likewise [m].
     rho_2: float
+    #: Smaller relative radius [m].
     R_1: float
+    #: Larger relative radius [m].
     R_2: float
+    #: Equivalent radius sqrt(R_1 R_2) [m].
     rho_eq: float
+    #: Eccentricity of the contact ellipse.
     e: float
+    #: Correction factor of Lin B.11, 1 in the table.
     F_1: float
+    #: Of the approach [m/N^(2/3)].
     C: float
+    #: Of the major semi-axis [m/N^(1/3)].
     C_a: float
+    #: Of the minor semi-axis [m/N^(1/3)].
     C_b: float
 
 
 def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float) -> PrintedHertz:
-    """Lin B.1-B.11 with the faults of Table B.1: radii from II only, F_1 = 1, the ratio of B.8 inverted.
+    """Compute Lin's B.1 to B.11 with the errors of his Table B.1, to show what they change.
 
-    radii: the two eigenvalues of II [m] in the order of the table's rows (1, 2). Only for showing what the faults do.
+    The errors: radii from the second fundamental form only, F_1 = 1, the ratio of B.8 inverted.
+
+    Parameters
+    ----------
+    ball_radius
+        [m].
+    radii
+        The two eigenvalues of the second fundamental form [m], in the order of the table's rows.
+    modulus
+        Contact modulus E* [Pa].
+
+    References
+    ----------
+    Lin (2019), appendix B and Table B.1.
     """
     relative = [1.0 / (1.0 / ball_radius + 1.0 / r) for r in radii]
     r_1, r_2 = min(relative), max(relative)  # the table's labels: 1 the smaller

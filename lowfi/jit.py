@@ -1,18 +1,18 @@
-"""One source, two engines: kernels run as plain Python (no start-up cost: one small solve) or compiled by numba (many).
+"""Kernels as plain Python (no start-up cost: one small solve) or compiled by numba (many), from one source.
 
 A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
 compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
-decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``kernel_types.py`` next to that folder:
-both copies must mean the same classes. To numba a number or truth value written out in a call has a type of its own, and
-the kernel that is called is compiled for each of them: where calls differ, ``int(np.int64(60))`` or
+decorator ``kernel`` compiles. Named tuples that kernels take or return are in ``kernel_types.py`` next to that folder:
+both copies must mean the same classes. To numba a number or truth value written out in a call has a type different from
+that of a variable, and the called kernel is compiled for each of them: where calls differ, ``int(np.int64(60))`` or
 ``bool(np.bool_(False))`` is passed instead.
 
 What this module is for:
 
-* One solve compiles nothing, from an empty home too: who solves once asks by `cached` and `loaded` whether machine code is
-  there, takes plain Python where it is not, and may have it compiled once the answer is out (`afterwards`).
-* Stale machine code is never used: it lies in the user's cache under a digest of the sources of all kernels, as numba by
-  itself looks only at the file of a function, in a folder that nobody else may write to, as it is run.
+* One solve compiles nothing, even without any cache: code that solves once asks by `cached` and `loaded` whether machine
+  code is there, takes plain Python where it is not, and may have it compiled once the result is printed (`afterwards`).
+* Stale machine code is never used: it is in the user's cache under a digest of the sources of all kernels, as numba itself
+  looks only at the file of a function, in a folder that nobody else may write to, as it is executed.
 * An interrupt while numba compiles is safe: it waits until the kernel at hand is compiled.
 """
 
@@ -53,7 +53,7 @@ _KEPT = 4
 
 
 def is_compiled(module_name: str) -> bool:
-    """Whether a module of that name belongs to a compiled copy."""
+    """Return whether a module of that name belongs to a compiled copy."""
     return _MARK in module_name
 
 
@@ -69,10 +69,15 @@ def kernel(function: F) -> F:
 
 
 def kernels(package: str, *, compiled: bool) -> ModuleType:
-    """A kernel package as plain Python or compiled (loaded once in a process, compiled on the first call of each kernel);
-    without numba always as plain Python, and standard error says so.
+    """Return a kernel package as plain Python or compiled.
 
-    Raises KeyError for a package that ``PACKAGES`` does not name.
+    The compiled copy is loaded once in a process, and each kernel is compiled at its first call. Without numba it is always
+    plain Python, with a message on standard error.
+
+    Raises
+    ------
+    KeyError
+        A package that ``PACKAGES`` does not name.
     """
     used = PACKAGES[package]
     if not (compiled and _numba_works()):
@@ -102,15 +107,15 @@ def _folder(package: str) -> Path:
 
 @cache
 def _load(package: str) -> ModuleType:
-    """The files of a package loaded as another package."""
+    """Load the files of a package as another package."""
     with _numba_writes_to(package):
         return _loaded_as(_copy_name(package), _folder(package) / "__init__.py")
 
 
 def _loaded_as(name: str, path: Path, **given: Any) -> ModuleType:
-    """A file as a module of that name, or as a package where it is an ``__init__.py``, with ``given`` in it from the start.
+    """Load a file as a module of a given name, or as a package where it is an ``__init__.py``.
 
-    Raises ImportError where there is no such file.
+    given: global variables that it has from the start. Raises ImportError where there is no such file.
     """
     inside = [str(path.parent)] if path.name == "__init__.py" else None
     spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=inside)
@@ -124,8 +129,12 @@ def _loaded_as(name: str, path: Path, **given: Any) -> ModuleType:
 
 
 def driver_of(system: str, driver: str) -> ModuleType:
-    """The module ``driver`` of a kernel package, loaded once more for the module of name ``system`` there, whose functions
-    it calls as those of its global ``system``: numba keeps machine code of functions, but not of closures over others."""
+    """Load the module ``driver`` of a kernel package once more, for the module of name ``system`` there.
+
+    Its global ``system`` is that module, whose functions it calls: numba caches machine code of functions, but not of
+    closures
+    over others.
+    """
     of = sys.modules[system]
     return _loaded_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
 
@@ -134,27 +143,27 @@ def driver_of(system: str, driver: str) -> ModuleType:
 
 
 def loaded(package: str) -> bool:
-    """Whether this process holds the compiled copy of a kernel package."""
+    """Return whether the compiled copy of a kernel package is loaded in this process."""
     return _copy_name(package) in sys.modules
 
 
 def cached(package: str = "") -> bool:
-    """Whether machine code of these sources lies on disk, of a package or of any, so that it need not be made again."""
+    """Return whether machine code of these sources is on disk, of a package or of any."""
     folder = code_folder()
     return folder is not None and any(folder.glob(f"{package or '*'}/*/*.nbi"))
 
 
-#: What compiles kernels once the answer is out, for the commands to come, by package.
+#: Jobs that compile kernels after the result is printed, for later commands, by package.
 _afterwards: dict[str, Callable[[], object]] = {}
 
 
 def afterwards(package: str, job: Callable[[], object]) -> None:
-    """Have a job that uses the compiled kernels of a package done by `compile_afterwards`, which commands call last."""
+    """Register a job that uses the compiled kernels of a package, for `compile_afterwards`, which commands call last."""
     _afterwards[package] = job
 
 
 def compile_afterwards() -> None:
-    """Compile what this process did without, so that the next one need not."""
+    """Compile the kernels that this process did without, for the next one."""
     while _afterwards:
         _afterwards.popitem()[1]()
 
@@ -164,7 +173,7 @@ def compile_afterwards() -> None:
 
 @cache
 def digest() -> str:
-    """Digest of the sources of all kernel packages, of the types they take, and of this module."""
+    """Return a digest of the sources of all kernel packages, of the types they take, and of this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
         folder = _folder(package)
@@ -175,9 +184,13 @@ def digest() -> str:
 
 @cache
 def code_folder() -> Path | None:
-    """Folder of the machine code of these sources: in NUMBA_CACHE_DIR, else in the user's cache of rollbench; that of other
-    sources but those used last is removed. None where the cache is switched off (ROLLBENCH_CACHE=off), and where nothing
-    can be written there or others can write there, as standard error says: every process then compiles for itself."""
+    """Return the folder of the machine code of these sources, in NUMBA_CACHE_DIR or in the user's cache of rollbench.
+
+    Folders of other sources are removed, but for the last ones used. None where the cache is switched off
+    (ROLLBENCH_CACHE=off),
+    and where nothing can be written there or others can write there, with a message on standard error: every process then
+    compiles anew.
+    """
     from rollbench.meshes.cache import default_root
 
     named = os.environ.get("NUMBA_CACHE_DIR", "").strip()
@@ -201,7 +214,7 @@ def code_folder() -> Path | None:
 
 @contextmanager
 def _numba_writes_to(package: str) -> Iterator[None]:
-    """The folder of a package's machine code while its kernels are declared: each keeps the folder that it finds then."""
+    """Let numba write to the folder of a package while its kernels are declared; each keeps that folder."""
     import numba
 
     before, folder = numba.config.CACHE_DIR, code_folder()
@@ -218,8 +231,10 @@ def _numba_writes_to(package: str) -> Iterator[None]:
 
 @cache
 def _hold_signals_back() -> None:
-    """From now on let an interrupt, or TERM where Python handles it, wait until numba has compiled the kernel at hand: an
-    exception in between is swallowed by llvmlite's callbacks, or ends the process in a segmentation fault."""
+    """Delay interrupts, and TERM where Python handles it, until numba has compiled the kernel at hand.
+
+    An exception in between is swallowed by llvmlite's callbacks, or ends the process in a segmentation fault.
+    """
     from numba.core import event
 
     class Hold(event.Listener):  # type: ignore[misc]
@@ -261,7 +276,7 @@ def _hold_signals_back() -> None:
 
 @cache
 def _announce() -> None:
-    """Say, when the first kernel is about to be compiled, why nothing else is printed for a while."""
+    """Print, before the first kernel is compiled, why nothing else is printed for a while."""
     import multiprocessing
 
     if multiprocessing.parent_process() is None:

@@ -19,7 +19,7 @@ The cone receives its thrust from race and rib together: Q sin(alpha - 2 gamma) 
 Q sin(alpha). Smith's 3.23 leaves out the rib and makes the inner load larger by sin(alpha)/sin(alpha - 2 gamma).
 
 Slices, for a roller with a crown: slice k of width L/n at x_k sees the approach delta less the profile's drop, and carries
-the plane-strain line load of that approach by itself; the load is the sum. Slices do not feel one another (no edge stress):
+the plane-strain line load of that approach; the load is the sum. Slices do not interact (no edge stress):
 with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
 
 All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2
@@ -40,10 +40,38 @@ from rollbench.meshes.numerics import brentq
 
 
 def half_width(line_load: Array | float, curvature: Array | float, modulus: float) -> Array:
-    """Half-width b [m] at a load per length [N/m], relative curvature 1/R_1 +- 1/R_2 [1/m], contact modulus E* [Pa].
+    """Return the half-width b of a line contact, b^2 = 4 q/(pi E* k).
 
-    Mends Smith (1994) 3.24, 3.26: for steel b = 2.78e-4 in sqrt(lb) sqrt(q / curvature), with the curvatures of radii
-    (2/D, not 1/D) and the exponent 1/2. Raises ValueError unless the curvature is positive.
+    Parameters
+    ----------
+    line_load
+        Load per length q [N/m]; shapes broadcast.
+    curvature
+        Relative curvature k = 1/R_1 + 1/R_2 [1/m], a concave radius negative.
+    modulus
+        Contact modulus E* [Pa] (`rollbench.lowfi.hertz.contact_modulus`).
+
+    Returns
+    -------
+        b [m]; valid for b small against both radii.
+
+    Raises
+    ------
+    ValueError
+        A relative curvature that is not positive.
+
+    References
+    ----------
+    Johnson (1985), 4.43. Corrects Smith (1994), 3.24 and 3.26: for steel b = 2.78e-4 sqrt(q/k) in inches and pounds, with
+    curvatures 2/D (not 1/D) and the exponent 1/2.
+
+    Examples
+    --------
+    A steel cylinder of 10 mm on a flat under 100 N/mm:
+
+    >>> b = half_width(1e5, 1 / 5e-3, contact_modulus(210e9, 0.3, 210e9, 0.3))
+    >>> round(float(b) * 1e6, 2), round(float(pressure(1e5, b)) / 1e6, 1)
+    (74.28, 857.1)
     """
     k = np.asarray(curvature, dtype=float)
     if np.any(k <= 0.0):
@@ -52,29 +80,46 @@ def half_width(line_load: Array | float, curvature: Array | float, modulus: floa
 
 
 def pressure(line_load: Array | float, width: Array | float) -> Array:
-    """Greatest pressure 2 q / (pi b) [Pa] at a load per length [N/m] and half-width b [m] (Smith 3.28)."""
+    """Return the largest pressure of a line contact, 2 q/(pi b) [Pa].
+
+    Parameters
+    ----------
+    line_load
+        Load per length q [N/m]; shapes broadcast.
+    width
+        Half-width b [m] (`half_width`).
+
+    References
+    ----------
+    Johnson (1985), 4.45; Smith (1994), 3.28.
+    """
     return 2.0 * np.asarray(line_load, dtype=float) / (np.pi * np.asarray(width, dtype=float))
 
 
 @dataclass(frozen=True)
 class LineLaw:
-    """delta = q (g - S ln q), q in N/m: g [m^2/N]; S [m^2/N].
+    """Approach of two raceways with a roller between them, delta = q (g - S ln q), q the load per length in N/m.
 
-    Increases up to q = exp(g/S - 1), where b would exceed the bodies; a roller of steel is far below.
+    The approach increases with q up to q = exp(g/S - 1), where b would exceed the bodies; steel rollers stay far below.
     """
 
+    #: [m^2/N], with q in N/m under the logarithm; an array for several places along a roller.
     g: Array
+    #: S = 4 (1 - nu^2)/(pi E) [m^2/N] of two equal contacts.
     s: float
 
     def approach(self, line_load: Array | float) -> Array:
-        """Approach [m] at a load per length [N/m]; zero without load."""
+        """Return the approach [m] at a load per length [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, q * (self.g - self.s * np.log(np.where(q > 0.0, q, 1.0))), 0.0)
 
     def line_load(self, approach: Array | float) -> Array:
-        """Load per length [N/m] at an approach [m], zero where it is not positive; closed form by Lambert's W_-1.
+        """Return the load per length [N/m] at an approach [m], by Lambert's W_-1; zero for a gap.
 
-        Raises ValueError beyond the greatest approach S exp(g/S - 1) of the law.
+        Raises
+        ------
+        ValueError
+            An approach beyond the largest one of the law, S exp(g/S - 1).
         """
         from scipy.special import lambertw  # loads slowly; pressures and `solve` do without
 
@@ -86,12 +131,12 @@ class LineLaw:
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
     def slope(self, line_load: Array | float) -> Array:
-        """Stiffness per length dq/d(delta) [N/m^2] at a load per length; zero without load."""
+        """Return the stiffness per length dq/d(delta) [N/m^2] at a load per length [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 
     def energy(self, line_load: Array | float) -> Array:
-        """Energy per length [J/m], the integral of q over the approach; zero without load."""
+        """Return the strain energy per length [J/m] at a load per length [N/m], the integral of q over the approach."""
         q = np.asarray(line_load, dtype=float)
         safe = np.where(q > 0.0, q, 1.0)
         return np.where(q > 0.0, 0.5 * q**2 * (self.g - self.s * (0.5 + np.log(safe))), 0.0)
@@ -104,10 +149,33 @@ def between_races(
     young: float,
     poisson: float,
 ) -> LineLaw:
-    """Law of the approach of two raceways with a roller between them, all of one material.
+    """Return the law of approach of two raceways with a roller between them, all of one material.
 
-    roller_radius [m]; race_curvatures: of inner (positive) and outer race (negative) [1/m]; depths [m]: to where the
-    rings' deformation is counted, about their thickness. Doubling a depth adds 2 q (1 - nu^2) ln 2 / (pi E), some 7 %.
+    The sum over both races of q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1 + 2 ln(2 d/b) - nu/(1 - nu)].
+
+    Parameters
+    ----------
+    roller_radius
+        R_1 [m].
+    race_curvatures
+        Curvatures of inner race (positive) and outer race (negative) [1/m].
+    depths
+        Depths d [m] in both rings to which deformation is counted, about their thickness. Doubling one adds
+        2 q (1 - nu^2) ln 2/(pi E), some 7 %.
+    young, poisson
+        Young's modulus [Pa] and Poisson's ratio.
+
+    References
+    ----------
+    Johnson (1985), 5.57 and 5.58.
+
+    Examples
+    --------
+    A roller of 10 mm between races of radii 30 and 40 mm, 100 N/mm: the approach [um].
+
+    >>> law = between_races(5e-3, (1 / 30e-3, -1 / 40e-3), (8e-3, 8e-3), 210e9, 0.3)
+    >>> round(float(law.approach(1e5)) * 1e6, 3), round(float(law.line_load(law.approach(1e5))), 6)
+    (5.663, 100000.0)
     """
     factor = (1.0 - poisson**2) / (np.pi * young)
     modulus = contact_modulus(young, poisson, young, poisson)
@@ -121,24 +189,33 @@ def between_races(
 
 @dataclass(frozen=True)
 class TaperedBearing:
-    """One row; lengths [m], angles [rad], Young's modulus [Pa].
+    """Single-row tapered roller bearing; every cone's apex lies on the bearing's axis.
 
-    rollers: number N; diameter: mean roller diameter D; length: effective contact length L; cup_angle: half included cup
-    angle alpha; roller_angle: half included roller angle gamma; depth: of both rings, to which deformation is counted.
-    Raises ValueError for an angle of the cone alpha - 2 gamma that is not positive, or numbers out of range.
+    Raises
+    ------
+    ValueError
+        A number out of range, or angles for which the cone's angle alpha - 2 gamma is not positive.
     """
 
+    #: Number of rollers N.
     rollers: int
+    #: Mean roller diameter D [m].
     diameter: float
+    #: Effective contact length L [m].
     length: float
+    #: Half the included angle of the cup, alpha [rad].
     cup_angle: float
+    #: Half the included angle of a roller, gamma [rad].
     roller_angle: float
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
+    #: Depth in both rings to which deformation is counted [m].
     depth: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no tapered roller bearing."""
+        """Refuse numbers that describe no tapered roller bearing."""
         if self.rollers < 1 or min(self.diameter, self.length, self.depth, self.young) <= 0.0:
             raise ValueError("rollers, diameter, length, depth and Young's modulus must be positive")
         if not 0.0 < 2.0 * self.roller_angle < self.cup_angle < 0.5 * np.pi or not 0.0 <= self.poisson < 0.5:
@@ -151,40 +228,60 @@ class TaperedBearing:
 
     @property
     def apex_distance(self) -> float:
-        """Length l [m] of the mean generator from the common apex."""
+        """Distance l [m] of the roller's mean section from the common apex, along the generator."""
         return float(0.5 * self.diameter / np.sin(self.roller_angle))
 
     @property
     def pitch_diameter(self) -> float:
-        """Diameter [m] of the circle of the rollers' mean centres, d_m = D sin(alpha - gamma)/tan(gamma)."""
+        """Diameter of the circle through the rollers' mean centres, D sin(alpha - gamma)/tan(gamma) [m]."""
         return float(self.diameter * np.sin(self.cup_angle - self.roller_angle) / np.tan(self.roller_angle))
 
     def radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
-        """Radii of curvature [m] of roller, cone and cup at a distance [m] outwards from the mean generator's middle."""
+        """Return the radii of curvature of roller, cone and cup [m].
+
+        Parameters
+        ----------
+        along
+            Distance along the roller from its middle [m], positive towards the large end.
+        """
         reach = self.apex_distance + np.asarray(along, dtype=float)
         roller, cone, cup = (reach * np.tan(a) for a in (self.roller_angle, self.cone_angle, self.cup_angle))
         return roller, cone, cup
 
     def law(self, along: Array | float = 0.0) -> LineLaw:
-        """Line contact of a roller between its races, at places [m] along the roller."""
+        """Return the law of approach of a roller between its races, at distances [m] along the roller from its middle."""
         roller, cone, cup = self.radii(along)
         return between_races(roller, (1.0 / cone, -1.0 / cup), (self.depth, self.depth), self.young, self.poisson)
 
 
 @dataclass(frozen=True)
 class RollerContacts:
-    """Contacts (inner, outer) of one roller: half-widths b [m], pressures [Pa], areas 2 b L [m^2]; rib load [N]."""
+    """Contacts of one roller without tilt and crown; arrays in the order inner race, outer race."""
 
+    #: Half-widths b [m].
     half_widths: Array
+    #: Largest pressures [Pa].
     pressures: Array
+    #: Contact areas 2 b L [m^2].
     areas: Array
+    #: Force of the rib on the roller's large end [N].
     rib_load: float
 
 
 def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
-    """Line contacts of a roller at a race load Q [N], without tilt or crown.
+    """Return the line contacts of a roller at both races, without tilt and crown.
 
-    Mends Smith (1994) 3.23-3.27: his area pi a b is that of an ellipse, a line contact is 2 b L.
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    load
+        Force Q of each race on the roller [N].
+
+    References
+    ----------
+    Corrects Smith (1994), 3.23 to 3.27: his area pi a b is that of an ellipse, a line contact has 2 b L; the rib takes
+    2 Q sin(gamma), which he leaves out.
     """
     roller, cone, cup = bearing.radii()
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
@@ -196,24 +293,31 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
 
 @dataclass(frozen=True)
 class TaperedRow:
-    """A tapered bearing as a row of a set under pure thrust: every roller is compressed by u sin(alpha)."""
+    """Tapered roller bearing under pure thrust: every roller is compressed by u sin(alpha) at an axial deflection u."""
 
+    #: The bearing.
     bearing: TaperedBearing
 
     def load(self, deflection: float) -> float:
-        """Thrust [N] at an axial deflection [m]; zero where the row is loose."""
+        """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
         b = self.bearing
         q = float(b.law().line_load(deflection * np.sin(b.cup_angle)))
         return float(b.rollers * b.length * q * np.sin(b.cup_angle))
 
     def stiffness(self, deflection: float) -> float:
-        """Slope of the thrust [N/m]; zero where the row is loose."""
+        """Return the axial stiffness [N/m] at an axial deflection [m]; zero where the rollers are loose."""
         b, law = self.bearing, self.bearing.law()
         slope = float(law.slope(law.line_load(deflection * np.sin(b.cup_angle))))
         return float(b.rollers * b.length * slope * np.sin(b.cup_angle) ** 2)
 
     def deflection(self, load: float) -> float:
-        """Axial deflection [m] under a thrust [N], closed form. Raises ValueError for a negative load."""
+        """Return the axial deflection [m] under a thrust [N], in closed form.
+
+        Raises
+        ------
+        ValueError
+            A negative load: a row of tapered rollers carries thrust in one direction only.
+        """
         if load < 0.0:
             raise ValueError("a row of rollers carries thrust in one direction only: the load must not be negative")
         b = self.bearing
@@ -222,55 +326,97 @@ class TaperedRow:
 
 
 def tapered(row: RollerRow) -> TaperedBearing:
-    """The row as a bearing of `lowfi.rollers`. Raises ValueError where it is none."""
+    """Return a scene's row of rollers as a `TaperedBearing`; raises ValueError where its numbers describe none."""
     young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
     return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
 
 
 @dataclass(frozen=True)
 class SlicedRoller:
-    """law: of every slice; places: x_k (n,) [m], outwards; length [m]; drop: lost approach (n,) [m], both contacts
-    together."""
+    """Roller cut into equal slices, for a crowned profile."""
 
+    #: Law of approach of every slice.
     law: LineLaw
+    #: Middles x_k of the slices ``(n,)`` [m], from the roller's middle.
     places: Array
+    #: Effective length of the roller [m].
     length: float
+    #: Approach lost to the profile at both contacts together ``(n,)`` [m].
     drop: Array
 
 
 @dataclass(frozen=True)
 class SliceState:
-    """Force [N], its slope against the approach [N/m], line loads (n,) [N/m]."""
+    """Loads of a sliced roller at one approach."""
 
+    #: Force of the roller [N].
     force: float
+    #: Its derivative with respect to the approach [N/m].
     stiffness: float
+    #: Load per length of each slice ``(n,)`` [N/m].
     line_loads: Array
 
 
 def middles(length: float, slices: int) -> Array:
-    """Middles (n,) [m] of equal slices of a roller, from -L/2 to L/2."""
+    """Return the middles of equal slices of a roller ``(n,)`` [m], between -L/2 and L/2.
+
+    Parameters
+    ----------
+    length
+        L [m].
+    slices
+        Number n of slices.
+    """
     return length * ((np.arange(slices) + 0.5) / slices - 0.5)
 
 
 def circular_crown(radius: float) -> Callable[[Array], Array]:
-    """Drop x^2/(2 R) [m] of a crowned roller at both contacts together: x^2/R."""
+    """Return the profile of a circular crown: the drop at both contacts together, x^2/R [m], as a function of x [m].
+
+    At each contact the drop is x^2/(2 R), for x small against the crown's radius R [m].
+    """
     return lambda x: x**2 / radius
 
 
 def sliced(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Array] | None = None) -> SlicedRoller:
-    """Roller of a bearing in n equal slices; profile: drop of both contacts together [m] at places [m], or none."""
+    """Cut a bearing's roller into equal slices.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    slices
+        Number of slices.
+    profile
+        Drop of the profile at both contacts together [m] as a function of the distance from the roller's middle [m]; None
+        for
+        a straight roller.
+    """
     x = middles(bearing.length, slices)
     drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
     return SlicedRoller(bearing.law(), x, bearing.length, drop)
 
 
 def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
-    """Half-widths b and largest pressures p ``(..., n, 2)`` [m, Pa] at cone and cup, of line loads q ``(..., n)`` [N/m] in
-    equal slices from the small end of the roller to the large one.
+    """Return half-widths and largest pressures of every slice at cone and cup, by Hertz's line contact.
 
-    Hertz's line contact (Johnson 1985, 4.43 and 4.45) at each slice's own curvature 1/R = 1/R_roller +- 1/R_race:
-    b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)). Valid for b small against the roller's radius; without what the
-    sharp end of a straight roller adds. Both are zero without load.
+    b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)), with each slice's curvature 1/R = 1/R_roller +- 1/R_race. Valid
+    for b small against the roller's radius; the peak at the sharp end of a straight roller is not included.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    line_loads
+        Loads per length q ``(..., n)`` [N/m] of equal slices, from the roller's small end to its large one.
+
+    Returns
+    -------
+        Half-widths b [m] and pressures p [Pa], ``(..., n, 2)`` each, zero without load.
+
+    References
+    ----------
+    Johnson (1985), 4.43 and 4.45.
     """
     roller, cone, cup = bearing.radii(middles(bearing.length, line_loads.shape[-1]))
     curvature = np.stack([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup], axis=-1)
@@ -280,16 +426,19 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
 
 
 def slice_state(roller: SlicedRoller, approach: float) -> SliceState:
-    """Loads at an approach of the raceways [m]."""
+    """Return force, stiffness and line loads of a sliced roller at an approach of the raceways [m]."""
     q = roller.law.line_load(approach - roller.drop)
     width = roller.length / roller.places.size
     return SliceState(float(width * q.sum()), float(width * roller.law.slope(q).sum()), q)
 
 
 def approach_of(roller: SlicedRoller, force: float) -> float:
-    """Approach [m] of the raceways under a force [N], to round-off; the force grows with it.
+    """Return the approach of the raceways [m] under a force on a sliced roller [N], to round-off.
 
-    Raises ValueError unless the force is positive.
+    Raises
+    ------
+    ValueError
+        A force that is not positive.
     """
     if force <= 0.0:
         raise ValueError("a roller carries compression only: the force must be positive")
@@ -300,28 +449,38 @@ def approach_of(roller: SlicedRoller, force: float) -> float:
 
 @dataclass(frozen=True)
 class SlicedRow:
-    """A tapered bearing with sliced rollers as a row of a set under pure thrust."""
+    """Tapered roller bearing with sliced rollers under pure thrust."""
 
+    #: The bearing.
     bearing: TaperedBearing
+    #: Number of equal slices of a roller.
     slices: int = 31
+    #: Drop at both contacts together [m] over the distance from the roller's middle [m]; None for a straight roller.
     profile: Callable[[Array], Array] | None = None
+    #: The sliced roller, made from the fields above.
     roller: SlicedRoller = field(init=False)
 
     def __post_init__(self) -> None:
-        """Cut the roller once."""
+        """Slice the roller once."""
         object.__setattr__(self, "roller", sliced(self.bearing, self.slices, self.profile))
 
     def load(self, deflection: float) -> float:
-        """Thrust [N] at an axial deflection [m]."""
+        """Return the thrust [N] at an axial deflection [m]."""
         sin = np.sin(self.bearing.cup_angle)
         return float(self.bearing.rollers * sin * slice_state(self.roller, deflection * sin).force)
 
     def stiffness(self, deflection: float) -> float:
-        """Slope of the thrust [N/m]."""
+        """Return the axial stiffness [N/m] at an axial deflection [m]."""
         sin = np.sin(self.bearing.cup_angle)
         return float(self.bearing.rollers * sin**2 * slice_state(self.roller, deflection * sin).stiffness)
 
     def deflection(self, load: float) -> float:
-        """Axial deflection [m] under a thrust [N]. Raises ValueError unless it is positive."""
+        """Return the axial deflection [m] under a thrust [N].
+
+        Raises
+        ------
+        ValueError
+            A thrust that is not positive.
+        """
         sin = np.sin(self.bearing.cup_angle)
         return float(approach_of(self.roller, load / (self.bearing.rollers * sin)) / sin)

@@ -1,4 +1,4 @@
-"""What a result warns of: where it leaves the range in which its models hold."""
+"""Warnings that come with a result: where it leaves the range in which its models are valid."""
 
 from __future__ import annotations
 
@@ -30,33 +30,37 @@ Kind = Literal[
 
 
 class Warned(str):
-    """A warning: the text is its sentence, ``kind`` its subject; one with ``brief`` is printed above the answers.
+    """Warning text with its subject and, where it is printed above the results, a short form.
 
+    Examples
+    --------
     >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
     >>> found.kind, found.of("nut 1"), found.of("nut 1").brief
     ('rotation', 'nut 1: a section turns by 60 mrad: ...', 'nut 1: rotations up to 60 mrad')
     """
 
+    #: Subject of the warning.
     kind: Kind
+    #: Short form for the line above the results; empty for one that is not printed there.
     brief: str
 
     def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
-        """A sentence with its kind, and few words for the line above the answers where it belongs there."""
+        """Make a warning from its subject, its text and, where it is printed above the results, a short form."""
         warned = super().__new__(cls, text)
         warned.kind, warned.brief = kind, brief
         return warned
 
     def __getnewargs__(self) -> tuple[Kind, str, str]:  # type: ignore[override]
-        """Arguments that a copy is made of, in another process too."""
+        """Return the arguments from which a copy is made, also in another process."""
         return self.kind, str(self), self.brief
 
     def of(self, name: str) -> Warned:
-        """The same of one of several parts."""
+        """Return this warning with the name of the part that it is about in front."""
         return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 
 
 def above(warnings: Iterable[Warned]) -> str:
-    """The line above the answers, empty where none of the warnings belongs there."""
+    """Return the line printed above the results, empty where no warning has a short form."""
     shown = [w for w in warnings if w.brief]
     outside = " outside what the models mean" * any(w.kind not in ("play", "coefficient", "held load") for w in shown)
     return f"WARNING{outside}: {'; '.join(w.brief for w in shown)}" if shown else ""

@@ -3,11 +3,15 @@
 Rigid rings, equal balls, no radial load, no inertia. The centres of the two grooves are A = r_i + r_o - D apart; an axial
 displacement u of the inner ring stretches that line from A to
 
-    s = sqrt((A sin alpha_0 + u)^2 + (A cos alpha_0)^2),    tan alpha = (A sin alpha_0 + u) / (A cos alpha_0),
+    s = sqrt((A sin alpha_0 + u)^2 + (A cos alpha_0)^2),    tan alpha = (A sin alpha_0 + u) / (A cos alpha_0),           (1)
 
-and a ball carries Q = ((s - A) / (C_i + C_o))^(3/2), C the constants of exact Hertz contact at both races. So everything
-is explicit in u, and nothing is iterated but the displacement to a given load. Equivalent to Smith (1994), 2.1-2.23, where
-the contact angle is iterated; u = A sin(alpha - alpha_0) / cos(alpha) is his 2.23.
+and a ball carries
+
+    Q = ((s - A) / (C_i + C_o))^(3/2),                                                                                  (2)
+
+C the constants of exact Hertz contact at both races. So everything is explicit in u, and nothing is iterated but the
+displacement to a given load. Equivalent to Smith (1994), 2.1-2.23, where the contact angle is iterated;
+u = A sin(alpha - alpha_0) / cos(alpha) is his 2.23.
 """
 
 from __future__ import annotations
@@ -35,25 +39,33 @@ STEPS, ENOUGH, BEGINS = 40, 1e-10, 1e-4
 
 @dataclass(frozen=True)
 class BallBearing:
-    """One row of balls between two grooves; lengths [m], Young's modulus [Pa].
+    """Single row of balls between two grooves, all of one material.
 
-    balls: number Z; ball_diameter: D; inner_raceway, outer_raceway: diameters d_i, d_o at the bottoms of the grooves;
-    inner_groove, outer_groove: groove radii r_i, r_o in an axial section; same material throughout.
-    Raises ValueError where a groove is not wider than the ball, the rings leave no clearance angle, or a number is
-    out of range.
+    Raises
+    ------
+    ValueError
+        A groove that is not wider than the ball, rings without a contact angle, or a number out of range.
     """
 
+    #: Number of balls Z.
     balls: int
+    #: D [m].
     ball_diameter: float
+    #: Diameter d_i at the bottom of the inner groove [m].
     inner_raceway: float
+    #: Diameter d_o at the bottom of the outer groove [m].
     outer_raceway: float
+    #: Radius r_i of the inner groove in an axial section [m].
     inner_groove: float
+    #: Radius r_o of the outer groove in an axial section [m].
     outer_groove: float
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
 
     def __post_init__(self) -> None:
-        """Refuse what has no contact angle or no Hertz contact."""
+        """Refuse numbers without a contact angle or Hertz contact."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
             raise ValueError("balls, ball diameter and Young's modulus must be positive, Poisson's ratio in [0, 0.5)")
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
@@ -63,12 +75,12 @@ class BallBearing:
 
     @property
     def pitch_diameter(self) -> float:
-        """d_m [m] (Smith 2.10)."""
+        """Pitch diameter d_m [m] (Smith 2.10)."""
         return 0.5 * (self.inner_raceway + self.outer_raceway)
 
     @property
     def centre_distance(self) -> float:
-        """Distance A = B D [m] of the groove centres with the ball just touching both (Smith 2.3)."""
+        """Distance A of the groove centres with the ball just touching both [m] (Smith 2.3)."""
         return self.inner_groove + self.outer_groove - self.ball_diameter
 
     @property
@@ -78,7 +90,7 @@ class BallBearing:
 
     @property
     def free_angle(self) -> float:
-        """Contact angle alpha_0 [rad] without load (Smith 2.2)."""
+        """Contact angle alpha_0 without load [rad] (Smith 2.2)."""
         return float(np.arccos(min(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0)))
 
 
@@ -91,9 +103,22 @@ def of_angle(
     young: float,
     poisson: float,
 ) -> BallBearing:
-    """Bearing of a free contact angle [rad] and conformities r/D of inner and outer groove, lengths [m].
+    """Return the bearing with a given contact angle and given conformities, as a catalogue describes it.
 
-    The clearance that makes the angle is taken half from each raceway, as in a catalogue drawing.
+    The clearance that makes the angle is taken half from each raceway.
+
+    Parameters
+    ----------
+    balls
+        Number of balls.
+    ball_diameter, pitch_diameter
+        [m].
+    conformity
+        Groove radius over ball diameter of inner and outer groove.
+    angle
+        Contact angle without load [rad].
+    young, poisson
+        Young's modulus [Pa] and Poisson's ratio.
     """
     inner, outer = (c * ball_diameter for c in conformity)
     play = (inner + outer - ball_diameter) * (1.0 - np.cos(angle))
@@ -111,15 +136,21 @@ def of_angle(
 
 @dataclass(frozen=True)
 class AngleRows:
-    """Bearings given as catalogues do, many at once: numbers of balls, diameters of ball and pitch circle [m], conformities
-    (groove radius over ball diameter, of both grooves), contact angles without load [rad], arrays of one shape."""
+    """Bearings as catalogues describe them, many at once: arrays of one shape."""
 
+    #: Numbers of balls.
     balls: Array
+    #: [m].
     ball_diameter: Array
+    #: [m].
     pitch_diameter: Array
+    #: Groove radius over ball diameter, of both grooves.
     conformity: Array
+    #: Contact angles without load [rad].
     free_angle: Array
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
 
     @property
@@ -131,7 +162,7 @@ class AngleRows:
 
     @property
     def centre_distance(self) -> Array:
-        """Distances of the groove centres [m]."""
+        """Distances of the groove centres with the balls just touching both [m]."""
         return np.asarray((2.0 * self.conformity - 1.0) * self.ball_diameter)
 
 
@@ -141,32 +172,49 @@ BallRows = BallBearing | AngleRows
 
 @dataclass(frozen=True)
 class ThrustState:
-    """A bearing at axial displacements of its inner ring, each field of their shape.
+    """Bearing at given axial displacements of its inner ring; each field has the shape of the displacements."""
 
-    displacement: u [m]; angle: contact angle [rad]; approach: sum at both races [m]; ball_load: Q [N];
-    load: thrust Z Q sin alpha [N]; stiffness: dF/du [N/m]; inner, outer: Hertz constants.
-    """
-
+    #: Axial displacement u [m].
     displacement: Array
+    #: Contact angle [rad].
     angle: Array
+    #: Sum of the approaches at both races [m].
     approach: Array
+    #: Contact force Q of a ball [N].
     ball_load: Array
+    #: Thrust Z Q sin(alpha) [N].
     load: Array
+    #: Axial stiffness dF/du [N/m].
     stiffness: Array
+    #: Hertz constants of a ball on the inner race.
     inner: HertzConstants
+    #: Hertz constants of a ball on the outer race.
     outer: HertzConstants
 
     def areas(self) -> tuple[Array, Array]:
-        """Areas pi a b [m^2] of one inner and one outer contact ellipse (Smith 2.27)."""
+        """Return the areas pi a b of one inner and one outer contact ellipse [m^2] (Smith 2.27)."""
         grown = np.pi * np.cbrt(self.ball_load) ** 2
         return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
 
 
 def curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Relative curvatures [1/m] (across the groove, along the track) of the inner and of the outer contact.
+    """Return the relative curvatures of the inner and of the outer contact [1/m].
 
-    Along the track the raceway is the cone that the contact angle [rad] cuts: radius d_m/(2 cos alpha) less or more the
-    ball's radius (Smith, figures 2-5 and 2-6). Any contact angle up to a right one, where the raceway is a flat disc.
+    Each is a pair (across the groove, along the track).
+
+    Along the track the raceway is the cone that the contact angle cuts: its radius is d_m/(2 cos alpha) less or more the
+    ball's radius. Valid up to a contact angle of 90 deg, where the raceway is a flat disc.
+
+    Parameters
+    ----------
+    bearing
+        One bearing or many.
+    angle
+        Contact angle [rad].
+
+    References
+    ----------
+    Smith (1994), figures 2-5 and 2-6.
     """
     d, across = bearing.ball_diameter, 2.0 / bearing.ball_diameter
     c, dm = np.cos(angle), bearing.pitch_diameter
@@ -176,13 +224,32 @@ def curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tu
 
 
 def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
-    """State at axial displacements u [m] of any shape; zero load where the balls are loose (u <= 0).
+    """Return contact angle, loads and stiffness at axial displacements of the inner ring, by (1) and (2).
 
-    No other shoulder is there for balls that are pushed back beyond their clearance, and contacts lie inside their
-    raceway. The stiffness counts the turning contact angle and the change of the Hertz constants with it; for those,
-    dC/d(curvature along a semi-axis) = (semi-axis constant)^2 / 6 exactly, because the approach is the derivative of the
-    least energy of the contact by its force.
+    The stiffness includes the change of the contact angle and of the Hertz constants with it; for those,
+    dC/d(curvature along a semi-axis) = (semi-axis constant)^2/6 exactly, because the approach is the derivative of the
+    least
+    energy of the contact by its force.
 
+    Parameters
+    ----------
+    bearing
+        One bearing or many.
+    displacement
+        u [m] of any shape; the load is zero where the balls are loose, u <= 0.
+
+    Returns
+    -------
+        The state. Valid for ellipses inside the raceways; there is no second shoulder that would stop balls pushed back
+        beyond
+        their clearance.
+
+    References
+    ----------
+    Smith (1994), 2.1 to 2.23.
+
+    Examples
+    --------
     >>> b = of_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
     >>> round(float(thrust_state(b, 36e-6).load))
     17727
@@ -218,11 +285,26 @@ def _compliance_by_angle(bearing: BallRows, angle: Array, inner: HertzConstants,
 
 
 def contact_parameters(difference: float) -> tuple[float, float, float]:
-    """Dimensionless approach and semi-axes delta*, a*, b* of a curvature difference F in [0, 1), exact (Smith, table 2-1).
+    """Return the dimensionless approach and semi-axes delta*, a*, b* of elliptical contact, exact.
 
-    a = a* (3 Q/(2 E* S))^(1/3), delta = delta* (3 Q/(2 E* S))^(2/3) S/2 with S the sum of curvatures; his 2.19-2.21, with
-    the limit of the elliptic integrals (2.14, 2.15) put right to pi/2. Raises ValueError outside [0, 1): F = 1 is a line.
+    a = a* (3 Q/(2 E* S))^(1/3), b likewise, delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with S the sum of the curvatures.
 
+    Parameters
+    ----------
+    difference
+        Curvature difference F over the curvature sum, in [0, 1).
+
+    Raises
+    ------
+    ValueError
+        A difference outside [0, 1); F = 1 is a line contact.
+
+    References
+    ----------
+    Smith (1994), Table 2-1 and 2.19 to 2.21, with the limit of his elliptic integrals 2.14 and 2.15 corrected to pi/2.
+
+    Examples
+    --------
     >>> [round(v, 4) for v in contact_parameters(0.90999)]
     [0.6636, 3.2327, 0.4499]
     """
@@ -235,28 +317,38 @@ def contact_parameters(difference: float) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class BallRow:
-    """A bearing as a row of a set: thrust and tangent stiffness at an axial deflection."""
+    """Angular-contact ball bearing as one row of a set of bearings on a shaft."""
 
+    #: The bearing.
     bearing: BallBearing
 
     def load(self, deflection: float) -> float:
-        """Thrust [N] at a deflection [m]; zero where the row is loose."""
+        """Return the thrust [N] at an axial deflection [m]; zero where the balls are loose."""
         return float(thrust_state(self.bearing, deflection).load)
 
     def stiffness(self, deflection: float) -> float:
-        """dF/du [N/m]; zero where the row is loose."""
+        """Return the axial stiffness dF/du [N/m] at an axial deflection [m]; zero where the balls are loose."""
         return float(thrust_state(self.bearing, deflection).stiffness)
 
     def deflection(self, load: float) -> float:
-        """Deflection [m] under a thrust [N], to round-off."""
+        """Return the axial deflection [m] under a thrust [N], to round-off."""
         return displacement(self.bearing, load)
 
 
 def displacement(bearing: BallBearing, load: float) -> float:
-    """Axial displacement u [m] under a thrust [N], to round-off; 0 without load.
+    """Return the axial displacement u of the inner ring [m] under a thrust [N], to round-off.
 
-    The load grows monotonically with u. Raises ValueError for a negative load, or one that would need a displacement
-    beyond the ball's diameter: such a load is no contact problem of small patches any more.
+    Raises
+    ------
+    ValueError
+        A negative load, or one that would need a displacement beyond the ball's diameter, for which Hertz contact does not
+        hold.
+
+    Examples
+    --------
+    >>> b = of_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
+    >>> round(displacement(b, 17727.0) * 1e6, 3)
+    36.0
     """
     if load < 0.0:
         raise ValueError("a row of balls carries thrust in one direction only: the load must not be negative")
@@ -275,8 +367,22 @@ def displacement(bearing: BallBearing, load: float) -> float:
 
 
 def state_under(bearings: BallRows, load: Array) -> ThrustState:
-    """State under thrusts [N] above zero, of a shape that the bearings' fields go with: Newton's method on F^(2/3), which
-    is nearly linear in u. Raises ValueError for a thrust that needs displacements beyond Hertz contact."""
+    """Return contact angle, loads and stiffness of many bearings under given thrusts.
+
+    Newton's method on F^(2/3), which is nearly linear in u.
+
+    Parameters
+    ----------
+    bearings
+        One bearing or many.
+    load
+        Thrusts [N] above zero, of a shape that broadcasts with the bearings' fields.
+
+    Raises
+    ------
+    ValueError
+        A thrust that needs displacements beyond Hertz contact.
+    """
     first = BEGINS * bearings.ball_diameter
     u = contact_approach(load / thrust_state(bearings, first).load, first)
     for _ in range(STEPS):
@@ -289,11 +395,27 @@ def state_under(bearings: BallRows, load: Array) -> ThrustState:
 
 
 def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> Array:
-    """Conformities, the same of both grooves, at which two equal bearings pressed against one another by a preload [N] have
-    a tangent rigidity [N/m], 2 dF/du of either; the bearings' own conformities are where the search begins.
+    """Return the conformities with which preloaded pairs of equal bearings have given axial stiffnesses.
 
-    The rigidity falls as the conformity c grows, nearly as a power of c - 1/2: secants on the logarithms. Raises ValueError
-    where none in `CONFORMITIES` gives it.
+    The stiffness falls as the conformity c grows, nearly as a power of c - 1/2: secant method on the logarithms.
+
+    Parameters
+    ----------
+    bearings
+        The bearings; their conformities are where the search begins.
+    preload
+        Force [N] that presses the two bearings of a pair against each other.
+    rigidity
+        Stiffness of the pair [N/m], 2 dF/du of either bearing.
+
+    Returns
+    -------
+        Groove radius over ball diameter, the same for both grooves.
+
+    Raises
+    ------
+    ValueError
+        No conformity within `CONFORMITIES` gives the stiffness.
     """
     low, high = np.log(np.array(CONFORMITIES) - 0.5)
 

@@ -1,6 +1,6 @@
-"""Approximations and faults of Smith (1994), exactly as printed: only to show what they do. No right model uses them.
+"""Approximations and errors of Smith (1994), exactly as printed, to show what they change; no other model uses them.
 
-Units are the source's (curvatures 1/mm, K in N/mm^1.5, or lb and in), because its constants carry them.
+Units are those of the source (curvatures 1/mm, K in N/mm^1.5, or lb and in), because its constants carry them.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-#: Constant of 2.8 in N/mm^2 as the sheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
+#: Constant of 2.8 in N/mm^2 as the spreadsheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
 LOAD_CONSTANT = 2.15e5
-#: Reciprocal of the exponent 1.5 as the sheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.
+#: Reciprocal of the exponent 1.5 as the spreadsheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.
 SHEET_EXPONENT = 0.66666
 #: Coefficients of the fits 2.18 (approach), 2.25 (major axis), 2.26 (minor axis) in powers of (-log10 F)^(2/3).
 FITS = {
@@ -26,10 +26,22 @@ FITS = {
 
 
 def fitted(difference: float, quantity: str) -> float:
-    """delta*, a* or b* of a curvature difference F by the fits; quantity: "approach", "major", "minor".
+    """Return delta*, a* or b* of a curvature difference F by Smith's fits.
 
-    In print 2.25 squares its first power and 2.18 raises its first brace to -148.46: powers 1 to 5 are meant. 2 % of the
-    exact delta* only between F = 0.68 and 0.962; the minor axis comes out 39 to 42 % too large there.
+    Within 2 % of the exact delta* only between F = 0.68 and 0.962; the minor axis is 39 to 42 % too large there.
+
+    Parameters
+    ----------
+    difference
+        Curvature difference F.
+    quantity
+        ``"approach"``, ``"major"`` or ``"minor"``.
+
+    References
+    ----------
+    Smith (1994), 2.18, 2.25 and 2.26. In print 2.25 squares its first power and 2.18 raises its first brace to -148.46:
+    powers
+    1 to 5 are meant.
     """
     x = (-np.log10(difference)) ** (2.0 / 3.0)
     value = float(np.polyval(FITS[quantity][::-1], x))
@@ -39,52 +51,72 @@ def fitted(difference: float, quantity: str) -> float:
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
-    """|(rho_11 - rho_12) + (rho_21 - rho_22)| / sum of the four (2.16; the absolute value is missing in print)."""
+    """Return |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four (Smith 2.16, printed without the bars)."""
     a, b, c, d = curvatures
     return abs((a - b) + (c - d)) / (a + b + c + d)
 
 
 def race_stiffness(curvature_sum: float, delta: float) -> float:
-    """K of one race [N/mm^1.5] from the sum of curvatures [1/mm] and delta* (2.8)."""
+    """Return K of one race [N/mm^1.5] from the sum of curvatures [1/mm] and delta* (Smith 2.8)."""
     return float(LOAD_CONSTANT * curvature_sum**-0.5 * delta**-1.5)
 
 
 def row_stiffness(inner: float, outer: float) -> float:
-    """K_n [N/mm^1.5] of both races (2.7), with the sheet's 0.66666."""
+    """Return K_n of both races [N/mm^1.5] (Smith 2.7), with the exponent 0.66666 of his spreadsheet."""
     return float((inner**-SHEET_EXPONENT + outer**-SHEET_EXPONENT) ** -1.5)
 
 
 @dataclass(frozen=True)
-class Sheet:
-    """Cells of figure 2-10: curvature sums [1/mm], differences, delta*, K [N/mm^1.5] of (inner, outer); K_n; contact angle
-    [rad]; ball load [N]; axial deflection [mm]."""
+class Spreadsheet:
+    """Cells of the spreadsheet of Smith's figure 2-10; pairs are (inner, outer)."""
 
+    #: Sums of curvatures [1/mm].
     sums: tuple[float, float]
+    #: Curvature differences F.
     differences: tuple[float, float]
+    #: Dimensionless approaches delta*.
     delta: tuple[float, float]
+    #: K of each race [N/mm^1.5].
     race: tuple[float, float]
+    #: K_n of both races [N/mm^1.5].
     stiffness: float
+    #: Contact angle [rad].
     angle: float
+    #: Load of a ball [N].
     ball_load: float
+    #: Axial deflection [mm].
     deflection: float
 
 
-def sheet(
+def spreadsheet(
     load: float,
     balls: int,
     diameter: float,
     grooves: tuple[float, float],
     raceways: tuple[float, float],
     outer_difference: float | None = None,
-) -> Sheet:
-    """Figure 2-10 at an axial load [N]: balls, their diameter [mm], groove radii and raceway diameters (inner, outer) [mm].
+) -> Spreadsheet:
+    """Compute the spreadsheet of Smith's figure 2-10 at an axial load.
 
-    outer_difference: F of the outer race where the sheet's own cell does not follow from its geometry; None computes it.
+    Parameters
+    ----------
+    load
+        Axial load [N].
+    balls
+        Number of balls.
+    diameter
+        Ball diameter [mm].
+    grooves, raceways
+        Groove radii and raceway diameters (inner, outer) [mm].
+    outer_difference
+        Curvature difference of the outer race, where the spreadsheet's cell does not follow from its geometry; None
+        computes
+        it.
     """
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
-    def cells(angle: float) -> Sheet:
+    def cells(angle: float) -> Spreadsheet:
         path = dm / np.cos(angle)
         four = (
             (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
@@ -97,7 +129,7 @@ def sheet(
         race = (race_stiffness(sums[0], delta[0]), race_stiffness(sums[1], delta[1]))
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))
-        return Sheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
+        return Spreadsheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
 
     def imbalance(angle: float) -> float:
         state = cells(angle)
@@ -107,9 +139,13 @@ def sheet(
 
 
 def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
-    """Perfect sharing: the whole force on the rows facing it, and the whole force off the others (2.1.2, table of 4.2).
+    """Return row loads under an external force as Smith shares it: added in full to facing rows, subtracted from others.
 
-    The loads then balance twice the force. For the stretch, which the source halves over two ends, the two slips cancel.
+    The loads then balance twice the force. For the stretch, which the source halves over two ends, the two errors cancel.
+
+    References
+    ----------
+    Smith (1994), 2.1.2 and the table of 4.2.
     """
     s = np.array(directions)
     count = np.array([np.sum(s == d) for d in s])
@@ -117,15 +153,24 @@ def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float
 
 
 def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
-    """Both supports, the whole screw and the nut one after the other (4.6), in the unit of the arguments."""
+    """Return the stiffness of both supports, whole screw and nut in series (Smith 4.6), in the unit of the arguments."""
     return 1.0 / (sum(1.0 / k for k in supports) + 1.0 / screw + 1.0 / nut)
 
 
 def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
-    """Normal deflection [in] of a roller between its races (3.19, logarithm to base 10); line load [lb/in], D [in].
+    """Return the normal deflection of a roller between its races [in] by Smith 3.19, logarithm to base 10.
 
     8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel: the law of two line contacts. Its argument is one over length times line
     load, so the formula is not similar: twice the size at the same pressure does not give twice the deflection.
+
+    Parameters
+    ----------
+    line_load
+        [lb/in].
+    diameter
+        Roller diameter [in].
+    cup_angle, roller_angle
+        Half included angles [rad].
     """
     argument = np.sin(roller_angle) / (diameter * line_load * np.sin(cup_angle))
     return float(8.89e-8 * line_load * (8.45 + np.log10(argument)))
@@ -133,19 +178,36 @@ def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_
 
 @dataclass(frozen=True)
 class PrintedTaperContact:
-    """Contact of a roller with its inner race as printed (3.23-3.28): load [lb], b [in], area [in^2], pressure [psi]."""
+    """Contact of a roller with its inner race as Smith prints it (3.23 to 3.28)."""
 
+    #: [lb].
     load: float
+    #: [in].
     half_width: float
+    #: [in^2].
     area: float
+    #: [psi].
     pressure: float
 
 
 def taper_contact(
     axial: float, rollers: int, length: float, diameter: float, pitch: float, cone_angle: float
 ) -> PrintedTaperContact:
-    """3.23-3.28 with what the printed results belong to: 1/D for 2/D in 3.24, 1/2 for the printed 1/3 in 3.26, and no pi in
-    3.27. Load [lb], lengths [in], angle [rad]."""
+    """Compute Smith's 3.23 to 3.28 as his printed results need them.
+
+    1/D for 2/D in 3.24, 1/2 for the printed exponent 1/3 in 3.26, and no pi in 3.27.
+
+    Parameters
+    ----------
+    axial
+        Thrust [lb].
+    rollers
+        Number of rollers.
+    length, diameter, pitch
+        Contact length, roller diameter and pitch diameter [in].
+    cone_angle
+        Half included angle of the cone [rad].
+    """
     q = axial / (rollers * np.sin(cone_angle))
     curvature = 1.0 / (diameter * (1.0 - diameter * np.cos(cone_angle) / pitch))
     b = 0.000278 * np.sqrt(q / (length * curvature))

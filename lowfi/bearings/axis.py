@@ -6,9 +6,10 @@ A screw shaft of axial stiffness EA/L between two supports, the nut at x from th
 rings rigid. These formulas are the baseline that scenes with beams, rolling sets and their contacts are compared with; they
 are no substitute for them where a row unloads or the stiffness changes with load.
 
-Topology: the nut's force leaves through *both* ends, each a spring of support and piece of screw in series, side by side:
+Topology: the nut's force leaves through *both* ends, each a spring of support and piece of screw in series, both in
+parallel:
 
-    k_l = 1/(1/k_1 + x/EA),  k_r = 1/(1/k_2 + (L - x)/EA),  1/k = 1/k_nut + 1/(k_l + k_r).
+    k_l = 1/(1/k_1 + x/EA),  k_r = 1/(1/k_2 + (L - x)/EA),  1/k = 1/k_nut + 1/(k_l + k_r).                              (1)
 
 A support without axial stiffness makes it fixed-supported. Smith (1994), 4.6, adds both supports in series with the whole
 screw between two rigid walls (`lowfi.bearings.as_printed.series_stiffness`).
@@ -19,9 +20,9 @@ All inner rings move together by u against the outer ones. A row j that faces di
 s_j u + g_j, where g_j is its share of the ground gaps that the locknut closes, and carries F_j >= 0 (nothing once it is
 loose). Equilibrium is
 
-    sum_j s_j F_j(s_j u + g_j) = F,
+    sum_j s_j F_j(s_j u + g_j) = F,                                                                                    (2)
 
-whose left side grows with u: it is the derivative of a convex energy, so one root, found by bracketing.
+whose left side grows with u: it is the derivative of a convex energy, so there is one root, found by bracketing.
 """
 
 from __future__ import annotations
@@ -42,18 +43,27 @@ from rollbench.meshes.section import volume_ratio
 
 @dataclass(frozen=True)
 class Axis:
-    """Shaft and supports: length between supports [m], area [m^2] at the groove's bottom, Young's modulus [Pa], axial
-    stiffness of the left and right support [N/m]; infinite is rigid, zero is free to slide. Raises ValueError for a length,
-    area or modulus that is not positive, a negative stiffness, or two free ends."""
+    """Screw shaft between two supports, as linear springs.
 
+    Raises
+    ------
+    ValueError
+        A length, area or modulus that is not positive, a negative stiffness, or two free ends.
+    """
+
+    #: Distance between the supports [m].
     length: float
+    #: Cross-section at the bottom of the groove [m^2].
     area: float
+    #: Young's modulus [Pa].
     young: float
+    #: Axial stiffness of the left support [N/m]; infinite is rigid, zero is free to slide.
     left: float = np.inf
+    #: Axial stiffness of the right support [N/m], likewise.
     right: float = np.inf
 
     def __post_init__(self) -> None:
-        """Refuse what cannot carry a load."""
+        """Refuse an axis that cannot carry a load."""
         if min(self.length, self.area, self.young) <= 0.0:
             raise ValueError("length, area and Young's modulus must be positive")
         if min(self.left, self.right) < 0.0 or max(self.left, self.right) == 0.0:
@@ -61,15 +71,25 @@ class Axis:
 
 
 def _series(*stiffness: float | Array) -> Array:
-    """Springs one after the other; a spring of stiffness zero makes all of them zero."""
+    """Return the stiffness of springs in series; one of stiffness zero makes the whole zero."""
     with np.errstate(divide="ignore"):
         return np.asarray(1.0 / sum(1.0 / np.asarray(k, dtype=float) for k in stiffness))
 
 
 def branches(axis: Axis, position: Array | float) -> tuple[Array, Array]:
-    """Stiffness [N/m] of either way from the nut at x [m] to the frame: piece of screw and support in series.
+    """Return the stiffness of both paths from the nut to the frame, k_l and k_r of (1) [N/m].
 
-    Raises ValueError for a position outside the supports.
+    Parameters
+    ----------
+    axis
+        The axis.
+    position
+        Distance x of the nut from the left support [m].
+
+    Raises
+    ------
+    ValueError
+        A position outside the supports.
     """
     x = np.asarray(position, dtype=float)
     if np.any(x < 0.0) or np.any(x > axis.length):
@@ -80,24 +100,74 @@ def branches(axis: Axis, position: Array | float) -> tuple[Array, Array]:
 
 
 def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
-    """Axial stiffness [N/m] that the nut sees of shaft and supports at x [m].
+    """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
-    Between rigid supports EA L/(x (L - x)) (Smith 4.7), with one free end EA/x (4.8).
+    Between rigid supports EA L/(x (L - x)) (Smith 4.7), with one free end EA/x (Smith 4.8).
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    position
+        Distance x of the nut from the left support [m].
+
+    Raises
+    ------
+    ValueError
+        A position outside the supports.
+
+    Examples
+    --------
+    >>> rigid = Axis(1.0, 1e-3, 210e9)
+    >>> float(shaft_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
+    True
     """
     left, right = branches(axis, position)
     return np.asarray(left + right)
 
 
 def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
-    """Stiffness [N/m] of the carriage against the frame: nut in series with both branches."""
+    """Return the stiffness of the carriage against the frame, k of (1) [N/m].
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    position
+        Distance x of the nut from the left support [m].
+    nut
+        Axial stiffness of the nut [N/m].
+
+    Examples
+    --------
+    >>> axis = Axis(1.0, 1e-3, 210e9, left=500e6, right=500e6)
+    >>> (axis_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
+    [233.8, 213.2]
+    """
     return _series(nut, shaft_stiffness(axis, position))
 
 
 def support_loads(axis: Axis, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
-    """Thrust [N] of the shaft's tension on the left and the right support, positive towards the other support.
+    """Return the axial forces of the shaft on the left and the right support [N], positive towards the other support.
 
-    force: on the nut, positive towards the right support; tension: of the shaft without it. The left support takes the part
-    k_l/(k_l + k_r) of the force and is pulled inwards more, the right one less by the rest: left - right = force.
+    The left support takes the part k_l/(k_l + k_r) of the force and is pulled inwards more, the right one less by the rest:
+    left - right = force.
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    position
+        Distance x of the nut from the left support [m].
+    force
+        Axial force on the nut [N], positive towards the right support.
+    tension
+        Tension of the shaft without the force [N].
+
+    Examples
+    --------
+    >>> support_loads(Axis(1.0, 1e-3, 210e9), 0.25, 1e3, tension=5e3)
+    (5750.0, 4750.0)
     """
     left, right = (float(k) for k in branches(axis, position))
     share = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
@@ -105,17 +175,51 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
 
 
 def tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
-    """Tension [N] of the shaft after a stretch [m] of its ends, and a uniform warming [K] at an expansion [1/K].
+    """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
-    Mends Smith 4.3, 4.4: the elastic strain is the total one *less* the thermal one, F = E A (eps - alpha dT). With elastic
-    supports the stretch is shared with them. Both ends carry the whole tension: it is one shaft. Negative is compression.
+    F = E A (eps - alpha dT): the elastic strain is the total one less the thermal one. With elastic supports the stretch is
+    shared with them. Both ends carry the whole tension, as it is one shaft.
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    stretch
+        Increase of the distance of the supports [m].
+    expansion
+        Coefficient of thermal expansion [1/K].
+    warming
+        Uniform rise of temperature [K].
+
+    References
+    ----------
+    Corrects Smith (1994), 4.3 and 4.4.
+
+    Examples
+    --------
+    >>> round(tension(Axis(1.0, 1e-3, 210e9), 50e-6, expansion=12e-6, warming=3.0), 6)
+    2940.0
     """
     springs = _series(axis.left, axis.young * axis.area / axis.length, axis.right)
     return float(springs * (stretch - expansion * warming * axis.length))
 
 
 def unloading_warming(axis: Axis, stretch: float, expansion: float) -> float:
-    """Uniform warming [K] at which the stretch [m] is used up, whatever the supports' stiffness (Smith 4.1, 4.2)."""
+    """Return the uniform warming at which the shaft's tension vanishes [K], whatever the supports' stiffness.
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    stretch
+        Increase of the distance of the supports [m].
+    expansion
+        Coefficient of thermal expansion [1/K].
+
+    References
+    ----------
+    Smith (1994), 4.1 and 4.2.
+    """
     return stretch / (axis.length * expansion)
 
 
@@ -123,21 +227,57 @@ def unloading_warming(axis: Axis, stretch: float, expansion: float) -> float:
 
 
 def angular_speed(speed: float, lead: float) -> float:
-    """Angular speed [rad/s] of the screw at a carriage speed [m/s] (Smith 4.12)."""
+    """Return the angular speed of the screw, 2 pi v/lead [rad/s].
+
+    Parameters
+    ----------
+    speed
+        Of the carriage v [m/s].
+    lead
+        [m].
+
+    References
+    ----------
+    Smith (1994), 4.12.
+    """
     return 2.0 * np.pi * speed / lead
 
 
 def shaft_inertia(density: float, diameter: float, length: float, bore: float = 0.0) -> float:
-    """Moment of inertia [kg m^2] of a (hollow) cylinder, pi rho (D^4 - d^4) Z/32 (Smith 4.14, in lb in^2 there); density
-    [kg/m^3]."""
+    """Return the moment of inertia of a solid or hollow cylinder, pi rho (D^4 - d^4) L/32 [kg m^2].
+
+    Parameters
+    ----------
+    density
+        [kg/m^3].
+    diameter, length, bore
+        [m].
+
+    References
+    ----------
+    Smith (1994), 4.14, there in lb in^2.
+
+    Examples
+    --------
+    >>> round(shaft_inertia(7850.0, 40e-3, 1.0) * 1e4, 3)  # kg cm^2
+    19.729
+    """
     return float(np.pi * density * (diameter**4 - bore**4) * length / 32.0)
 
 
 def screw_inertia(shaft: Assembly, density: float) -> float:
-    """Moment of inertia [kg m^2] of a shaft of a density [kg/m^3]: plain stretches by (4.14), the rest with the diameter
-    of the same volume as the thread of its first nut (Lin C.8). Rings and nuts are left out.
+    """Return the moment of inertia of a whole shaft [kg m^2], without rings and nuts.
 
-    Smith takes the root's diameter: less, by (d/D)^4 of the thread's depth.
+    Plain segments by Smith's 4.14, the rest with the diameter whose cylinder has the volume of the thread of the shaft's
+    first
+    nut (Lin C.8). Smith takes the root diameter instead: less, by the fourth power of root over mean diameter.
+
+    Parameters
+    ----------
+    shaft
+        The shaft.
+    density
+        [kg/m^3].
     """
     nut = next((s.parts for s in shaft.sets if isinstance(s.parts, Scene) and s.parts.track.lead), None)
     ratio = 1.0 if nut is None else float(np.sqrt(volume_ratio(nut)))
@@ -148,86 +288,126 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
 
 
 def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> float:
-    """Moment of inertia [kg m^2] that a mass [kg] on the nut adds to the screw's: m (p/(2 pi))^2/e (Smith 4.15); e: share
-    of the screw's work that reaches the nut, 1 for the inertia itself, which stores energy m v^2/2."""
+    """Return the moment of inertia that a mass on the nut adds to the screw's, m (lead/(2 pi))^2/e [kg m^2].
+
+    Parameters
+    ----------
+    mass
+        [kg].
+    lead
+        [m].
+    efficiency
+        Part e of the screw's work that reaches the nut; 1 for the inertia itself, which stores the energy m v^2/2.
+
+    References
+    ----------
+    Smith (1994), 4.15.
+
+    Examples
+    --------
+    >>> round(reflected_inertia(200.0, 10e-3) * 1e4, 3)  # kg cm^2
+    5.066
+    """
     return float(mass * (lead / (2.0 * np.pi)) ** 2 / efficiency)
 
 
 @dataclass(frozen=True)
 class TorqueBudget:
-    """Torques [N m] of an axis: screw, nut, supports (one entry each), acceleration."""
+    """Torques on the screw of an axis [N m]."""
 
+    #: Of the ball screw's load.
     screw: float
+    #: Friction of the nut.
     nut: float
+    #: Friction of each support.
     supports: tuple[float, ...]
+    #: Of acceleration.
     acceleration: float
 
     @property
     def constant_speed(self) -> float:
-        """Sum at constant speed (Smith 4.10)."""
+        """Torque at constant speed [N m] (Smith 4.10)."""
         return self.screw + self.nut + sum(self.supports)
 
     @property
     def start_up(self) -> float:
-        """Greatest torque, with acceleration (Smith 4.11)."""
+        """Largest torque, with acceleration [N m] (Smith 4.11)."""
         return self.constant_speed + self.acceleration
 
 
 def acceleration_torque(inertias: Sequence[float], speed: float, time: float) -> float:
-    """Torque [N m] that brings inertias [kg m^2] to an angular speed [rad/s] in a time [s], evenly (Smith 4.11)."""
+    """Return the torque of an even acceleration from rest, sum(J) omega/t [N m].
+
+    Parameters
+    ----------
+    inertias
+        Moments of inertia J [kg m^2].
+    speed
+        Angular speed omega that is reached [rad/s].
+    time
+        t [s].
+
+    References
+    ----------
+    Smith (1994), 4.11.
+    """
     return sum(inertias) * speed / time
 
 
 class Row(Protocol):
-    """What a set needs of a row: thrust law, its slope and its inverse; all zero where the row is loose."""
+    """Row of rolling elements in a set of bearings: thrust over axial deflection; zero where the row is loose."""
 
     def load(self, deflection: float) -> float:
-        """Thrust [N] at a deflection [m]."""
+        """Return the thrust [N] at an axial deflection [m]."""
 
     def stiffness(self, deflection: float) -> float:
-        """Slope [N/m] at a deflection [m]."""
+        """Return the stiffness [N/m] at an axial deflection [m]."""
 
     def deflection(self, load: float) -> float:
-        """Deflection [m] under a thrust [N]."""
+        """Return the axial deflection [m] under a thrust [N]."""
 
 
 @dataclass(frozen=True)
 class PointRow:
-    """A row of point contacts whose angle stands still: thrust k u^(3/2), k [N/m^(3/2)]."""
+    """Row of point contacts with a constant contact angle: thrust k u^(3/2)."""
 
+    #: [N/m^(3/2)].
     k: float = 1.0
 
     @property
     def C(self) -> float:
-        """Constant of the row as one contact [m/N^(2/3)]."""
+        """Constant of the row taken as one contact [m/N^(2/3)], k^(-2/3)."""
         return float(self.k ** (-2.0 / 3.0))
 
     def load(self, deflection: float) -> float:
-        """Thrust [N] at a deflection [m]; zero where the row is loose."""
+        """Return the thrust [N] at an axial deflection [m]; zero where the row is loose."""
         return float(contact_force(deflection, self.C))
 
     def stiffness(self, deflection: float) -> float:
-        """dF/du [N/m]; zero where the row is loose."""
+        """Return the stiffness dF/du [N/m] at an axial deflection [m]; zero where the row is loose."""
         return float(contact_slope(deflection, self.C))
 
     def deflection(self, load: float) -> float:
-        """Deflection [m] under a thrust [N]."""
+        """Return the axial deflection [m] under a thrust [N]."""
         return float(contact_approach(load, self.C))
 
 
 @dataclass(frozen=True)
 class BearingSet:
-    """Rows, directions (+1 takes thrust along +) and gap closings g_j [m], one each.
+    """Rows of bearings on one shaft.
 
-    Tandem rows have the same direction; face to face or back to back makes no difference under pure thrust.
+    Tandem rows have the same direction; face to face and back to back are the same under pure thrust.
     """
 
+    #: The rows.
     rows: tuple[Row, ...]
+    #: Of each row, +1 if it takes thrust along +, else -1.
     directions: tuple[int, ...]
+    #: Of each row the deflection g_j by the gaps that the locknut closes [m].
     offsets: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        """Refuse lists that do not fit together."""
+        """Refuse lists of different lengths, and directions other than +1 and -1."""
         if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
             raise ValueError("a set needs at least one row, and a direction and an offset for each")
         if any(s not in (1, -1) for s in self.directions):
@@ -236,20 +416,23 @@ class BearingSet:
 
 @dataclass(frozen=True)
 class SetState:
-    """Displacement [m], thrust of each row [N] (positive), stiffness of each row and of the set [N/m]."""
+    """Set of bearings at one displacement of its inner rings."""
 
+    #: Axial displacement u [m].
     displacement: float
+    #: Thrust of each row [N], not negative.
     loads: Array
+    #: Stiffness of each row [N/m].
     row_stiffness: Array
 
     @property
     def stiffness(self) -> float:
-        """Tangent stiffness of the set [N/m]: the rows stand side by side between shaft and housing."""
+        """Tangent stiffness of the set [N/m]: its rows act in parallel between shaft and housing."""
         return float(self.row_stiffness.sum())
 
 
 def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
-    """Load [N] or stiffness [N/m] of each row at a displacement [m]; the rows of a set are often one and deflect alike."""
+    """Return load [N] or stiffness [N/m] of each row at a displacement [m]; equal rows of a set are evaluated once."""
     known, values = dict[tuple[int, float], float](), []
     for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
         at = id(row), s * displacement + g
@@ -260,21 +443,40 @@ def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, floa
 
 
 def _loads(bearings: BearingSet, displacement: float) -> Array:
-    """Thrust of each row [N]."""
+    """Return the thrust of each row [N]."""
     return _of_rows(bearings, displacement, lambda row, d: row.load(d))
 
 
 def state_at(bearings: BearingSet, displacement: float) -> SetState:
-    """State at a displacement u [m] of the inner rings."""
+    """Return loads and stiffness of a set at an axial displacement of the inner rings [m]."""
     stiffness = _of_rows(bearings, displacement, lambda row, d: row.stiffness(d))
     return SetState(displacement, _loads(bearings, displacement), stiffness)
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
-    """State in which the rows balance an external thrust [N] on the inner rings, to round-off.
+    """Return the state of a set that balances an external thrust on the inner rings, (2), to round-off.
 
-    Rows that lose contact carry nothing; the displacement is where they say, not a linear extrapolation. Raises
-    ValueError where no row faces the force.
+    Rows that lose contact carry nothing; the displacement follows from the remaining ones without linearisation.
+
+    Parameters
+    ----------
+    bearings
+        The set.
+    force
+        External thrust [N], positive along +.
+
+    Raises
+    ------
+    ValueError
+        No row faces the force.
+
+    Examples
+    --------
+    Two opposed rows with 1 kN preload under 1 kN: each is deflected by the same amount.
+
+    >>> pair = preloaded(PointRow(1e10), (1, -1), 1e3)
+    >>> equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
+    ([1542.4, 542.4], 2828.4)
     """
     s = np.array(bearings.directions)
     if force != 0.0 and not np.any(s == np.sign(force)):
@@ -296,14 +498,38 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
 
 
 def arrangement(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
-    """Set of equal rows, each ground with the same gap [m]: closing it deflects opposed rows by twice the gap in all."""
+    """Return a set of equal rows, each ground with the same gap.
+
+    Closing the gap deflects two opposed rows by twice the gap together.
+
+    Parameters
+    ----------
+    row
+        The row.
+    directions
+        Of each row, +1 if it takes thrust along +, else -1.
+    gap
+        [m].
+    """
     return BearingSet((row,) * len(directions), tuple(directions), (gap,) * len(directions))
 
 
 def preloaded(row: Row, directions: Sequence[int], force: float) -> BearingSet:
-    """Set of equal rows in which the rows of each direction carry ``force`` [N] in all, without external thrust.
+    """Return a set of equal rows with a preload; displacements count from that state.
 
-    The displacement counts from that state. Raises ValueError unless rows face both ways.
+    Parameters
+    ----------
+    row
+        The row.
+    directions
+        Of each row, +1 or -1.
+    force
+        Total thrust of the rows of each direction [N], without external thrust.
+
+    Raises
+    ------
+    ValueError
+        All rows face the same direction.
     """
     forward, back = sum(s == 1 for s in directions), sum(s == -1 for s in directions)
     if not forward or not back:
@@ -313,9 +539,14 @@ def preloaded(row: Row, directions: Sequence[int], force: float) -> BearingSet:
 
 
 def lift_off_force(bearings: BearingSet) -> float:
-    """External thrust [N] along + at which the rows facing the other way have all become loose.
+    """Return the external thrust along + at which the rows that face the other way have all become loose [N].
 
-    2^n times the preload for two equal opposed rows of load ~ deflection^n: 2.83 for balls of fixed contact angle.
+    2^n times the preload for two equal opposed rows of load ~ deflection^n: 2.83 for balls with a constant contact angle.
+
+    Raises
+    ------
+    ValueError
+        No row faces the other way.
     """
     others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:

@@ -1,12 +1,15 @@
-"""Tapered roller bearing under thrust and radial load together: every roller by its own line contact.
+"""Tapered roller bearing under thrust and radial load together: every roller by its line contact.
 
 The ring's displacement (axial, radial) compresses the roller at azimuth psi by
-delta_a sin(alpha) + delta_r cos(alpha) cos(psi); equilibrium is the minimum of a convex energy in the two displacements.
-Smith's route (1994, 3.1-3.21) by the load-zone integrals and a power law stands beside it as ``by_load_zone``.
+
+    delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi);                                                           (1)
+
+equilibrium is the minimum of a convex energy in the two displacements. ``by_load_zone`` is Smith's method (1994, 3.1-3.21)
+by load-zone integrals and a power law, for comparison.
 
 Sjovall's integrals and their inverse: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2
 eps)], with the load zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries the
-greatest load times that bracket to the n. The integrals run over the loaded part of the circumference. Written with w =
+largest load times that bracket to the n. The integrals run over the loaded part of the circumference. Written with w =
 1/(2 eps), pure thrust is w = 0.
 """
 
@@ -30,18 +33,42 @@ _WEIGHTS = 0.03 * np.pi * np.cosh(_T) * _PLACES / (1.0 + np.exp(np.pi * np.sinh(
 
 @dataclass(frozen=True)
 class LoadZone:
-    """eps, the integrals J_a and J_r, and the half angle [rad] of the loaded part."""
+    """Loaded part of the circumference of a row of rolling elements."""
 
+    #: Load zone parameter: 1/2 for half of the circumference, infinite for pure thrust.
     eps: float
+    #: Sjovall's integral J_a.
     axial: float
+    #: Sjovall's integral J_r.
     radial: float
+    #: Half of the loaded part [rad].
     half_angle: float
 
 
 def load_zone(eps: float, exponent: float) -> LoadZone:
-    """Integrals J_a, J_r (Smith 3.15, 3.16) for eps > 0, infinite for pure thrust; exponent 1.1 for rollers, 1.5 for balls.
+    """Return Sjovall's load-zone integrals J_a and J_r.
 
-    With infinitely many rolling elements; a relative accuracy of 1e-12. Raises ValueError for eps <= 0.
+    For infinitely many rolling elements, to a relative accuracy of 1e-12.
+
+    Parameters
+    ----------
+    eps
+        Load zone parameter, above 0; infinite for pure thrust.
+    exponent
+        Of the load over the deflection: 1.1 for rollers, 1.5 for balls.
+
+    Raises
+    ------
+    ValueError
+        A load zone parameter that is not positive.
+
+    References
+    ----------
+    Smith (1994), 3.15 and 3.16.
+
+    Examples
+    --------
+    Stribeck's factor of a radially loaded row of balls without clearance, 4.37:
 
     >>> round(1.0 / load_zone(0.5, 1.5).radial, 4)
     4.3701
@@ -60,9 +87,21 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
 
 
 def zone_of_load(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
-    """Zone of a row of contact angle [rad] under thrust and radial load [N]: J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
+    """Return the load zone of a row under thrust and radial load, J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
 
-    Raises ValueError unless 0 <= F_r tan(alpha) < F_a: with less thrust the row comes apart.
+    Parameters
+    ----------
+    axial, radial
+        Forces F_a and F_r [N].
+    angle
+        Contact angle [rad].
+    exponent
+        Of the load over the deflection: 1.1 for rollers, 1.5 for balls.
+
+    Raises
+    ------
+    ValueError
+        F_a <= F_r tan(alpha), with which the row separates, or a negative radial load.
     """
     ratio = radial * np.tan(angle) / axial if axial > 0.0 else np.inf
     if not 0.0 <= ratio < 1.0:
@@ -83,24 +122,41 @@ EXPONENT = 1.1
 
 @dataclass(frozen=True)
 class CombinedState:
-    """axial, radial: displacements [m]; loads: Q of every roller (N,) [N]; stiffness: (2, 2) [N/m]; residual: largest
-    unbalanced force over the applied one; converged: whether that is round-off."""
+    """Equilibrium of a tapered roller bearing under thrust and radial load."""
 
+    #: Axial displacement [m].
     axial: float
+    #: Radial displacement [m].
     radial: float
+    #: Race load Q of every roller ``(N,)`` [N].
     loads: Array
+    #: Derivative of (axial, radial) force by (axial, radial) displacement ``(2, 2)`` [N/m].
     stiffness: Array
+    #: Largest unbalanced force over the thrust.
     residual: float
+    #: Whether the residual is round-off.
     converged: bool
 
 
 def azimuths(bearing: TaperedBearing) -> Array:
-    """Azimuths (N,) [rad] of the rollers, the first under the radial load."""
+    """Return the azimuths of the rollers ``(N,)`` [rad]; the radial load points at the first."""
     return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
 
 
 def state_at(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
-    """Energy [J], force (2,) [N], stiffness (2, 2) [N/m] and roller loads (N,) [N] at (axial, radial) displacements [m]."""
+    """Return the loads of the rollers at a displacement of the inner ring.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    displacement
+        Axial and radial displacement [m].
+
+    Returns
+    -------
+        Strain energy [J], axial and radial force ``(2,)`` [N], stiffness ``(2, 2)`` [N/m], roller loads ``(N,)`` [N].
+    """
     direction = np.column_stack(
         [np.full(bearing.rollers, np.sin(bearing.cup_angle)), np.cos(bearing.cup_angle) * np.cos(azimuths(bearing))]
     )
@@ -111,9 +167,19 @@ def state_at(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array
 
 
 def combined(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
-    """Equilibrium under thrust and radial load [N], by Newton's method with line search on the convex energy.
+    """Return the equilibrium of a bearing under thrust and radial load, by Newton's method on the convex energy.
 
-    Raises ValueError unless 0 <= F_r tan(alpha) < F_a. The first roller stands under the radial load.
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    axial, radial
+        Forces F_a and F_r [N]; the radial one points at the first roller.
+
+    Raises
+    ------
+    ValueError
+        F_a <= F_r tan(alpha), with which the row separates, or a negative radial load.
     """
     start = by_load_zone(bearing, axial, radial)
     force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
@@ -150,19 +216,28 @@ def _energy(bearing: TaperedBearing, x: Array) -> float:
 
 @dataclass(frozen=True)
 class ZoneState:
-    """Displacements [m], greatest roller load [N] and load zone by the integrals."""
+    """Bearing under thrust and radial load by load-zone integrals."""
 
+    #: Axial displacement [m].
     axial: float
+    #: Radial displacement [m].
     radial: float
+    #: Largest roller load [N].
     greatest: float
+    #: The load zone.
     zone: LoadZone
 
 
 def by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
-    """Smith 3.14-3.21 with exact integrals and the right line contact at the most loaded roller.
+    """Return displacements and largest load by Smith's load-zone method, with exact integrals and exact line contact.
 
-    The power law spreads the load, the line contact gives its compression: exact for pure thrust, otherwise as good as
-    the exponent and the continuum of rollers. Raises ValueError as `combined`.
+    A power law distributes the load, the line contact of the most loaded roller gives its compression: exact for pure
+    thrust,
+    otherwise as accurate as the exponent and the continuum of rollers. Arguments and errors as for `combined`.
+
+    References
+    ----------
+    Smith (1994), 3.14 to 3.21.
     """
     zone = zone_of_load(axial, radial, bearing.cup_angle, EXPONENT)
     greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.axial)

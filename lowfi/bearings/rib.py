@@ -11,12 +11,12 @@ makes the angle theta with the roller's axis, and beta - theta with the bearing'
     theta = gamma - arcsin((h - s sin(gamma))/R_s).                                                                    (2)
 
 Along its generator the rib is straight; across, its radius of curvature is the length of the normal up to the bearing's
-axis (Meusnier), and the rib is hollow:
+axis (Meusnier), and the rib is concave:
 
     R_f = R_s + s sin(beta)/sin(beta - theta);   relative curvatures 1/R_s and 1/R_s - 1/R_f.                          (3)
 
-So a sphere about the apex, R_s = g, fits its rib all around the rim; makers take 0.8 to 0.95 of it. By balance of the
-roller along its axis the rib carries 2 Q sin(gamma), Q the load of a race; the tilt theta of the normal, which is left
+So a sphere about the apex, R_s = g, fits its rib all around the rim; manufacturers take 0.8 to 0.95 of it. By balance of
+the roller along its axis the rib carries 2 Q sin(gamma), Q the load of a race; the tilt theta of the normal, which is left
 out, adds its 1/cos(theta), 0.1 to 0.3 %. Pressure and ellipse follow by Hertz (Smith 1994, 3.1.1: sphere and cylinder
 of the rib's radius).
 
@@ -48,18 +48,34 @@ _U, _W = np.polynomial.legendre.leggauss(32)
 
 @dataclass(frozen=True)
 class Rib:
-    """tilt: theta [rad]; curvatures: relative, along the rim and across it [1/m]; radius: R_f [m]."""
+    """Geometry of the contact of a roller's spherical end with the rib, by (1) to (3)."""
 
+    #: Angle theta of the contact normal against the roller's axis [rad].
     tilt: float
+    #: Relative curvatures along the rim and across it [1/m].
     curvatures: tuple[float, float]
+    #: Radius R_f of the rib across its generator [m].
     radius: float
 
 
 def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
-    """Geometry of the contact by (1) to (3); end_radius R_s, height h [m].
+    """Return the geometry of the contact of a roller's end with the rib, by (1) to (3).
 
-    Raises ValueError, in words, where the sphere does not reach the rib or fits it without gap: R_s must be larger than
-    the end's own radius and smaller than its distance from the apex.
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    end_radius
+        Radius R_s of the spherical end [m].
+    height
+        Height h of the contact above the cone's race [m].
+
+    Raises
+    ------
+    ValueError
+        A sphere that does not reach the rib or fits it without gap: R_s must lie above the end's radius and below its
+        distance
+        from the apex. The text completes a sentence "must be ...".
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
@@ -75,35 +91,58 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
 
 
 def rib_height(row: RollerRow) -> float:
-    """Height h [m] of the contact with the rib, the usual one where it is not given."""
+    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it."""
     return USUAL_HEIGHT * row.diameter if row.rib_height is None else row.rib_height
 
 
 @record
 class RibContact:
-    """Contact of the most loaded roller with its rib. load [N]; height [m]; pressure [Pa] and semi-axes a (along the
-    rim) and b (across) [m], None where the radius of the end is not known, with words on that."""
+    """Contact of the most loaded roller of a row with its rib."""
 
+    #: Number of the roller, from 1.
     roller: int = quantity("roller", "roller of the largest load on the rib")
+    #: Force of the rib on the roller [N].
     load: float = quantity(
         "load_N", "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller", error="that of the load"
     )
+    #: Largest pressure [Pa]; None where the radius of the end is not given.
     pressure: float | None = quantity(
         "pressure_MPa",
         "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
     )
+    #: Semi-axis along the rim [m]; None likewise.
     a: float | None = quantity("semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's")
+    #: Semi-axis across the rim [m]; None likewise.
     b: float | None = quantity("semi_axis_b_mm", "semi-axis across the rim", error="a third of the load's")
+    #: Height of the contact above the cone's race [m].
     height: float = quantity("height_mm", "height of the contact above the cone's race, as given or assumed")
+    #: What is assumed or not known.
     words: str = quantity("words", "what is assumed or not known", show=lambda words: words or None, default="")
 
 
 def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
-    """Contact of the most loaded roller of a row with its rib, None without load; loads ``(count,)`` [N] on either race.
+    """Return the contact of the most loaded roller of a row with its rib.
 
-    Range: straight or crowned rollers seated on their ribs, small ellipse against the end; the ellipse is cut where its
-    semi-axis b is larger than the height. Raises ValueError as `rib_of`.
+    Range: straight or crowned rollers seated on their ribs, ellipse small against the end; the ellipse is truncated where
+    its
+    semi-axis b is larger than the height.
+
+    Parameters
+    ----------
+    row
+        The row.
+    loads
+        Force of either race on each roller ``(count,)`` [N].
+
+    Returns
+    -------
+        The contact; None without load.
+
+    Raises
+    ------
+    ValueError
+        A radius of the end that `rib_of` refuses.
     """
     if not (loads > 0.0).any():
         return None
@@ -123,8 +162,24 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
 
 
 def ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
-    """Semi-axes along and across the rim [m] under loads of the rib [N], of the shape of the loads; zero where the
-    radius of the end is not known, as of a point. Raises ValueError as `rib_of`."""
+    """Return the semi-axes of the contact with the rib along and across the rim [m].
+
+    Parameters
+    ----------
+    row
+        The row.
+    load
+        Forces of the rib [N], any shape.
+
+    Returns
+    -------
+        Arrays of the shape of the forces; zero, as for a point contact, where the radius of the end is not given.
+
+    Raises
+    ------
+    ValueError
+        A radius of the end that `rib_of` refuses.
+    """
     root = np.cbrt(np.asarray(load, dtype=float))
     if row.end_radius is None:
         return 0.0 * root, 0.0 * root
@@ -135,10 +190,17 @@ def ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
 
 
 def mean_distance(a: Array, b: Array, height: float) -> Array:
-    """Mean distance [m] of a contact's pressure from a point the height [m] across it, of semi-axes along and across (n,):
-    int p r dA/F, r the distance; of a point contact the height.
+    """Return the mean distance of a contact's pressure from a point at the height h across it, int p r dA/F [m].
 
-    With sqrt(1 - s^2) = u of the relative radius s the pressure's weight is 3 u^2/(2 pi): Gauss and trapezoid, 1e-4.
+    With sqrt(1 - s^2) = u of the relative radius s the pressure's weight is 3 u^2/(2 pi): Gauss and trapezoid rule, to
+    1e-4.
+
+    Parameters
+    ----------
+    a, b
+        Semi-axes along and across the rim ``(n,)`` [m]; zero for a point contact, whose distance is the height.
+    height
+        h [m].
     """
     u, angle = 0.5 * (1.0 + _U[:, None]), 2.0 * np.pi * (np.arange(64) + 0.5) / 64.0
     s = np.sqrt(1.0 - u**2)
@@ -148,6 +210,6 @@ def mean_distance(a: Array, b: Array, height: float) -> Array:
 
 
 def turning(bearing: TaperedBearing) -> tuple[float, float]:
-    """Angular speeds of a roller against cone and cup over that of the rings against one another, by (4)."""
+    """Return the angular speeds of a roller against cone and cup over that of the rings against each other, by (4)."""
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

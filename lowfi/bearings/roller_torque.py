@@ -1,4 +1,4 @@
-"""Friction torque of a row of tapered rollers: by work in its contacts, and by Timken's formula beside it.
+"""Friction torque of a row of tapered rollers: by the work in its contacts, and by Timken's formula.
 
 Work. Relative motions follow from rolling about one apex (`lowfi.bearings.rib`, 4), so that the power P of every
 contact is known, and the torque about the bearing's axis is the sum of P/omega, omega the speed of the rings against
@@ -9,15 +9,18 @@ one another:
   u the rolling speed, alpha_p the pressure coefficient of the viscosity eta, R the relative radius, E' = E/(1 - nu^2):
   int (h/2)(dp/dx) dx over the inlet. Full film, without heating there and starvation, which lessen it: an upper bound
   for grease.
-- elastic hysteresis, a share of 1 % of the work that deforms steel (Johnson 1985, 9.1): P = 0.01 (2/3 pi) Q b Omega, Omega
-  the angular speed of roller against race.
-- end on rib: P = mu F Omega <r>, F the load of the rib, <r> the mean distance of its pressure from the cone's contact line,
-  about which the end turns: sliding and spin together.
+- elastic hysteresis, a share of 1 % of the work that deforms steel (Johnson 1985, 9.1),
+      P = 0.01 (2/(3 pi)) Q b Omega,                                                                                   (2)
+  Omega the angular speed of roller against race.
+- end on rib,
+      P = mu F Omega <r>,                                                                                              (3)
+  F the load of the rib, <r> the mean distance of its pressure from the cone's contact line, about which the end turns:
+  sliding and spin together.
 
 At rest and without lubricant there is no film: rib and hysteresis are the starting torque. Cage, seals and drag are
 left out.
 
-Timken (Smith 1994, 3.29): `lowfi.bearings.torque.taper_torque`, for thrust alone, with the maker's factor G_1.
+Timken (Smith 1994, 3.29): `lowfi.bearings.torque.taper_torque`, for thrust only, with the manufacturer's factor G_1.
 """
 
 from __future__ import annotations
@@ -44,27 +47,32 @@ UNEVEN = 1.1
 
 @record
 class RollerTorque:
-    """Friction torque of one row about its axis [N m], by work and by Timken's formula. film: None without lubricant or
-    speed; low, high: of the coefficients `FRICTIONS`, None where the coefficient is given; words: what is assumed or
-    missing."""
+    """Friction torque of one row of tapered rollers about its axis [N m], by work and by Timken's formula."""
 
+    #: Of the lubricant film; None without lubricant or speed.
     film: float | None = quantity(
         "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
     )
+    #: Of elastic hysteresis.
     hysteresis: float = quantity("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
+    #: Of sliding and spin on the rib.
     rib: float = quantity(
         "rib_Nmm", "part of the large ends that slide and spin on the rib", error="that of the coefficient of friction"
     )
+    #: Torque with the lowest coefficient of friction of `FRICTIONS`; None where the scene gives the coefficient.
     low: float | None = quantity(
         "low_Nmm", "torque with a coefficient of 0.03 on the rib, a full film; null where rib_friction is given"
     )
+    #: Torque with the highest coefficient; None likewise.
     high: float | None = quantity("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
+    #: By Timken's formula; None where an input of it is missing.
     timken: float | None = quantity(
         "timken_Nmm",
         "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "
         "lubricant or speed",
         error="empirical; of thrust alone",
     )
+    #: What is assumed or missing.
     words: str = quantity("words", "what is assumed or missing", show=lambda words: words or None, default="")
 
     @property
@@ -76,23 +84,40 @@ class RollerTorque:
         form=".4g",
     )
     def torque(self) -> float:
-        """Sum of the parts [N m]."""
+        """Friction torque of the running row [N m]."""
         return (self.film or 0.0) + self.start
 
     @property
     @Stated("starting_torque_Nmm", "the same at rest, without the film", error="that of the coefficient of friction")
     def start(self) -> float:
-        """Torque without the film [N m]."""
+        """Friction torque at rest, without the film [N m]."""
         return self.hysteresis + self.rib
 
 
 def roller_torque(
     row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
 ) -> RollerTorque | None:
-    """Torque of a row; line_loads ``(count, slices)`` [N/m], small end first; speed: of the rings against one another
-    [rad/s], whatever its sign, None or 0 at rest. None without load.
+    """Return the friction torque of a row of tapered rollers, (1) to (3) and Timken's formula.
 
-    Range: as the docstring of the module says. Raises ValueError as `lowfi.bearings.rib.rib_of`.
+    Parameters
+    ----------
+    row
+        The row.
+    line_loads
+        Loads per length ``(count, slices)`` [N/m], small end first.
+    speed
+        Of the rings against each other [rad/s], of any sign; None or 0 at rest.
+    lubricant
+        None where it is not known.
+
+    Returns
+    -------
+        The torque; None without load.
+
+    Raises
+    ------
+    ValueError
+        A radius of the end that `rollbench.lowfi.bearings.rib.rib_of` refuses.
     """
     if not (line_loads > 0.0).any():
         return None
@@ -126,14 +151,25 @@ def roller_torque(
 
 
 def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
-    """Speed [m/s] at which both surfaces move through their contacts at places [m] along the roller: the cage runs such
-    that those with cone and cup are the same."""
+    """Return the speed at which both surfaces move through their contacts [m/s].
+
+    The cage turns such that the speeds in the contacts with cone and cup are the same.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    along
+        Distance along the roller from its middle [m].
+    speed
+        Of the rings against each other [rad/s].
+    """
     cone, cup = np.sin(bearing.cone_angle), np.sin(bearing.cup_angle)
     return np.asarray(speed * (bearing.apex_distance + along) * cone * cup / (cone + cup))
 
 
 def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
-    """Torque [N m] of the films of both races by (1), slice by slice; arguments as of `roller_torque`, speed above 0."""
+    """Return the torque of the films of both races [N m] by (1), slice by slice; arguments as for `roller_torque`."""
     x = middles(bearing.length, line_loads.shape[-1])
     roller, cone, cup = bearing.radii(x)
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
@@ -145,15 +181,38 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
 
 
 def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
-    """Force of the inlet on either surface per length [N/m] by (1), zero without load; speed u [m/s], relative radius [m],
-    modulus E' [Pa]. Within 15 % of the integral over the inlet (Grubin) for W from 1e-5 to 1e-4."""
+    """Return the force of the inlet on either surface per length [N/m] by (1), zero without load.
+
+    Parameters
+    ----------
+    line_load
+        q [N/m].
+    speed
+        Rolling speed u [m/s].
+    radius
+        Relative radius R [m].
+    lubricant
+        The lubricant.
+    modulus
+        E' = E/(1 - nu^2) [Pa].
+
+    References
+    ----------
+    Goksem and Hargreaves (1978). Within 15 % of the integral over the inlet (Grubin) for W from 1e-5 to 1e-4.
+
+    Examples
+    --------
+    >>> oil = Lubricant(100e-6, pressure_viscosity=20e-9)
+    >>> round(float(rolling_force(np.array(1e5), np.array(1.0), np.array(5e-3), oil, 231e9)), 2)
+    55.22
+    """
     q = np.asarray(line_load, dtype=float)
     gu = lubricant.pressure_viscosity * lubricant.dynamic_viscosity * speed / radius
     return np.asarray(4.318 * gu**0.658 * (q / (modulus * radius)) ** 0.0126 * radius / lubricant.pressure_viscosity)
 
 
 def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
-    """Torque [N m] of the hysteresis in both races, slice by slice."""
+    """Return the torque of elastic hysteresis in both races [N m] by (2), slice by slice."""
     b, _ = slice_contacts(bearing, line_loads)
     work = (line_loads[..., None] * b).sum(axis=(0, 1)) * bearing.length / line_loads.shape[-1]
     return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(turning(bearing)))

@@ -22,7 +22,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 #: Lowest and highest value [SI].
 Band = tuple[float, float]
 
-#: Kinds of rows: of one arc a groove that carries thrust one way, of one that carries it both ways, of gothic grooves.
+#: Kinds of rows: one arc per groove with thrust in one direction, one arc with thrust in both, gothic grooves.
 Kind = Literal["angular contact", "deep groove", "four-point"]
 
 #: One kilogram-force [N].
@@ -52,12 +52,33 @@ STARTING = 2.0
 
 
 def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed: float) -> float:
-    """Load-independent torque M_0 [N m] of a ball bearing: 1e-8 kg f_0 (nu n)^(2/3) d_m^3 in mm, mm^2/s, rpm (Smith 2.32).
+    """Return the load-independent torque M_0 of a ball bearing, 1e-8 kg f_0 (nu n)^(2/3) d_m^3 in mm, mm^2/s and rpm [N m].
 
-    factor: f_0, design and lubrication; pitch_diameter [m]; viscosity: kinematic [m^2/s]; speed [rad/s], of any sign.
-    His 2.31 with the exponent 2/3 (printed 3/2) and atmospheric pressure agrees to 2 % for oil of 900 kg/m^3. Below nu n =
-    2000 mm^2/s rpm, where the film is under a micron, M_0 keeps its value there (Palmgren; SKF: 160e-7 f_0 d_m^3 N mm,
-    which is 3 % less).
+    Below nu n = 2000 mm^2/s rpm, where the film is under a micrometre, M_0 keeps its value there (Palmgren; SKF:
+    160e-7 f_0 d_m^3 N mm, which is 3 % less).
+
+    Parameters
+    ----------
+    factor
+        f_0, for design and lubrication (`VISCOUS`).
+    pitch_diameter
+        d_m [m].
+    viscosity
+        Kinematic viscosity nu [m^2/s].
+    speed
+        [rad/s], of any sign.
+
+    References
+    ----------
+    Palmgren (1959); Smith (1994), 2.32. His 2.31 with the exponent 2/3 (printed 3/2) and atmospheric pressure agrees within
+    2 % for oil of 900 kg/m^3.
+
+    Examples
+    --------
+    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; in SI constants 1e-7 f_0 (nu n)^(2/3) d_m^3 N mm, 2 % more than with 9.807e-8:
+
+    >>> round(viscous_torque(2.0, 40e-3, 20e-6, 1500.0 * np.pi / 30.0) * 1e3, 2)  # N mm
+    12.12
     """
     film = max(1e6 * viscosity * abs(speed) * 30.0 / np.pi, LEAST_FILM)
     return float(1e-8 * KILOGRAM_FORCE * 1e-3 * factor * film ** (2.0 / 3.0) * (1e3 * pitch_diameter) ** 3)
@@ -65,14 +86,16 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 
 @record
 class BallTorque:
-    """Friction torque of a row of balls, each (low, high) [N m]; viscous and running None without lubricant or speed."""
+    """Friction torque of a row of balls, each as (low, high) of the published coefficients [N m]."""
 
+    #: Part M_1 of the load.
     load: Band = quantity(
         "load_Nmm",
         "part M1 of the load: z (Q/Q0)^y P1 dm, of the loads as solved; lowest and highest published z",
         error="empirical",
         parts="[]",
     )
+    #: Part M_0 of the lubricant; None without lubricant or speed.
     viscous: Band | None = quantity(
         "viscous_Nmm",
         "part M0 of the lubricant: f0 (nu n)^(2/3) dm^3, lowest and highest published f0; null without [lubricant] or "
@@ -80,6 +103,7 @@ class BallTorque:
         error="empirical",
         parts="[]",
     )
+    #: Torque that starts the row from rest.
     starting: Band = quantity(
         "starting_Nmm", "torque that starts it from rest: twice the part of the load", error="empirical", parts="[]"
     )
@@ -87,18 +111,41 @@ class BallTorque:
     @property
     @Stated("running_Nmm", "torque while it runs: M0 + M1, without seals", error="empirical", parts="[]")
     def running(self) -> Band | None:
-        """M_0 + M_1 [N m]."""
+        """Torque of the running row M_0 + M_1, as (low, high) [N m]; None without lubricant or speed."""
         return None if self.viscous is None else (self.load[0] + self.viscous[0], self.load[1] + self.viscous[1])
 
 
 def ball_torque(
     kind: Kind, angle: float, pitch_diameter: float, loads: tuple[float, float, float], viscous: Band | None
 ) -> BallTorque:
-    """Friction torque of a row of balls between rings that turn against each other.
+    """Return the friction torque of a row of balls between rings that turn against each other.
 
-    angle: nominal contact angle [rad]; pitch_diameter [m]; loads: thrust of all balls, preload included [N], radial load
-    [N], largest contact force over the rated one [1]; viscous: M_0 [N m]. Range: measured on catalogue bearings under loads
-    of up to a static safety of one, run in, shortly after greasing (Smith 2.3); fresh grease takes more.
+    Range: measured on catalogue bearings under loads of up to a static safety of one, run in, shortly after greasing; fresh
+    grease takes more.
+
+    Parameters
+    ----------
+    kind
+        Design of the row.
+    angle
+        Nominal contact angle [rad].
+    pitch_diameter
+        d_m [m].
+    loads
+        Thrust of all balls with preload [N], radial load [N], and the largest contact force over the rated one Q/Q_0.
+    viscous
+        M_0 as (low, high) [N m], or None.
+
+    References
+    ----------
+    Palmgren (1959); SKF general catalogue (1989); Smith (1994), 2.3 and 2.34.
+
+    Examples
+    --------
+    An angular-contact row at 1 kN thrust, Q/Q_0 = 1/8, d_m = 40 mm: 0.001 to 0.0013 times 0.5 times 40 N m.
+
+    >>> [round(x * 1e3, 6) for x in ball_torque("angular contact", np.pi / 6, 40e-3, (1e3, 0.0, 0.125), None).load]  # N mm
+    [20.0, 26.0]
     """
     (low, high), power, (axial, across) = LOAD[kind]
     thrust, radial, share = loads
@@ -111,24 +158,40 @@ def ball_torque(
 
 @record
 class LoadTorque:
-    """Load-dependent torque M_1 [N m] of a ball bearing, factor f_1, equivalent load P_0 [N], static rating C_0 [N]."""
+    """Load-dependent torque of a ball bearing with what it follows from."""
 
+    #: M_1 [N m].
     torque: float = quantity(
         "torque_Nmm",
         "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
         "without lubricant and seals",
         error="empirical",
     )
+    #: f_1.
     factor: float = quantity("factor", "its f1 = 0.0013 (P0/C0)^(1/3)")
+    #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity("equivalent_load_N", "its static equivalent load P0")
+    #: Static load rating C_0 [N].
     rating: float = quantity("static_rating_N", "its static rating C0 by Palmgren's formula")
 
 
 def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:
-    """Static load rating C_0 [N] = k_0 i Z sin(alpha) D^2, k_0 = 2.8 kg/mm^2 / (D sqrt(across along)) (Smith 2.36, 2.37).
+    """Return Palmgren's static load rating C_0 = k_0 i Z sin(alpha) D^2 [N], k_0 = 2.8 kg/mm^2/(D sqrt(across along)).
 
-    ball_diameter [m]; angle [rad]; across, along: relative curvatures [1/m] of the inner contact across the groove and
-    along the track, (rho_11 + rho_21) and (rho_12 + rho_22): as printed, (rho_11 + rho_12)(rho_21 + rho_22) is negative.
+    Parameters
+    ----------
+    rows, balls
+        Numbers of rows i and of balls in a row Z.
+    ball_diameter
+        D [m].
+    angle
+        Contact angle [rad].
+    across, along
+        Relative curvatures of the inner contact across the groove and along the track [1/m].
+
+    References
+    ----------
+    Smith (1994), 2.36 and 2.37, where (rho_11 + rho_12)(rho_21 + rho_22) is printed, which is negative.
     """
     k = 2.8 * KILOGRAM_FORCE * 1e6 / (ball_diameter * np.sqrt(across * along))
     return float(k * rows * balls * np.sin(angle) * ball_diameter**2)
@@ -137,10 +200,29 @@ def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, acr
 def load_torque(
     axial: float, radial: float, pitch_diameter: float, rating: float, *, axial_factor: float = 0.3
 ) -> LoadTorque:
-    """Load-dependent torque M_1 = f_1 g_1 P_0 d_m [N m] (Smith 2.33-2.38).
+    """Return the load-dependent torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
 
-    axial, radial: static loads [N]; pitch_diameter [m]; rating C_0 [N]; axial_factor: Y_0 of P_0 = 0.5 F_r + Y_0 F_a.
-    f_1 = 0.0013 (P_0/C_0)^(1/3) for contact angles of about 60 degrees; g_1 P_0 = F_a, so that Y_0 enters by f_1 only.
+    f_1 = 0.0013 (P_0/C_0)^(1/3), for contact angles of about 60 deg; g_1 P_0 = F_a, so that Y_0 enters by f_1 only.
+
+    Parameters
+    ----------
+    axial, radial
+        Static loads F_a and F_r [N].
+    pitch_diameter
+        d_m [m].
+    rating
+        Static load rating C_0 [N].
+    axial_factor
+        Y_0 of P_0 = 0.5 F_r + Y_0 F_a.
+
+    References
+    ----------
+    Smith (1994), 2.33 to 2.38.
+
+    Examples
+    --------
+    >>> round(load_torque(1e3, 0.0, 40e-3, 2.4e3).torque * 1e3, 6)  # 0.0013/2 times 40 N m, in N mm
+    26.0
     """
     equivalent = 0.5 * radial + axial_factor * axial
     factor = 0.0013 * float(np.cbrt(equivalent / rating))
@@ -148,10 +230,29 @@ def load_torque(
 
 
 def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) -> float:
-    """Running torque [N m] of a tapered roller bearing under thrust: 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb (Smith 3.29).
+    """Return the running torque of a tapered roller bearing under thrust, 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in in-lb [N m].
 
-    geometry: the maker's factor G_1, an input; viscosity: dynamic [Pa s]; speed [rad/s]; axial [N].
-    Too low below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30). Run-in bearings in circulating oil.
+    Range: run-in bearings in circulating oil; too low below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30).
+
+    Parameters
+    ----------
+    geometry
+        The manufacturer's factor G_1.
+    viscosity
+        Dynamic viscosity mu [Pa s].
+    speed
+        [rad/s].
+    axial
+        Thrust F_a [N].
+
+    References
+    ----------
+    Timken; Smith (1994), 3.29.
+
+    Examples
+    --------
+    >>> round(taper_torque(30.0, 20e-3, 1000.0 * np.pi / 30.0, 2e3), 4)
+    0.348
     """
     rpm_centipoise = 1e3 * viscosity * speed * 30.0 / np.pi
     pounds = 3.54e-5 * geometry * rpm_centipoise**0.62 * (axial / _POUND) ** 0.30
@@ -159,5 +260,8 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
 
 
 def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) -> float:
-    """Factor G_1 that a running torque [N m] implies: the inverse of `taper_torque`, for a maker's curve or a test."""
+    """Return the factor G_1 that a running torque [N m] implies, for a manufacturer's curve or a test.
+
+    The inverse of `taper_torque`, with the same arguments.
+    """
     return torque / taper_torque(1.0, viscosity, speed, axial)

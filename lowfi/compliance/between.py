@@ -1,4 +1,4 @@
-"""Compliance between contacts of bodies that are not known yet, by finite elements in sections of the bodies.
+"""Compliance between contacts of bodies that are not in the cache, by finite elements in sections of the bodies.
 
 A beam with the section constants of the grooved body, plus what a smooth body of revolution does beyond the same beam
 theory, plus what grooves and faces add.
@@ -50,17 +50,17 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions
 
-#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact beside a face keeps its patch.
+#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact near a face keeps its patch.
 BESIDE = 2.5
 
 
 def axes_of(layout: BallLayout) -> Array:
-    """Radial and binormal axes of every ball, ``(N, 2, 3)``."""
+    """Return the radial and binormal axes of every ball ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
 def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH) -> tuple[Array, Array]:
-    """Nominal contact points ``(c, 3)`` [m] and section axes ``(c, 2, 3)`` of a body's flanks, of N balls each."""
+    """Return nominal contact points ``(c, 3)`` [m] and section axes ``(c, 2, 3)`` of a body's flanks, of N balls each."""
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
     x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
     return np.concatenate(x), np.concatenate([axes_of(layout)] * len(flanks))
@@ -68,7 +68,7 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
-    """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
+    """Return the compliance of the smooth body over the stretch that the nut covers, cached by geometry."""
     tube, position = smooth_body(geometry, screw, backend), geometry.nut.position
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return of_tube(tube, (position - half, position + half))
@@ -81,12 +81,12 @@ of_tube = lru_cache(maxsize=32)(tube_compliance)
 @lru_cache(maxsize=32)
 @kept(RingCompliance)
 def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
-    """Compliance of a ring with its groove, kept for all scenes of one geometry."""
+    """Return the compliance of a ring with its groove, cached by geometry."""
     return ring_compliance(flank_of(geometry, screw), held_at(geometry, screw))
 
 
 def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
+    """Return e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
     flank = flank_of(geometry, screw)
     if is_ring(geometry, screw):
         return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
@@ -97,7 +97,7 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
 
 
 def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the smooth body beyond the same body as a beam."""
+    """Return the compliance of the smooth body beyond the same body as a beam ``(2 c, 2 c)`` [m/N]."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
@@ -116,8 +116,10 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces, or at its flange; zero if held
-    outside."""
+    """Return the compliance of the nut as a Timoshenko tube ``(2 c, 2 c)`` [m/N].
+
+    Clamped at its faces, or at its flange; zero if its outside is fixed.
+    """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
     if held_at(geometry, False) not in CLAMPED:
@@ -128,8 +130,10 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> 
 
 @lru_cache(maxsize=32)
 def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """What grooves and faces of screw or nut add between contacts of a turn, kept for all bodies of the same sections,
-    whatever their lengths."""
+    """Return what grooves and faces of screw or nut add between contacts of a turn.
+
+    Cached for all bodies of the same sections, whatever their lengths.
+    """
     radii = (0.0, np.inf) if screw else dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
@@ -140,14 +144,16 @@ def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
 @lru_cache(maxsize=32)
 @kept(NearFace)
 def of_sections(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
-    """`near_face`, which takes neither ends nor flange of the smooth body."""
+    """Return `near_face`, which uses neither ends nor flange of the smooth body."""
     return near_face(flank, tube, section, radii, near=near)
 
 
 def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """What grooves and faces of screw or nut add to the compliance ``(2 c, 2 c)`` [m/N] between contacts less than half a
-    lead apart: along their normals, and near a free face across them; far from a face, nothing to a contact's own
-    (`own_flank` has that)."""
+    """Return what grooves and faces add between contacts less than half a lead apart ``(2 c, 2 c)`` [m/N].
+
+    Along their normals, and near a free face across them; far from a face, nothing to a contact's motion by its own load
+    (`own_flank` has that).
+    """
     geometry = geometry_only(scene)
     flank, held, found = flank_of(geometry, screw), held_at(geometry, screw), kept_near_face(geometry, screw, backend)
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
@@ -180,7 +186,7 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
 
 
 def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """`lowfi.compliance.bodies.whole_body` of a body that is not rigid, for contacts wherever they are."""
+    """Return `lowfi.compliance.bodies.whole_body` of a body that is not rigid, for contacts at any positions."""
     held = held_at(scene, screw)
     if is_ring(geometry_only(scene), screw):
         G = of_flanks(ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth), flanks)
@@ -196,7 +202,7 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float]:
-    """The fields of `lowfi.compliance.bodies.EndResponse` of a screw that is held by its section."""
+    """Return the fields of `lowfi.compliance.bodies.EndResponse` of a screw that is fixed by its section."""
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
@@ -216,8 +222,10 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
 
 
 def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
-    """Motions ``(2 c, 6)`` of contacts at ``(c, 3)`` [m] along axes ``(c, 2, 3)`` by a wrench on the mean motions of the
-    high end."""
+    """Return the motions ``(2 c, 6)`` of contacts by a wrench on the mean motions of the high end.
+
+    Contacts at ``(c, 3)`` [m] along axes ``(c, 2, 3)``.
+    """
     points = points_of(x, axes)
     weights = patch_weights(compliance.z, points.z, compliance.tube.width)
     (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.ends)
@@ -228,7 +236,7 @@ def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
 
 
 def end_by_end(compliance: TubeCompliance) -> Array:
-    """Mean motions ``(6, 6)`` of the high end by a wrench on them."""
+    """Return the mean motions of the high end by a wrench on them ``(6, 6)``."""
     (axial, twist), (shift, tilt) = compliance.corner
     out = np.zeros((6, 6))
     out[2, 2], out[2, 5], out[5, 2], out[5, 5] = axial[0], axial[1], twist[0], twist[1]

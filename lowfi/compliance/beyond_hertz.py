@@ -1,4 +1,4 @@
-"""What ball and flank add to Hertz's half space: the ball as an elastic sphere, the flank by its curvature.
+"""Corrections of Hertz's half space: the ball as an elastic sphere, the flank by its curvature.
 
 Sphere (Lur'e's series): a point load P presses the surface in by u(t) = P/(8 pi G R) sum (2 n + 1) c_n P_n(cos t), n = 1
 left out: that term is the rigid motion, which the ball's equilibrium takes out again. With c_n = A/n + B/n^2 + ... the half
@@ -30,7 +30,7 @@ TERMS = 400
 
 
 def legendre_compliance(n: Array, poisson: float) -> Array:
-    """c_n of a sphere: u = c_n (R / 2 G) p_n inward under the pressure p_n P_n(cos t), no shear; 0 for n = 1."""
+    """Return c_n of a sphere, u = c_n (R/2 G) p_n inward under the pressure p_n P_n(cos t) without shear; 0 for n = 1."""
     n = np.asarray(n, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
         top = n * (n**2 + 2.0 * n - 1.0 + 2.0 * poisson) / (n - 1.0) - (n + 1.0) * (n - 2.0 + 4.0 * poisson)
@@ -39,7 +39,7 @@ def legendre_compliance(n: Array, poisson: float) -> Array:
 
 
 def expansion(poisson: float) -> tuple[float, float]:
-    """A = 2 (1 - nu) and B of c_n = A/n + B/n^2 + O(n^-3)."""
+    """Return A = 2 (1 - nu) and B of c_n = A/n + B/n^2 + O(n^-3)."""
     a = 2.0 * (1.0 - poisson)
     # top = a' n + b' + ..., a' = 4 - 4 nu, b' = 4 - 2 nu; bottom = 2 n^2 (1 + (1 + 2 nu)/n)
     return a, 2.0 - poisson - a * (1.0 + 2.0 * poisson)
@@ -47,7 +47,7 @@ def expansion(poisson: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def smooth_part(cosine: float, poisson: float) -> float:
-    """Series at angle arccos(cosine) without its first two terms' sums in closed form (both vanish at the contact)."""
+    """Return series at an angle arccos(cosine) without closed sums of its first two terms; both vanish at the contact."""
     from numpy.polynomial.legendre import legval
 
     a, b = expansion(poisson)
@@ -60,7 +60,17 @@ def smooth_part(cosine: float, poisson: float) -> float:
 
 
 def sphere_compliance(cosine: float, radius: float, material: Material) -> float:
-    """Motion inward [m/N] at an angle from a unit point load on a ball of ``radius`` [m]."""
+    """Return the motion inward at an angle from a unit point load on an elastic ball [m/N] (Lur'e's series).
+
+    Parameters
+    ----------
+    cosine
+        Of the angle between load and point.
+    radius
+        Of the ball [m].
+    material
+        Of the ball.
+    """
     nu = material.poissons_ratio
     a, b = expansion(nu)
     s = np.sqrt(0.5 * (1.0 - cosine))
@@ -69,14 +79,23 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
 
 
 def own_slope(radius: float, material: Material) -> float:
-    """Change of `own_compliance` with the logarithm of a contact's size [m/N]."""
+    """Return the change of `own_compliance` with the logarithm of a contact's size [m/N]."""
     a, b = expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
 
 def own_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Motion of a contact of ``semi_axes`` [m] by its own unit load beyond that of a half space [m/N] (mean over Hertz's
-    pressure)."""
+    """Return motion of a contact by its own unit load beyond that of a half space [m/N], the mean over Hertz's pressure.
+
+    Parameters
+    ----------
+    semi_axes
+        Of the contact [m].
+    radius
+        Of the ball [m].
+    material
+        Of the ball.
+    """
     log = np.log(0.5 * (semi_axes[0] + semi_axes[1]) / (2.0 * radius)) + MEAN_LOG
     smooth = smooth_part(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
     return smooth + own_slope(radius, material) * float(log)
@@ -94,29 +113,34 @@ GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
 
 @dataclass(frozen=True)
 class Flank:
-    """Groove of one body on half a lead: map, radius of the lands, plain surface (bore or outer radius) [m], whether the
-    screw's, half a lead (or half a ring's width) [m], material."""
+    """Groove of one body on half a lead."""
 
+    #: Geometry of the groove.
     map: GrooveMap
+    #: Radius of the lands [m].
     land: float
+    #: Radius of the plain surface, bore or outer radius [m].
     far: float
+    #: Whether it is the screw's; otherwise the nut's.
     screw: bool
+    #: Half a lead, or half a ring's width [m].
     half: float
+    #: Of the body.
     material: Material
 
     @property
     def side(self) -> int:
-        """The flank taken, SR or NR (the other one is its mirror image)."""
+        """Flank that is computed, SR or NR; the other one is its mirror image."""
         return 1 if self.screw else 3
 
     def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
-        """Half a lead with its groove."""
+        """Return the finite-element grid of half a lead with its groove."""
         from rollbench.lowfi.compliance.tube import cell_grid  # finite elements: for bodies that are not known yet
 
         return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
 
     def contact(self) -> tuple[float, float]:
-        """Nominal contact point (r, zeta) [m]."""
+        """Return the nominal contact point (r, zeta) [m]."""
         m = self.map
         x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
         r, zeta, _ = m.unroll(np.array(x3), np.array(z3))
@@ -124,32 +148,46 @@ class Flank:
 
 
 def half_space(width: float, material: Material) -> float:
-    """Mean motion [m/N] of a round Gaussian patch on a half space by its own normal load: (1 - nu^2)/(2 sqrt(pi) E s)."""
+    """Return mean motion of a round Gaussian patch on a half space by its normal load, (1 - nu^2)/(2 sqrt(pi) E s) [m/N].
+
+    Parameters
+    ----------
+    width
+        Standard deviation s of the patch [m].
+    material
+        Of the half space.
+
+    Examples
+    --------
+    >>> round(half_space(0.1e-3, Material(210e9, 0.3)) * 1e9, 4)  # nm/N
+    12.2241
+    """
     return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
 
 
 def curvatures(flank: Flank) -> tuple[float, float]:
-    """Principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
+    """Return principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
     m = flank.map
     along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
     return -1.0 / float(m.radius[flank.side]), float(along)
 
 
 def size_slope(flank: Flank) -> float:
-    """Change of `at_size` with the logarithm of a contact's size [m/N]: by the flank's mean curvature."""
+    """Return the change of `at_size` with the logarithm of a contact's size [m/N], by the flank's mean curvature."""
     a, b = expansion(flank.material.poissons_ratio)
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(curvatures(flank)))
 
 
 def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """What a contact of those semi-axes [m], across the groove and along it, adds to the correction for the narrow round
-    patch [m/N], by curvature only.
+    """Return what a contact adds by its size and shape to the correction for the narrow round patch [m/N].
 
     A pressure exp(i k x) presses a surface of curvatures kappa in by
     (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G, A = 2 (1 - nu), alpha = A (1 - 2 nu),
     beta = -(1 - 2 nu)(3 - 2 nu): the only form that is linear in kappa, from the long cylinder under pressure that varies
     along it and around it; a sphere's c_n gives the same. In space 1/k^2 is a logarithm, and cos(2 phi)/k^2 is
     -cos(2 phi)/(4 pi), whose mean over an ellipse is -(a - b)/(a + b)/(4 pi).
+
+    semi_axes: of the contact, across the groove and along it [m].
     """
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus

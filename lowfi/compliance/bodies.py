@@ -1,19 +1,20 @@
 """Compliance of screw, nut and ball between the contacts of a scene: by backend, or read from a file.
 
 Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
-revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already holds.
-What only the geometry decides is kept; what computes it (`lowfi.compliance.between`) is imported where it is not known yet.
+revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already contains.
+What depends on the geometry only is cached; what computes it (`lowfi.compliance.between`) is imported where it is not
+cached.
 
 A stretch of shaft between a beam's two ends (`end_response`): what its contacts and its high end do to one another beyond
 the beam. By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
-(`lowfi.compliance.tube`), held by the mean motions of its low end, answers contact forces with the high end free; loaded
-there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear force. By
-reciprocity a contact that presses inward moves the high end away.
+(`lowfi.compliance.tube`), fixed by the mean motions of its low end, responds to contact forces with the high end free;
+loaded there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear
+force. By reciprocity a contact that presses inward moves the high end away.
 
-A file of a condensed 3D model knows motions along the nominal normals; the low-order bodies keep what lies across them. The
-screw's beam beyond the nut, its supports and loads stay those of the low-order model.
+A file of a condensed 3D model contains motions along the nominal normals; the low-order bodies keep what lies across them.
+The screw's beam beyond the nut, its supports and loads stay those of the low-order model.
 
-Modes of negative compliance, which no body has, are cut away.
+Modes of negative compliance, which no body has, are removed.
 """
 
 from __future__ import annotations
@@ -52,31 +53,37 @@ from rollbench.meshes.solid import dimensions
 
 @dataclass(frozen=True)
 class Coupling:
-    """Compliance ``(4 N, 4 N)`` [m/N] between all contacts of a body, not to be written to."""
+    """Compliance between all contacts of a body; not to be written to."""
 
+    #: ``(4 N, 4 N)`` [m/N].
     G: Array
 
 
 @dataclass(frozen=True)
 class BodyCompliance:
-    """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of its flanks' contacts (all left ones, then
-    all right ones; two axes each), e [m/N] of each contact besides Hertz, and slope [m/N], what e gains by the logarithm of
-    the contact's size."""
+    """Compliance of a body beyond the screw's beam, at c contacts."""
 
+    #: Between its flanks' contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
+    #: Linear compliance of each contact besides Hertz [m/N].
     e: float
+    #: Derivative of e by the logarithm of the contact's size [m/N].
     slope: float
+    #: Assumptions about the body.
     assumed: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class BallCompliance:
-    """Ball as an elastic sphere: e [m/N] of each contact besides Hertz, slope [m/N], what e gains by the logarithm of the
-    contact's size, coupling g [(m/N)^(1/2)] of the pairs SL-NR and SR-NL and its sign."""
+    """Ball as an elastic sphere."""
 
+    #: Linear compliance of each contact besides Hertz [m/N].
     e: float
+    #: Derivative of e by the logarithm of the contact's size [m/N].
     slope: float
+    #: Coupling of the opposite contacts SL-NR and SR-NL [(m/N)^(1/2)].
     g: float
+    #: Sign of the coupling between the two pairs.
     sign: float
 
 
@@ -89,11 +96,27 @@ def body_compliance(
     flanks: Sequence[int] = BOTH,
     whole: WholeBody | None = None,
 ) -> BodyCompliance:
-    """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
+    """Return the compliance of screw (beyond its beam) or nut between the contacts of a scene.
 
-    semi_axes: of a typical contact [m], across the groove and along it; flanks: 0 left, 1 right; whole: what computes
-    `whole_body`, for layouts that have much in common. Raises ValueError for
-    dimensions that leave no groove, no wall or no land, and for contacts at the groove's apex.
+    Parameters
+    ----------
+    scene, layout
+        The scene and the positions of its balls.
+    screw
+        Whether of the screw; otherwise of the nut.
+    backend
+        Model of the bodies' compliance.
+    semi_axes
+        Of a typical contact, across the groove and along it [m].
+    flanks
+        0 left, 1 right.
+    whole
+        Computes `whole_body`, for layouts that have much in common.
+
+    Raises
+    ------
+    ValueError
+        Dimensions that leave no groove, no wall or no land, or contacts at the groove's apex.
     """
     kind = backend.screw if screw else backend.nut
     zero = np.zeros((2 * len(flanks) * layout.z.size,) * 2)
@@ -119,8 +142,10 @@ def body_compliance(
 
 
 def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
-    """Raise ValueError where a contact of the nominal angle lies so near the groove's apex that its patch crosses it: the
-    flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead."""
+    """Raise ValueError where a contact of the nominal angle is so near the groove's apex that its patch crosses it.
+
+    The flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead.
+    """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
     one_patch = is_one_arc(scene) and is_ring(scene, screw)
@@ -134,10 +159,13 @@ def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank, but
-    with what faces add to it.
+    """Return the compliance of the nut, or of the screw beyond its beam, without each contact's own flank.
 
-    Kept for all load cases of the same parts and balls: not to be written to.
+    With what faces add to it. Cached for all load cases of the same parts and balls: not to be written to.
+
+    Returns
+    -------
+        ``(2 c, 2 c)`` [m/N].
     """
     if held_at(geometry_only(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
@@ -170,7 +198,7 @@ def _own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
-    """The ball's own body: opposite contacts share their force, so what they do to one another joins each one's own."""
+    """Return compliance of the ball; opposite contacts share their force, so their mutual motion adds to each one's own."""
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
@@ -184,19 +212,21 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 @dataclass(frozen=True)
 class EndResponse:
-    """Beyond the smooth body as a beam, by a wrench (forces [N], moments [N m]) on its high end at station high [m]:
-    contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes each); end
-    ``(6, 6)``, motions of that end."""
+    """Response of a stretch of the screw to a wrench (forces [N], moments [N m]) on its high end, beyond the beam."""
 
+    #: Motions of the contacts of both flanks, all left ones, then all right ones, two axes each ``(4 N, 6)``.
     contacts: Array
+    #: Motions of that end ``(6, 6)``.
     end: Array
+    #: Station of that end [m].
     high: float
 
 
 def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Of the screw of a scene; None where its body is no stretch of a shaft: rigid, only a beam, or a ring on its bore.
+    """Return the response of a scene's screw; None where its body is no stretch of a shaft.
 
-    Kept for all load cases of the same parts and balls: not to be written to.
+    That is rigid, only a beam, or a ring on its bore. Cached for all load cases of the same parts and balls: not to be
+    written to.
     """
     if backend.screw != "kernel" or held_at(geometry_only(scene), True) != "section":
         return None
@@ -217,7 +247,7 @@ def _known(scene: Scene, backend: Backend) -> EndResponse:
 
 
 def forget() -> None:
-    """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
+    """Clear the caches of bodies, so that the next solve is timed with its set-up."""
     from rollbench.lowfi.compliance.between import kept_near_face, of_sections, of_tube, smooth_compliance, whole_ring
 
     for memory in (
@@ -245,15 +275,24 @@ PARTS = ("screw", "nut")
 
 @dataclass(frozen=True)
 class Condensed:
-    """Bodies of a condensed 3D model for one geometry; parts: those that are taken from it, with the laws of the contacts
-    on their grooves and the ball's share of these."""
+    """Bodies of a condensed 3D model for one geometry."""
 
+    #: The compliance in the file.
     bodies: CondensedBodies
+    #: Bodies that are taken from it, with the laws of the contacts on their grooves and the ball's share of these.
     parts: tuple[str, ...] = PARTS
 
     @staticmethod
     def read(path: Path, scene: Scene) -> Condensed:
-        """Read a file for a scene. Raises ValueError for a damaged one or one of other parts, OSError."""
+        """Read a file for a scene.
+
+        Raises
+        ------
+        ValueError
+            A damaged file, or one of other parts.
+        OSError
+            A file that cannot be read.
+        """
         bodies = load_condensed(path)
         if bodies.geometry != geometry_digest(scene):
             raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
@@ -265,16 +304,17 @@ class Condensed:
         return self.parts == PARTS
 
     def sides_of(self, sides: list[int]) -> list[int]:
-        """Those of some sides whose contacts follow the file."""
+        """Return those of some flanks whose contacts follow the file."""
         return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
-        """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
-        ball after ball, supports and beam included.
+        """Return the compliance of a body with its part along the normals from the file.
 
-        What the file does not know, across the normals and on other sides, follows what all contacts move along theirs
+        What the file does not contain, across the normals and on other flanks, follows what all contacts move along theirs
         as in the low-order body, so that the result stays positive semidefinite: with A, B, D the blocks along, between
         and across, A' for A gives B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
+
+        total: the low-order compliance on these flanks, ball after ball, supports and beam included.
         """
         N, screw = layout.z.size, sides[0] < 2
         geometry = geometry_only(scene)
@@ -302,7 +342,7 @@ class Condensed:
         return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
 
     def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
-        """The ball from the file: what opposite contacts do to themselves and each other, and across."""
+        """Return the ball from the file: what opposite contacts do to themselves and each other, and across."""
         D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
         closed = ball_compliance(scene, semi_axes, REFINED)
         pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
@@ -314,7 +354,7 @@ class Condensed:
         return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe(self) -> str:
-        """Words for the record."""
+        """Return a description for the record."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
         bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
@@ -322,7 +362,10 @@ class Condensed:
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
-    """Motion along the nominal normals, ball after ball and side after side, from arrays that go side after side."""
+    """Return rows for the motion along the nominal normals, from arrays ordered flank after flank.
+
+    The rows go ball after ball and flank after flank.
+    """
     beta = scene.track.contact_angle
     out = np.zeros((N * len(sides), 4 * N))
     for k, s in enumerate(sides):
@@ -334,8 +377,10 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
 
 
 def directions(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
-    """Rows along the nominal normals of the ``known`` sides, and everything across them, on arrays that go ball after ball
-    and side after side, ``(N known, 2 N sides)`` and the rest."""
+    """Return rows along the nominal normals of the ``known`` flanks, and the complement across them.
+
+    On arrays that go ball after ball and flank after flank, ``(N known, 2 N sides)`` and the rest.
+    """
     beta = scene.track.contact_angle
     along: list[Array] = []
     across: list[Array] = []
@@ -359,14 +404,14 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
-    """The part ``(n, n)`` of a symmetric G in modes of negative eigenvalues, and the least eigenvalue."""
+    """Return the part of a symmetric G ``(n, n)`` in modes of negative eigenvalues, and the least eigenvalue."""
     values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest(G)
     below = values < 0.0
     return (vectors[:, below] * values[below]) @ vectors[:, below].T, float(values[0])
 
 
 def _smallest(G: Array) -> tuple[Array, Array]:
-    """Eigenvalues of G, of which those below zero are found, and vectors."""
+    """Return eigenvalues of G, all negative ones among them, and their vectors."""
     from scipy.linalg import cho_factor, cho_solve
 
     diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
@@ -387,8 +432,10 @@ def _smallest(G: Array) -> tuple[Array, Array]:
 
 
 def _ritz(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
-    """Eigenvalues and vectors of G within what an operator makes of some vectors when it is applied to them ``INVERSES``
-    times (a block Krylov space): those at the far end of the operator's spectrum are those of G."""
+    """Return eigenvalues and vectors of G within a block Krylov space of an operator.
+
+    The operator is applied to some vectors ``INVERSES`` times; those at the far end of its spectrum are those of G.
+    """
     basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
     for _ in range(INVERSES - 1):
         applied = apply(basis[:, -count:])

@@ -1,17 +1,17 @@
 """What the contacts of one groove do to one another beyond the smooth body, far from a face of their body and near one.
 
-The smooth body of revolution ends at the face, but its wide patch does not feel the lip of the groove, nor the grooves
-beside its own. So the true flank with a narrow patch and the smooth body with the wide one are cut at some distances from
-the contact, both clamped well behind it: what their difference gains over that of the last cut is the face's; the last one,
-less the same difference of the beams, is what neighbouring grooves and the surface behind do.
+The smooth body of revolution ends at the face, but its wide patch does not represent the lip of the groove, nor the
+neighbouring grooves. So the true flank with a narrow patch and the smooth body with the wide one are cut at some distances
+from the contact, both clamped well behind it: what their difference gains over that of the last cut is the face's; the last
+one, less the same difference of the beams, is what neighbouring grooves and the surface behind do.
 
 A lip also tilts. It turns the flank about the contact, which moves the centre of its arc across the load, and the contact
 along the arc. All pressure on an arc goes through its centre, so that a force on that across the load is a moment about the
 contact, by pressure that one side of it gains and the other loses (`turned`).
 
-Grooves are rings, as in
-`lowfi.compliance.groove`; at a contact's azimuth the section of the helix is theirs. Stiffness is eliminated along the
-axis, so that one factor of the longest body holds all the shorter ones, each with its face free and held.
+Grooves are rings, as in `lowfi.compliance.groove`; at a contact's azimuth the section of the helix is theirs. Stiffness is
+eliminated along the axis, so that one factor of the longest body contains all the shorter ones, each with its face free and
+fixed.
 """
 
 from __future__ import annotations
@@ -56,58 +56,72 @@ SAME = 1e-3
 
 
 class Patch(NamedTuple):
-    """How finely a flank is loaded: the patch's standard deviation over the ball's radius, elements of a loaded flank (half
-    as many of the others) and in depth, highest harmonic times the ball's radius over that of the contacts."""
+    """Fineness with which a flank is loaded."""
 
+    #: Standard deviation of the patch over the ball's radius.
     width: float
+    #: Elements of a loaded flank (half as many of the others) and in depth.
     mesh: tuple[int, int]
+    #: Highest harmonic times the ball's radius over that of the contacts.
     highest: float
 
 
-#: Far from a face, where only curvature counts below the patch; and beside one, as near as a contact's own size, which has
+#: Far from a face, where only curvature counts below the patch; and near one, as near as a contact's own size, which has
 #: the mean square of its long axis.
 FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)
 class NearFace:
-    """What ring grooves and a face add to the compliance between contacts of one groove.
+    """What ring grooves and a face add to the compliance between contacts of one groove, at k distances and n harmonics."""
 
-    gain ``(2, n, 2, 2, f, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed
-    towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force on
-    either flank (f = 2), or also on those of the groove behind it (4), along or across; distance ``(k,)`` [m] of the face
-    from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
-    face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
-    far ``(n, 2, f)`` [m/N]: between contacts far from any face; alone: what a contact there moves by its own load beyond
-    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
-    """
-
+    #: Of the face from the middle of the groove ``(k,)`` [m].
     distance: Array
+    #: By a face ``(2, n, 2, 2, f, 2, k)`` [m/N]: free or fixed; harmonic around the axis; motion of the flank pressed
+    #: towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force
+    #: on either flank (f = 2), or also on those of the groove behind it (4), along or across. Zero beyond the last
+    #: distance, constant below the first. What a fixed face does across the loads, a tenth of what a free one does, is left
+    #: out.
     gain: Array
+    #: Distance of the contacts from the middle of the groove [m].
     beside: float
+    #: Between contacts far from any face ``(n, 2, f)`` [m/N].
     far: Array
+    #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     alone: float
 
     @property
     def turns(self) -> int:
-        """Number of grooves whose contacts are coupled: their own, and the one behind it."""
+        """Number of grooves whose contacts are coupled: one, or two with the groove behind it."""
         return int(self.far.shape[2]) // 2
 
     def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
-        """Compliance ``(m, 2, 2, f, 2)`` [m/N] that a face adds between contacts at these angles [rad], the front one at
-        these distances [m]; axes as those of ``gain``."""
+        """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that a face adds between contacts; axes as those of ``gain``.
+
+        Parameters
+        ----------
+        held
+            Whether the face is fixed; otherwise free.
+        angle
+            Between the contacts ``(m,)`` [rad].
+        distance
+            Of the front contact from the face ``(m,)`` [m].
+        """
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
         share = spline(known, np.eye(known.size))(place)
         return np.asarray(np.einsum("m...k,mk->m...", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
-        """Compliance ``(m, 2, f)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
+        """Return the compliance ``(m, 2, f)`` [m/N] between different contacts beyond a smooth body's.
+
+        At angles ``(m,)`` [rad].
+        """
         return around(self.far, angle)
 
 
 def around(waves: Array, angle: Array) -> Array:
-    """Sum over harmonics ``(n, ...)`` of their waves at angles ``(m,)`` [rad], ``(m, ...)``."""
+    """Return the sum over harmonics ``(n, ...)`` of their waves at angles ``(m,)`` [rad], ``(m, ...)``."""
     step = np.pi / (4 * len(waves))
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
@@ -118,18 +132,36 @@ def around(waves: Array, angle: Array) -> Array:
 def near_face(
     flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
 ) -> NearFace:
-    """Gain of the body that ``smooth`` stands for; section: of its beam, which holds that part of all motions already.
+    """Return what grooves and a face add to the body that ``smooth`` represents.
 
-    held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach. What is far
-    from any face rests on a whole one, however the body is held. Raises ValueError where a face is near and the land cuts
-    the groove off before the nominal contact.
+    What is far from any face is that of a whole body, however it is fixed.
+
+    Parameters
+    ----------
+    flank
+        Groove of the body.
+    smooth
+        Smooth body of revolution.
+    section
+        Section of its beam, which contains that part of all motions already.
+    held_radii
+        Radii between which a face is fixed, if it is [m].
+    near
+        Whether a contact has a face within reach.
+
+    Raises
+    ------
+    ValueError
+        A face within reach where the land cuts the groove off before the nominal contact.
     """
     if near:
         _check_land(flank)
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
-        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii:
-        between which a face is held."""
+        """Return gains of the cuts, the body, and the distances of the cuts.
+
+        kinds: 2 with motions across the loads; radii: between which a face is fixed.
+        """
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)
@@ -160,17 +192,21 @@ def _check_land(flank: Flank) -> None:
 
 
 def both_ways(waves: Array) -> Array:
-    """Motions ``(n, 2, f)`` far from any face as the mean with their mirror image: flank a moves by a load on flank b of
-    the groove behind as, seen from the other end, the flank opposite b does by a load on that opposite a. A body that ends
-    as far before its own groove as behind it is no mirror image about the land between two."""
+    """Return the motions ``(n, 2, f)`` far from any face as the mean with their mirror image.
+
+    Flank a moves by a load on flank b of the groove behind as, seen from the other end, the flank opposite b does by a load
+    on
+    that opposite a. A body that ends as far before its groove as behind it is no mirror image about the land between two.
+    """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
 def with_tail(flank: Flank, waves: Array) -> Array:
-    """Harmonics ``(n, ...)`` of the motions on narrow patches, with those above: there a flank is a half space.
+    """Return harmonics ``(n, ...)`` of the motions on narrow patches, with the higher ones, where a flank is a half space.
 
-    Two Gaussian patches of deviation s on a half space answer a wave k along it by exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
+    Two Gaussian patches of deviation s on a half space respond to a wave k along it by
+    exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
     """
     from scipy.special import k0e
 
@@ -181,8 +217,10 @@ def with_tail(flank: Flank, waves: Array) -> Array:
 
 
 def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
-    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
-    on the smooth body's: harmonics 0 and 1."""
+    """Return the motions of both flanks on a beam less those on the smooth body's beam, harmonics 0 and 1.
+
+    ``(2, 2, f)`` [m/N]; clamped at both ends [m].
+    """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
     half = len(places) // 2
@@ -199,8 +237,10 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tup
 def less_smooth(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Motions of the true flanks less those of the smooth body, each by its own patch, as `cut_motions`; kinds: 1 along
-    the loads, 2 across them, too."""
+    """Return the motions of the true flanks less those of the smooth body, each by its patch, as `cut_motions`.
+
+    kinds: 1 along the loads, 2 also across them.
+    """
     width = finer.width * flank.map.ball
     true = true_loads(flank, grid, cuts, width, kinds)
     r_ends, line = radial_ends(smooth)
@@ -213,15 +253,17 @@ def less_smooth(
 
 
 def half_lead(flank: Flank, grid: Grid) -> Grid:
-    """The part of a grooved body from mid groove to mid land."""
+    """Return the part of a grooved body from mid groove to mid land."""
     z = grid.z[:, 0]
     half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
     return Grid(grid.r[half], grid.z[half])
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
-    """A body with its grooves from its clamped end to the furthest face, the middle of the loaded groove at z = 0, and
-    those of its lines in z where it is cut."""
+    """Return the grid of a body with its grooves, and those of its lines in z where it is cut.
+
+    From its clamped end to the furthest face; the middle of the loaded groove is at z = 0.
+    """
     ball, reach = flank.map.ball, REACH * flank.map.ball
     r, z = turn(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
     edge = float(z[z.size // 2 + 2 * mesh[0]])
@@ -243,8 +285,17 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
 
 
 def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
-    """Nodes (r, z) [m] of a groove's surface from mid land to mid land: ``count`` elements a flank, ends of those of a land
-    at these distances [m] from the groove."""
+    """Return the nodes (r, z) [m] of a groove's surface from mid land to mid land.
+
+    Parameters
+    ----------
+    flank
+        The groove.
+    count
+        Elements of a flank.
+    ends
+        Element ends of a land, by their distance from the groove [m].
+    """
     r, z = groove_line(flank.map, flank.land, flank.screw, 2 * count + 1)
     land = flank.half - float(z[-1])
     along = refine_lines(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.map.ball], [land]]))[1:]
@@ -253,13 +304,19 @@ def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def turned(along: Array) -> Array:
-    """Directions ``(..., 2)`` (r, z) across loads ``along``: a quarter turn from r to z."""
+    """Return directions ``(..., 2)`` (r, z) across loads ``along``: a quarter turn from r to z."""
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
 def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Unit loads ``(f, kinds, cuts, nodes of the grid, 3)`` on the flanks of `pressed`, of patches of ``width`` [m]: along
-    the nominal load, and (``kinds`` 2) across it, by the pressure that a shift of the patch adds and takes away."""
+    """Return unit loads on the flanks of `pressed`, of patches of ``width`` [m].
+
+    Along the nominal load, and (``kinds`` 2) across it, by the pressure that a shift of the patch adds and takes away.
+
+    Returns
+    -------
+        ``(f, kinds, cuts, nodes of the grid, 3)``.
+    """
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
     places, directions = pressed(flank, grid.z[0, 0])
@@ -276,7 +333,7 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kind
 
 
 def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Unit loads ``(f, kinds, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
+    """Return unit loads on line r = ``line`` of the smooth body, as `true_loads`."""
     places, directions = pressed(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
@@ -288,8 +345,11 @@ def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width
 
 
 def pressed(flank: Flank, low: float) -> tuple[Array, Array]:
-    """Contact's z ``(f,)`` [m] and nominal direction of its load ``(f, 2)`` (r, z) on the flank pressed towards high z, on
-    the other one, and on both of the groove behind where a body from z = low [m] holds it."""
+    """Return the contact's z ``(f,)`` [m] and nominal direction of load ``(f, 2)`` (r, z) of the flanks of a groove.
+
+    On the flank pressed towards high z, on the other one, and on both of the groove behind where a body from z = low [m]
+    contains it.
+    """
     m = flank.map
     place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half - m.ball else 1
@@ -310,11 +370,30 @@ def cut_motions(
     width: float,
     layer: Layer | None = None,
 ) -> Array:
-    """Motions ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic to the last of
-    ``n``, at which they are sampled, of a body cut at lines ``cuts``: its face free or held at these radii [m]; motion of
-    the flank pressed towards it or of the other one, by ``loads`` (`true_loads`).
+    """Return the motions of patches in every harmonic of a body cut at several lines, its face free or fixed.
 
-    fixing: see `Tube`; "bore" and "outer" hold that surface too.
+    Parameters
+    ----------
+    flank, grid
+        The groove and the grid of the body.
+    cuts
+        Lines at which it is cut.
+    n
+        Harmonics at which they are sampled.
+    held_radii
+        Radii between which a face is fixed [m].
+    fixing
+        See `Tube`; ``"bore"`` and ``"outer"`` fix that surface too.
+    loads
+        See `true_loads`.
+    width
+        Of the patches [m].
+    layer
+        Layer that represents grooves.
+
+    Returns
+    -------
+        ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N].
     """
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
@@ -358,8 +437,10 @@ def cut_motions(
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Loads ``(f, cuts, nodes of the grid, 3)`` that differ, as rows, and which of them act on the body of each cut: a
-    patch that the cut does not reach is that of the last one."""
+    """Return the loads that differ, as rows, and which of them act on the body of each cut.
+
+    Loads ``(f, cuts, nodes of the grid, 3)``; a patch that the cut does not reach is that of the last one.
+    """
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):
         for f, load in enumerate(loads):

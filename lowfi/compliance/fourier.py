@@ -32,26 +32,27 @@ WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
 
 
 def quadratic(x: Array) -> tuple[Array, Array]:
-    """Values and slopes ``(..., 3)`` of the quadratic Lagrange polynomials on nodes -1, 0, 1."""
+    """Return values and slopes ``(..., 3)`` of the quadratic Lagrange polynomials on nodes -1, 0, 1."""
     values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
     return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Structured grid of 9-node quadrilaterals: node coordinates r, z ``(lines in z, lines in r)`` [m], odd numbers of
-    lines. Node (i, j) has number i * columns + j."""
+    """Structured grid of 9-node quadrilaterals with odd numbers of lines; node (i, j) has number i * columns + j."""
 
+    #: Radii of the nodes ``(lines in z, lines in r)`` [m].
     r: Array
+    #: Stations of the nodes [m], likewise.
     z: Array
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Lines in z and in r."""
+        """Numbers of lines in z and in r."""
         return int(self.r.shape[0]), int(self.r.shape[1])
 
     def cells(self) -> Index:
-        """Nodes of every element, ``(elements, 9)``, r fastest."""
+        """Return the nodes of every element ``(elements, 9)``, r fastest."""
         rows, columns = self.shape
         i, j = np.meshgrid(np.arange(0, rows - 1, 2), np.arange(0, columns - 1, 2), indexing="ij")
         corner = (i * columns + j).ravel()
@@ -60,20 +61,20 @@ class Grid:
 
 
 def refine_lines(ends: Array) -> Array:
-    """Element ends ``(k + 1,)`` with the mid nodes of quadratic elements between, ``(2 k + 1,)``."""
+    """Return element ends ``(k + 1,)`` with the mid nodes of quadratic elements between, ``(2 k + 1,)``."""
     lines = np.empty(2 * ends.size - 1)
     lines[::2], lines[1::2] = ends, 0.5 * (ends[:-1] + ends[1:])
     return lines
 
 
 def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
-    """Grid of a plain tube from element ends in r and z [m]."""
+    """Return the grid of a plain tube from element ends in r and z [m]."""
     r, z = refine_lines(r_ends), refine_lines(z_ends)
     return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
 
 
 def elasticity_matrix(young: float, poisson: float) -> Array:
-    """D (6, 6) for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
+    """Return D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
     lam = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     shear = young / (2.0 * (1.0 + poisson))
     D = np.zeros((6, 6))
@@ -85,22 +86,26 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
 
 @dataclass(frozen=True)
 class Layer:
-    """A grooved layer of a body as a smooth one: share ``(k,)`` of its cylinders that is solid at radii ``(k,)`` [m],
-    the powers of that share which its stiffness along the axis, and in shear along it, has, and
-    the groove's lead angle [rad].
+    """Grooved layer of a body as a smooth anisotropic one.
 
-    The lands between grooves are rings: around the axis they are as stiff as their share, along it they hang on what is
+    The lands between grooves are rings: around the axis they are as stiff as their solid share, along it they hang on what
+    is
     under them.
     """
 
+    #: Radii ``(k,)`` [m].
     radii: tuple[float, ...]
+    #: Solid share of the cylinders at these radii ``(k,)``.
     shares: tuple[float, ...]
+    #: Power of that share for the stiffness along the axis.
     axial: float
+    #: Power of that share for the shear stiffness along the axis.
     shear: float
+    #: Lead angle of the groove [rad].
     tilt: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
-        """D ``(..., 6, 6)`` at radii ``(...)`` [m], as `elasticity_matrix`."""
+        """Return D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m], as `elasticity_matrix`."""
         f = np.interp(radius, self.radii, self.shares)
         S = np.zeros((*np.shape(f), 6, 6))
         S[..., :3, :3] = -poisson
@@ -123,9 +128,12 @@ class Layer:
 
 
 def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
-    """K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c; freedoms U, V, W node by node.
+    """Return K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c; freedoms U, V, W node by node.
 
-    Raises ValueError for an element turned inside out.
+    Raises
+    ------
+    ValueError
+        An element turned inside out.
     """
     cells = grid.cells()
     r, z = grid.r.ravel()[cells], grid.z.ravel()[cells]
@@ -155,7 +163,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
 
 
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
-    """B_0 and B_1 ``(elements, 6, 27)`` from shape functions over r and their slopes, ``(elements, 9)`` each."""
+    """Return B_0 and B_1 ``(elements, 6, 27)`` from shape functions over r and their slopes, ``(elements, 9)`` each."""
     B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
     U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
     B0[:, 0, U], B0[:, 1, U], B0[:, 2, W] = by_r, over_r, by_z
@@ -166,14 +174,17 @@ def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
 
 
 def factor_c(n: int) -> float:
-    """Integral of cos^2 n t (or of 1) around the circle."""
+    """Return the integral of cos^2 n t (or of 1) around the circle."""
     return 2.0 * np.pi if n == 0 else np.pi
 
 
 def solved(bands: Array, n: int, loads: Array) -> Array:
-    """Motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`.
+    """Return the motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`.
 
-    Raises LinAlgError where these do not hold the body.
+    Raises
+    ------
+    LinAlgError
+        Freedoms that do not fix the body.
     """
     from scipy.linalg import solveh_banded
 
@@ -182,10 +193,18 @@ def solved(bands: Array, n: int, loads: Array) -> Array:
 
 
 def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
-    """Harmonic n with all but the ``last`` freedoms of `Body.bands` condensed: stiffness S ``(last, last)`` and loads g
-    ``(last, c)`` on these, by ``loads`` ``(k, c)`` on all, and the work ``(c, c)`` of these with the last ones held.
+    """Condense harmonic n to the ``last`` freedoms of `Body.bands`.
 
-    Raises LinAlgError where these do not hold the body.
+    Returns
+    -------
+        Stiffness S ``(last, last)`` and loads g ``(last, c)`` on these, by ``loads`` ``(k, c)`` on all, and the work ``(c,
+        c)``
+        of the loads with the last freedoms fixed.
+
+    Raises
+    ------
+    LinAlgError
+        Freedoms that do not fix the body.
     """
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
@@ -199,20 +218,22 @@ def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array
 
 
 def lower_corner(L: Array, first: int, size: int) -> Array:
-    """Block ``(size, size)`` from row ``first`` on the diagonal of a lower triangular matrix in bands."""
+    """Return the block ``(size, size)`` from row ``first`` on the diagonal of a lower triangular matrix in bands."""
     place = np.arange(size)
     below = place[:, None] - place
     return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
 
 
 class Body:
-    """A body of revolution, assembled once for all harmonics."""
+    """Body of revolution, assembled once for all harmonics."""
 
     def __init__(
         self, grid: Grid, young: float, poisson: float, layer: Layer | None = None, solid: NDArray[np.bool_] | None = None
     ) -> None:
-        """Find the parts of K of all elements; solid: which of them the body fills. Raises ValueError for an element turned
-        inside out."""
+        """Compute the parts of K of all elements.
+
+        solid: which of them the body fills. Raises ValueError for an element turned inside out.
+        """
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
         if solid is not None:
@@ -225,7 +246,7 @@ class Body:
 
     @cached_property
     def parts(self) -> tuple[csr_array, ...]:
-        """K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, which hold the same entries."""
+        """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, with the same pattern."""
         from scipy.sparse import coo_array
 
         dof = self.freedoms()
@@ -235,7 +256,7 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """The parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
+        """Return parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of their three lines of m freedoms."""
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
         out = np.zeros((3, elements.shape[1], 3, width, 3, 3, width, 3))
@@ -246,13 +267,13 @@ class Body:
 
     @cached_property
     def alike(self) -> NDArray[np.bool_]:
-        """Which rows of elements along r are, but for round-off, as stiff as the row before, ``(rows,)``."""
+        """Return which rows of elements along r are as stiff as the row before, but for round-off, ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
-        """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``: lower bands ``(3, width, k)`` for `solved`."""
+        """Return the parts of K on the ``free`` freedoms ``(3 nodes,)`` as lower bands ``(3, width, k)`` for `solved`."""
         count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
         i = place[self.freedoms()]
         below = np.flatnonzero((i[:, :, None] >= i[:, None]) & (i[:, None] >= 0))
@@ -264,11 +285,11 @@ class Body:
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
     def stiffness(self, n: int) -> csr_array:
-        """K_n ``(3 nodes, 3 nodes)``."""
+        """Return K_n ``(3 nodes, 3 nodes)``."""
         return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 
     def axis_free(self, n: int) -> NDArray[np.bool_]:
-        """Freedoms that a regular field of harmonic n may have on the axis (all where the body has a bore), ``(3 nodes,)``.
+        """Return freedoms that a regular field of harmonic n may have on the axis ``(3 nodes,)``; all for a body with bore.
 
         At r = 0: n = 0 leaves W, n = 1 leaves U and V (that U = -V there is left to the energy), n > 1 nothing.
         """
@@ -279,7 +300,7 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Mean rigid motions of an end section, rows on the freedoms of its grid line, ``(k, 3 columns)``.
+    """Return the mean rigid motions of an end section, rows on the freedoms of its grid line, ``(k, 3 columns)``.
 
     n = 0: axial motion and twist; n = 1: shift across and tilt (u_z = - tilt r cos t); none above.
     """
@@ -302,13 +323,15 @@ def end_motions(body: Body, n: int) -> Array:
 
 @dataclass(frozen=True)
 class BlockSum:
-    """A symmetric matrix ``(size, size)`` as the sum of blocks on its diagonal, each with the place where it begins."""
+    """Symmetric matrix as the sum of blocks on its diagonal."""
 
+    #: Number of rows.
     size: int
+    #: First row and values of each block.
     blocks: tuple[tuple[int, Array], ...]
 
     def whole(self) -> Array:
-        """The matrix."""
+        """Return the matrix."""
         out = np.zeros((self.size, self.size))
         for first, block in self.blocks:
             rows = slice(first, first + len(block))
@@ -316,7 +339,7 @@ class BlockSum:
         return out
 
     def reach(self, low: int, high: int) -> tuple[int, int]:
-        """First row, and last + 1, that columns ``low`` to ``high`` - 1 may reach."""
+        """Return first row, and last + 1, that columns ``low`` to ``high`` - 1 may reach."""
         met = [(first, first + len(b)) for first, b in self.blocks if first < high and first + len(b) > low]
         return min((x[0] for x in met), default=low), max((x[1] for x in met), default=low)
 
@@ -329,12 +352,35 @@ def line_compliance(
     rows: tuple[int, int],
     springs: Sequence[float] = (),
 ) -> list[BlockSum]:
-    """Motion of the nodes of grid line r = ``line`` by loads on them, ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W
-    node by node; that of waves is made of blocks about as long as these reach.
+    """Return the motion of the nodes of grid line r = ``line`` by loads on them, for each harmonic.
 
-    held ``(3 nodes,)``: fixed freedoms; rows (first, last + 1): which lines in z are loaded and watched; springs: shift,
-    tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1 have two more
-    rows and columns: the mean motions of the high end (`end_motions`). Raises LinAlgError where the body is not held.
+    Parameters
+    ----------
+    body
+        The body.
+    harmonics
+        The harmonics.
+    held
+        Fixed freedoms ``(3 nodes,)``.
+    line
+        Number of the line.
+    rows
+        First, and last + 1, of the lines in z that are loaded and observed.
+    springs
+        Shift, tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1
+        have
+        two more rows and columns: the mean motions of the high end (`end_motions`).
+
+    Returns
+    -------
+        ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W node by node; that of waves is made of blocks about as long as
+        these
+        reach.
+
+    Raises
+    ------
+    LinAlgError
+        A body that is not fixed.
     """
     n, size = np.asarray(harmonics), max(3 * (rows[1] - rows[0]), 9 * body.grid.shape[1])  # loads, and freedoms of a row
     most = max(1, AT_ONCE // size**2)
@@ -345,20 +391,25 @@ def line_compliance(
 
 @dataclass(frozen=True)
 class Stretch:
-    """A stretch of a body in h harmonics, of which the lines along r at its ends are left, q freedoms in all: stiffness
-    ``(h, q, q)`` of these, forces ``(h, q, k)`` on them by k unit loads between, and motion ``(h, k, k)`` of the places of
-    these loads with those lines held: the sum of blocks ``(h, w, w)`` on its diagonal, each with its first load."""
+    """Stretch of a body in h harmonics, condensed to the lines along r at its ends, q freedoms in all."""
 
+    #: Of these freedoms ``(h, q, q)``.
     stiffness: Array
+    #: On them by k unit loads between ``(h, q, k)``.
     forces: Array
+    #: Of the loaded positions with those lines fixed: blocks ``(h, w, w)`` on the diagonal, each with its first load.
     motion: tuple[tuple[int, Array], ...] = ()
 
 
 def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act; at an end of the body, a
-    stretch has one line.
+    """Return two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act.
 
-    A load of which less than round-off reaches that line does nothing there. Raises LinAlgError where it is not held.
+    At an end of the body, a stretch has one line. A load of which less than round-off reaches that line does nothing there.
+
+    Raises
+    ------
+    LinAlgError
+        A line that is not fixed.
     """
     h, m, between = loads.shape
     low, high = a.stiffness.shape[1] - m, b.stiffness.shape[1] - m
@@ -374,7 +425,7 @@ def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
 
 def without_line(stretch: Stretch, line: slice) -> Stretch:
-    """A stretch without the freedoms ``line`` of those that are left of it."""
+    """Return a stretch without some of its remaining freedoms."""
     K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
@@ -390,7 +441,7 @@ def without_line(stretch: Stretch, line: slice) -> Stretch:
 
 
 def repeated(stretch: Stretch, count: int, loads: Array) -> Stretch:
-    """Equal stretches in a row, by doubling; loads: on each of the lines between."""
+    """Return equal stretches in a row, by doubling; loads: on each of the lines between."""
     if count == 1:
         return stretch
     half = repeated(stretch, count // 2, loads)
@@ -401,7 +452,7 @@ def repeated(stretch: Stretch, count: int, loads: Array) -> Stretch:
 def _by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[BlockSum]:
-    """`line_compliance` of harmonics n (0 or 1 alone): rows of elements are joined, those that are alike by doubling."""
+    """Return `line_compliance` of harmonics n (0 or 1 only), by joining rows of elements, equal ones by doubling."""
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])
     free = np.array([~held & body.axis_free(i) for i in n.tolist()]).reshape(n.size, count, width)

@@ -1,8 +1,8 @@
 """Corrections of the smooth body of revolution for its groove: the equivalent surface, and each contact's own flank.
 
-A contact moves by its own load as the smooth body with a wide patch says, plus the difference of the true flank with a
-narrow patch and the smooth body with the wide one, both on half a lead and held alike, less a half space under the narrow
-patch, which Hertz's law holds already. Pressure acts and presses in along the flank's own normals, which turn over a patch:
+A contact moves by its own load as the smooth body with a wide patch gives, plus the difference of the true flank with a
+narrow patch and the smooth body with the wide one, both on half a lead and fixed alike, less a half space under the narrow
+patch, which Hertz's law contains already. Pressure acts and presses in along the flank's normals, which turn over a patch:
 loads along one fixed direction would move it by (1 - 2 nu)/(8 pi G rho) more. Below the narrow patch only curvature counts,
 by the logarithm of the contact's size and by its shape (`at_size`).
 """
@@ -29,8 +29,10 @@ LARGEST_POWER = 200.0
 
 
 def smooth_radius(flank: Flank, power: int) -> float:
-    """Radius [m] of the smooth surface that keeps the body's volume (``power`` 2), or of the bore that keeps the mean ring
-    bending stiffness, wall^3 (``power`` 3)."""
+    """Return the radius of the smooth surface that represents the groove [m].
+
+    power 2: keeps the body's volume; power 3: keeps the mean ring bending stiffness, wall^3, of a bore.
+    """
     grid = flank.grid()
     line = -1 if flank.screw else 0
     r, z = grid.r[:, line], grid.z[:, line]
@@ -40,7 +42,7 @@ def smooth_radius(flank: Flank, power: int) -> float:
 
 
 def groove_layer(flank: Flank, section: BeamSection) -> Layer:
-    """The nut's grooves as a layer between lands and root, as stiff in stretch and twist as the grooved body's section."""
+    """Return the nut's grooves as a layer between lands and root, as stiff in stretch and twist as the grooved section."""
     r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
     share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
     young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.far)
@@ -56,8 +58,10 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
-    """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface;
-    with ``moment`` 1 each times its distance along the arc from that point over the width. And the z of the nodes."""
+    """Return the shares ``(k,)`` of a Gaussian patch of arc length on the nodes of the grid's surface, and the nodes' z.
+
+    Around the point at ``zeta``; with ``moment`` 1 each times its distance along the arc from that point over the width.
+    """
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
     N, slope = quadratic(node)
@@ -83,8 +87,10 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int 
 
 
 def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
-    """Harmonics at which a smooth series is sampled, from ``first`` to ``limit``: up to 4 all, then each ``step`` times the
-    last."""
+    """Return harmonics at which a smooth series is sampled, from ``first`` to ``limit``.
+
+    Up to 4 all, then each ``step`` times the last.
+    """
     harmonics = [first]
     while harmonics[-1] < limit:
         harmonics.append(max(harmonics[-1] + 1, int(np.ceil(step * harmonics[-1])) if harmonics[-1] > 3 else 0))
@@ -92,8 +98,10 @@ def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
 
 
 def spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
-    """Cubic spline through values ``(k, ...)`` at places ``(k,)``; scipy.interpolate is slow to import, and not needed for
-    bodies whose compliance is known."""
+    """Return the cubic spline through values ``(k, ...)`` at positions ``(k,)``.
+
+    scipy.interpolate is slow to import, and not needed for bodies whose compliance is cached.
+    """
     from scipy.interpolate import CubicSpline
 
     found: Callable[[Array], Array] = CubicSpline(known, values)
@@ -101,12 +109,12 @@ def spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
 
 
 def every_harmonic(n: Array, values: Array) -> Array:
-    """Quantities sampled at harmonics ``n`` ``(k, ...)``, at all from the first to the last of them."""
+    """Return quantities sampled at harmonics ``n`` ``(k, ...)`` at all harmonics from the first to the last of them."""
     return np.asarray(spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
-    """Unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, of either sense; mean of both elements'."""
+    """Return unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, of either sense; mean of both elements'."""
     r, z = grid.r[:, line], grid.z[:, line]
     slope = quadratic(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
@@ -118,8 +126,7 @@ def flank_normals(grid: Grid, line: int) -> Array:
 
 
 def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
-    """Unit forces ``(k, 2)`` (r, z) of a patch of ``width`` at ``zeta`` [m] on the nodes of the grid's surface, along its
-    normals."""
+    """Return unit forces ``(k, 2)`` (r, z) of a patch of ``width`` at ``zeta`` [m] on surface nodes, along its normals."""
     line = grid.shape[1] - 1 if flank.screw else 0
     share, _ = flank_weights(grid, line, zeta, width)
     m = flank.map
@@ -129,8 +136,12 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
 
 
 def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
-    """Motions ``(k,)`` [m/N] of one flank's patch by its own load in harmonics ``n``, half a lead with the other flank
-    unloaded; load: the forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones."""
+    """Return the motions ``(k,)`` [m/N] of one flank's patch by its own load in harmonics ``n``.
+
+    Half a lead with the other flank unloaded; load: forces on the grid ``(rows, columns, 3)`` for equal loads on both
+    flanks
+    and for opposite ones.
+    """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
     body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
@@ -154,22 +165,24 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
 
 
 def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Motion [m/N] of one flank's patch of ``width`` [m] by its own load in all harmonics, as `own_waves`."""
+    """Return the motion [m/N] of one flank's patch of ``width`` [m] by its own load in all harmonics, as `own_waves`."""
     n = harmonics_to(2.6 * flank.contact()[0] / width)
     waves = every_harmonic(n, own_waves(flank, grid, load, n))
     return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
 
 
 def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Loads for `own_waves`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
+    """Return the loads for `own_waves`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
     return force, force
 
 
 def finer(flank: Flank, coarse: Grid, last: int) -> float:
-    """What a narrow patch on half a lead moves by its own load [m/N] beyond what a ``coarse`` grid knows up to harmonic
-    ``last``: the finer grid's difference there, and all harmonics above."""
+    """Return what a narrow patch moves by its own load beyond what a coarse grid resolves [m/N].
+
+    Up to harmonic ``last`` the difference of the finer grid there, and all harmonics above.
+    """
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)
     sampled = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
@@ -185,18 +198,26 @@ def finer(flank: Flank, coarse: Grid, last: int) -> float:
 
 @dataclass(frozen=True)
 class RingCompliance:
-    """Motion of both flanks of a grooved ring by loads on them, ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z; a ring
-    is a body of revolution with its groove, so nothing is left out. normals: what loads along the flank's normals in place
-    of the nominal one add to a contact's own motion [m/N]; width: of the patches [m]; radius: of the contacts."""
+    """Motion of both flanks of a grooved ring by loads on them.
 
+    A ring is a body of revolution with its groove, so nothing is left out.
+    """
+
+    #: ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z.
     S: Array
+    #: What loads along the flank's normals in place of the nominal one add to a contact's own motion [m/N].
     normals: float
+    #: Of the patches [m].
     width: float
+    #: Of the contacts [m].
     radius: float
 
 
 def ring_compliance(flank: Flank, held: str) -> RingCompliance:
-    """Compliance of a ring on its narrow patches, held at its "bore", "outer" surface, or "low", "high", "both" faces."""
+    """Return the compliance of a ring on its narrow patches.
+
+    Fixed at its ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"``, ``"both"`` faces.
+    """
     half = flank.grid()
     grid = Grid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
     body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
@@ -229,12 +250,15 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
 
 
 def patch_shares(n: Array, width: float, radius: float) -> Array:
-    """What a Gaussian patch of ``width`` [m] along the circumference takes of the motion in harmonics ``n``."""
+    """Return what a Gaussian patch of ``width`` [m] along the circumference takes of the motion in harmonics ``n``."""
     return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
 
 def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
-    """Compliance ``(4 N, 4 N)`` between the contacts of a ring at the balls' azimuths, all left ones first; axes r, z."""
+    """Return the compliance ``(4 N, 4 N)`` between the contacts of a ring at the balls' azimuths.
+
+    All left ones first; axes r, z.
+    """
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]
     G = np.zeros((2, N, 2, 2, N, 2))

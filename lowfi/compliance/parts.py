@@ -1,6 +1,6 @@
-"""What stands for screw and nut between their contacts, by backend: grooved sections, smooth bodies, where they are held.
+"""Idealisation of screw and nut between their contacts, by backend: grooved sections, smooth bodies, where they are fixed.
 
-Everything here depends only on a scene's geometry. Finite elements are imported where a geometry is not known yet.
+Everything here depends only on a scene's geometry. Finite elements are imported where a geometry is not cached.
 """
 
 from __future__ import annotations
@@ -43,24 +43,26 @@ CLAMPED = ("low", "high", "both", "flange")
 
 @dataclass(frozen=True)
 class Backend:
-    """What answers a contact force. section: of the screw's beam, the scene's (Lin C.8) or the grooved cell's; screw and
-    nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
+    """Model of the compliance of screw, nut and balls beyond Hertz's contacts."""
 
-    width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove;
-    bore: the nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean
-    wall^3 (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``);
-    harmonics, mesh: number of harmonics and fineness of the elements as multiples of the chosen ones; flank: each
-    contact's own flank, or a half space at the smooth surface.
-    """
-
+    #: Section of the screw's beam, the scene's (Lin C.8) or the grooved cell's.
     section: Literal["scene", "cell"] = "cell"
+    #: Screw as a beam, or also with the Fourier kernel beyond it.
     screw: Literal["beam", "kernel"] = "kernel"
+    #: Nut rigid beyond its contacts, as a beam, or with the Fourier kernel.
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
+    #: Ball as two half spaces (Hertz) or as an elastic sphere.
     ball: Literal["half space", "sphere"] = "sphere"
+    #: Standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove.
     width: float = 1.0
+    #: Nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean wall^3
+    #: (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``).
     bore: Literal["layer", "ring", "volume", "land"] = "layer"
+    #: Number of harmonics as a multiple of the chosen one.
     harmonics: float = 1.0
+    #: Fineness of the elements as a multiple of the chosen one.
     mesh: float = 1.0
+    #: Whether each contact has its own flank; otherwise a half space at the smooth surface.
     flank: bool = True
 
 
@@ -72,12 +74,12 @@ LADDER = {
     "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
     "refined": REFINED,
 }
-#: Words for a body without compliance of its own.
+#: Statement for a body without compliance.
 RIGID = "rigid apart from the Hertzian contacts"
 
 
 def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
-    """Statements on how a backend idealises a scene's bodies. Raises ValueError as `meshes.solid.dimensions`."""
+    """Return statements on how a backend idealises a scene's bodies; raises ValueError as `meshes.solid.dimensions`."""
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
     smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
@@ -101,7 +103,7 @@ def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
 
 @lru_cache(maxsize=64)
 def geometry_only(scene: Scene) -> Scene:
-    """The scene without loads, supports, errors, words and choices: what the bodies' compliance depends on."""
+    """Return the scene with only what the bodies' compliance depends on: no loads, supports, errors, names and choices."""
     return Scene(
         "",
         "",
@@ -116,13 +118,13 @@ def geometry_only(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=64)
 def with_balls(scene: Scene) -> tuple[Scene, Array]:
-    """The scene without all but the parts and the balls' own places, and their azimuths ``(N,)`` [rad]."""
+    """Return the scene with only the parts and the balls' positions, and their azimuths ``(N,)`` [rad]."""
     return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
 
 
 @lru_cache(maxsize=64)
 def flank_of(scene: Scene, screw: bool) -> Flank:
-    """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
+    """Return the groove of screw or nut on half a lead, or half a ring's width; ValueError for impossible dimensions."""
     dims = dimensions(scene)
     m = GrooveMap.of(scene)
     low, high = dims.ends(scene)
@@ -135,7 +137,7 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
 
 @lru_cache(maxsize=64)
 def held_at(scene: Scene, screw: bool) -> str:
-    """Where the smooth body is held: see `Tube`; "rigid" where the body does not move beyond its contacts."""
+    """Return where the smooth body is fixed (see `Tube`); "rigid" where the body does not move beyond its contacts."""
     dims = dimensions(scene)
     if not screw:
         return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
@@ -146,7 +148,7 @@ def held_at(scene: Scene, screw: bool) -> str:
 
 @lru_cache(maxsize=64)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
-    """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    """Return section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     if geometry.track.lead == 0.0 and screw:
         return screw_section(geometry)
     return section_of(flank_of(geometry, screw))
@@ -155,7 +157,7 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
 @lru_cache(maxsize=64)
 @kept(BeamSection)
 def section_of(flank: Flank) -> BeamSection:
-    """The same by the body's groove, kept for scenes whose other body differs."""
+    """Return the section constants of a grooved body, cached for scenes whose other body differs."""
     from rollbench.lowfi.compliance.groove import smooth_radius
     from rollbench.lowfi.compliance.tube import cell_section
 
@@ -165,7 +167,7 @@ def section_of(flank: Flank) -> BeamSection:
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
-    """The smooth body of revolution that stands for screw or nut."""
+    """Return the smooth body of revolution that represents screw or nut."""
     from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
     from rollbench.lowfi.compliance.tube import Tube
 
@@ -191,13 +193,15 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
-    """Whether a body is a ring with one groove around it, and so a body of revolution itself."""
+    """Return whether a body is a ring with one groove around it, and so a body of revolution itself."""
     return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
 
 
 def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
-    """Ends [m] of the beam that stands for a nut, and which of them are clamped: a flange holds it at its face, or where
-    its bonded fit ends, and gives way as the smooth body does."""
+    """Return the ends [m] of the beam that represents a nut, and which of them are clamped.
+
+    A flange clamps it at its face, or where its bonded fit ends, and deforms as the smooth body does.
+    """
     if tube.held != "flange" or tube.flange is None:
         return tube.ends, tube.held
     base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
@@ -205,7 +209,7 @@ def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
 
 
 def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
-    """Rows and columns of some flanks ``(2 c, 2 c)`` of a matrix of both ``(4 N, 4 N)``."""
+    """Return rows and columns of some flanks ``(2 c, 2 c)`` of a matrix of both ``(4 N, 4 N)``."""
     if len(flanks) == len(BOTH):
         return G
     half = len(G) // 2

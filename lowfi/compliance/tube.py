@@ -1,8 +1,8 @@
-"""A plain tube or shaft loaded over small patches on its groove: compliance between contacts by Fourier harmonics.
+"""Plain tube or shaft loaded over small patches on its groove: compliance between contacts by Fourier harmonics.
 
 Section constants of a grooved shaft or nut from half a lead of it, a ring groove in place of the helix: the groove has the
 exact axial section of the helical one. Between two planes of symmetry (mid groove, mid land) the cell is stretched, twisted
-and bent by the motions that symmetry leaves to those planes; what it stores gives EA, GJ and EI.
+and bent by the motions that symmetry leaves to those planes; its strain energy gives EA, GJ and EI.
 """
 
 from __future__ import annotations
@@ -37,17 +37,22 @@ MESH = (8, 5, 8)
 
 @dataclass(frozen=True)
 class CellSection:
-    """Beam section of a grooved body, and the free radii [m] of plain ones of equal axial, bending and torsional
-    stiffness (outer radius of a shaft, bore radius of a nut)."""
+    """Beam section of a grooved body."""
 
+    #: Its constants.
     section: BeamSection
+    #: Free radii [m] of plain bodies of equal axial, bending and torsional stiffness: outer radius of a shaft, bore radius
+    #: of a nut.
     radii: tuple[float, float, float]
 
 
 def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
-    """Points (r, zeta) ``(count,)`` [m] of one flank from the apex (zeta = 0) to the edge of the land at radius ``land``.
+    """Return points (r, zeta) ``(count,)`` [m] of one flank from the apex (zeta = 0) to the edge of the land.
 
-    Raises ValueError where the land's cylinder does not cut the flank.
+    Raises
+    ------
+    ValueError
+        A land whose cylinder does not cut the flank.
     """
     side = 1 if screw else 3
     centre, radius = m.centre[side], m.radius[side]
@@ -73,11 +78,27 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
 def cell_grid(
     m: GrooveMap, land: float, far: float, screw: bool, mesh: tuple[int, int, int] = MESH, half: float | None = None
 ) -> Grid:
-    """Half a lead of the body between mid groove and mid land; ``far``: its plain surface (bore or outer radius) [m].
+    """Return the grid of half a lead of the body between mid groove and mid land.
 
-    half: length [m] of a body without lead on each side of its groove.
+    Parameters
+    ----------
+    m
+        Geometry of the groove.
+    land
+        Radius of the lands [m].
+    far
+        Radius of the plain surface, bore or outer radius [m].
+    screw
+        Whether of the screw; otherwise of the nut.
+    mesh
+        Numbers of elements.
+    half
+        Length of a body without lead on each side of its groove [m].
 
-    Raises ValueError where grooves of neighbouring turns overlap.
+    Raises
+    ------
+    ValueError
+        Grooves of neighbouring turns that overlap.
     """
     half = pi * abs(m.rg) / m.starts if half is None else half
     r, zeta = groove_line(m, land, screw, 2 * mesh[0] + 1)
@@ -92,10 +113,22 @@ def cell_grid(
 
 
 def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: Material) -> CellSection:
-    """Section constants of a grooved shaft (``screw``) or nut; shear as for the plain section of equal torsional stiffness:
-    both are shear along the axis.
+    """Return the section constants of a grooved shaft or nut.
 
-    land: radius of the lands; far: bore of the shaft, or outer radius of the nut [m]. A track without lead has no cell.
+    Shear as for the plain section of equal torsional stiffness: both are shear along the axis.
+
+    Parameters
+    ----------
+    m
+        Geometry of the groove; a track without lead has no cell.
+    land
+        Radius of the lands [m].
+    far
+        Bore radius of the shaft, or outer radius of the nut [m].
+    screw
+        Whether of the screw; otherwise of the nut.
+    material
+        Of the body.
     """
     if m.rg == 0.0:
         raise ValueError("a track without lead has no repeating cell")
@@ -117,7 +150,7 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def stiffness_of(body: Body, kind: str) -> float:
-    """Stiffness of the cell [N/m or N m]: twice its energy when its far plane of symmetry moves by one unit.
+    """Return the stiffness of the cell [N/m or N m], twice its energy when its far plane of symmetry moves by one unit.
 
     axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
     """
@@ -163,29 +196,38 @@ SHAPES = quadratic(NODE)[0]
 
 @dataclass(frozen=True)
 class Tube:
-    """Plain body of revolution that stands for screw or nut: bore and outer radius, ends [m], where it is held ("low",
-    "high", "both" faces, "bore", "outer", "flange", or "section": its low end on springs by its mean motions), radius at
-    which contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m], the
-    layer that stands for grooves in its bore, the flange around it."""
+    """Plain body of revolution that represents screw or nut."""
 
+    #: Bore radius [m].
     bore: float
+    #: Outer radius [m].
     outer: float
+    #: Stations of its ends [m].
     ends: tuple[float, float]
+    #: Where it is fixed: ``"low"``, ``"high"``, ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``, or ``"section"``:
+    #: its low end on springs by its mean motions.
     held: str
+    #: Radius at which contacts load it [m].
     radius: float
+    #: Standard deviation of the patches [m].
     width: float
+    #: Number of harmonics.
     harmonics: int
+    #: Element sizes in z and r [m].
     size: tuple[float, float]
+    #: Of the body.
     material: Material
+    #: Layer that represents grooves in its bore.
     layer: Layer | None = None
+    #: Flange around it.
     flange: Flange | None = None
 
     def body(self, grid: Grid) -> Body:
-        """Its stiffness on a grid, which may reach beyond it around a flange."""
+        """Return its stiffness on a grid, which may reach beyond it around a flange."""
         return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer, self.solid(grid))
 
     def solid(self, grid: Grid) -> NDArray[np.bool_]:
-        """Which elements of a grid it fills, ``(elements,)``: beside the sleeve, those of the flange."""
+        """Return which elements of a grid it fills ``(elements,)``: with the sleeve, those of the flange."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
             return np.ones(r.size, dtype=bool)
@@ -194,7 +236,7 @@ class Tube:
 
     @cached_property
     def section(self) -> BeamSection:
-        """The beam that it is to stretch, twist and bend far from loads and ends."""
+        """Return the beam that stretches, twists and bends like it far from loads and ends."""
         if self.layer is None:
             return tube_section(2.0 * self.outer, 2.0 * self.bore, self.material)
         length = self.size[0]
@@ -208,29 +250,35 @@ class Tube:
 
 @dataclass(frozen=True)
 class TubeCompliance:
-    """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: line, for each harmonic a symmetric
-    matrix ``(3 k, 3 k)``, freedoms r, t, z station by station. Of a shaft held by its section, for harmonics 0 and 1, by
-    loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`), two rows and columns more in line:
-    ends ``(2, 3, k)``, the line (r, t, z), and corner ``(2, 2)``, these motions themselves."""
+    """Motion of the loaded grid line by loads on it, at k stations."""
 
+    #: The body.
     tube: Tube
+    #: Stations ``(k,)`` [m].
     z: Array
+    #: For each harmonic a symmetric matrix ``(3 k, 3 k)`` [m/N], freedoms r, t, z station by station. Of a shaft fixed by
+    #: its section, in harmonics 0 and 1, two rows and columns more, for loads on the mean motions of its high end.
     line: tuple[BlockSum, ...]
+    #: Motion of the line (r, t, z) by those loads ``(2, 3, k)``.
     ends: tuple[Array, ...] = ()
+    #: Those mean motions themselves ``(2, 2)``.
     corner: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
 class Points:
-    """Contact points on a body: azimuth and z ``(c,)``, axes ``(c, 2, 3)`` of their motion in (r, t, z) there."""
+    """Contact points on a body."""
 
+    #: ``(c,)`` [rad].
     azimuth: Array
+    #: ``(c,)`` [m].
     z: Array
+    #: Axes of their motion in (r, t, z) there ``(c, 2, 3)``.
     axes: Array
 
 
 def points_of(x: Array, axes: Array) -> Points:
-    """Points ``(c, 3)`` [m] and axes ``(c, 2, 3)`` in space, in cylindrical components."""
+    """Return points ``(c, 3)`` [m] and axes ``(c, 2, 3)`` in space in cylindrical components."""
     t = np.arctan2(x[:, 1], x[:, 0])
     c, s = np.cos(t), np.sin(t)
     r_hat = np.stack([c, s, 0 * c], axis=-1)
@@ -240,7 +288,7 @@ def points_of(x: Array, axes: Array) -> Points:
 
 
 def radial_ends(tube: Tube) -> tuple[Array, int]:
-    """Element ends in r with one at the loaded radius, fine near it; index of that node line."""
+    """Return element ends in r with one at the loaded radius, fine near it, and the index of that node line."""
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
 
@@ -258,7 +306,7 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
-    """Element ends in z: uniform over ``zone`` [m], which the contacts load, growing beyond it."""
+    """Return element ends in z: uniform over ``zone`` [m], which the contacts load, growing beyond it."""
     (low, high), h = tube.ends, tube.size[0]
     a, b = max(low, zone[0]), min(high, zone[1])
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
@@ -273,7 +321,7 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
 
 
 def with_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
-    """Element ends in r and z with those of the tube's flange and of where it may be held."""
+    """Return element ends in r and z with those of the tube's flange and of where it may be fixed."""
     if tube.flange is None:
         return r_ends, z_ends
     size, stops = tube.size[0], np.unique([tube.outer, *tube.flange.seat, tube.flange.diameter / 2.0])
@@ -287,7 +335,7 @@ def with_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]
 
 
 def held_nodes(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
-    """Which freedoms ``(3 nodes,)`` of a grid are held; those of nodes beyond the tube too."""
+    """Return which freedoms ``(3 nodes,)`` of a grid are fixed, with those of nodes beyond the tube."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.cells()[tube.solid(grid)].ravel()] = False
     held = np.repeat(beyond, 3).reshape(*grid.shape, 3)
@@ -309,7 +357,7 @@ def held_nodes(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
-    """Compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that holds every contact."""
+    """Return compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that contains every contact."""
     r_ends, line = radial_ends(tube)
     grid = tube_grid(*with_flange(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
@@ -327,13 +375,13 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
-    """Springs [N/m, N m] at the low end of a shaft held by its mean motions: shift, tilt, axial, twist."""
+    """Return springs [N/m, N m] at the low end of a shaft fixed by its mean motions: shift, tilt, axial, twist."""
     stiff = tube.material.youngs_modulus * tube.outer
     return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
 
 
 def patch_weights(z: Array, at: Array, width: float) -> Array:
-    """Shares ``(c, k)`` of a Gaussian patch around ``at`` ``(c,)`` on the nodes of quadratic elements z ``(k,)``."""
+    """Return shares ``(c, k)`` of a Gaussian patch around ``at`` ``(c,)`` on the nodes of quadratic elements z ``(k,)``."""
     low, high = z[:-2:2], z[2::2]
     x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
     density = np.exp(-0.5 * ((x[None] - at[:, None, None]) / width) ** 2) * (0.5 * (high - low)[:, None] * WEIGHT)
@@ -345,10 +393,11 @@ def patch_weights(z: Array, at: Array, width: float) -> Array:
 
 
 def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] between all contacts, each a Gaussian patch; two axes a contact.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between all contacts, each a Gaussian patch with two axes.
 
     Spreading a force around the axis lessens what it does to harmonic n by exp(-(n width / radius)^2 / 2), but for 0 and 1:
-    there a patch must have the resultant of its force, which a beam answers too (``resultant``; else they are lessened like
+    there a patch must have the resultant of its force, to which a beam responds too (``resultant``; else they are lessened
+    like
     the others, as a true patch is).
 
     A load at azimuth s makes cos(n (t - s)) of radial and axial motion and sin(n (t - s)) of the other (the reverse if it
@@ -395,14 +444,16 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def on_line(tube: Tube, x: Array) -> Array:
-    """Points ``(c, 3)`` [m] where the tube takes the loads of contacts at x: on its surface where these lie beyond it."""
+    """Return points ``(c, 3)`` [m] where tube takes the loads of contacts at x: its surface where these lie beyond it."""
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
-    """Motion of contacts ``(c, 3)`` along their axes ``(c, 2, 3)`` by that of their section ``(2 c, 6)``, the section
-    taken at the own station or at ``origin`` [m]."""
+    """Return the motion of contacts along their axes by that of their section ``(2 c, 6)``.
+
+    Contacts ``(c, 3)`` [m], axes ``(c, 2, 3)``; the section taken at each contact's station or at ``origin`` [m].
+    """
     arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
     out = np.empty((*axes.shape[:2], 6))
     out[..., :3] = axes
@@ -412,15 +463,28 @@ def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
-    """Share ``(2 c, 2 c)`` of the end springs in the compliance of a shaft held by its section."""
+    """Return the share ``(2 c, 2 c)`` of the end springs in the compliance of a shaft fixed by its section."""
     shift, tilt, axial, twist = end_springs(tube)
     rows = motion_rows(x, axes, tube.ends[0])
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
 
 
 def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)) -> Array:
-    """Compliance ``(k, m)`` of motions on a Timoshenko cantilever held at ``base`` [m]; rows ``(k, 6)`` of the section's
-    motion at ``stations`` ``(k,)`` [m], loads on those ``loaded``, m."""
+    """Return the compliance ``(k, m)`` of motions on a Timoshenko cantilever.
+
+    Parameters
+    ----------
+    rows
+        Of the section's motion ``(k, 6)``.
+    stations
+        ``(k,)`` [m].
+    base
+        Station of the fixed end [m].
+    section
+        Of the beam.
+    loaded
+        Which m of the motions are loaded.
+    """
     left, shift, turn = (stations - base)[:, None], rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
     by = np.arange(len(rows))[loaded]
@@ -439,7 +503,7 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
 
 
 def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:
-    """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]."""
+    """Return the compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]."""
     low, high = ends
     if held != "both":
         return cantilever(rows, stations, low if held == "low" else high, section)

@@ -2,12 +2,11 @@
 
 A bearing is a ball screw of zero lead whose "screw" is the inner ring. Axes at the ball: x along the bearing's axis, y
 radially outward, z along the ball's path (z3, x3, y3 of a screw). Contacts in the order IL, IR, OR, OL (inner or outer
-ring, left or right: towards -x or +x). The inner ring turns about x, the outer ring stands. Friction does not change the
-contact loads here: they lie in the x-y plane, friction along z.
+ring, left or right: towards -x or +x). The inner ring turns about x, the outer ring is at rest. Friction does not change
+the contact loads here: they lie in the x-y plane, friction along z.
 
 Pairs are a four-point and a double-row angular-contact bearing, their torque against the load's angle. Loads of all balls
-between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation. A bearing is a ball screw of
-zero lead whose "screw" is the inner ring; friction then does not change the loads.
+between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation.
 """
 
 from __future__ import annotations
@@ -46,17 +45,17 @@ AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 @keyed
 @dataclass(frozen=True)
 class Bearing(ScrewGroove):
-    """A bearing with gothic grooves, of zero lead; its inner ring turns at ``screw_speed``.
+    """Bearing with gothic grooves, of zero lead; its inner ring turns at ``screw_speed``."""
 
-    clearance [m]: play of the ball along each contact normal, negative for an oversize.
-    """
-
+    #: Play of the ball along each contact normal [m], negative for an oversize.
     clearance: float = usual(0.0)
 
     @cached_property
     def constants(self) -> Constants:
-        """Hertz constants at the nominal contact angle: exact ones by the radius along the ring (R_P -+ R_B cos beta) / cos
-        beta, which is a helicoid's at no lead but for round-off; printed ones as those of a screw."""
+        """Hertz constants at the nominal contact angle, by the radius along the ring (R_P -+ R_B cos beta)/cos beta.
+
+        That is a helicoid's at zero lead but for round-off; printed ones are those of a screw.
+        """
         if self.hertz != "right":
             return super().constants
         cos, ball = np.cos(self.contact_angle), 1.0 / self.ball_radius
@@ -69,28 +68,50 @@ class Bearing(ScrewGroove):
 
 @dataclass(frozen=True)
 class Solution:
-    """A ball under load: loads, contacts, the problem of motion, its solution, torque on the inner ring [N m]."""
+    """Ball under load with its motion."""
 
+    #: The bearing.
     bearing: Bearing
+    #: Contact loads.
     load: Settled
+    #: Contacts as friction needs them.
     at: Contacts
+    #: Problem of the ball's motion.
     problem: Problem
+    #: The motion.
     motion: Motion
+    #: On the inner ring [N m].
     torque: float
 
     @property
     def input_power(self) -> float:
-        """Power [W] that turns the inner ring, torque times speed; equals the loss where friction balances."""
+        """Power that turns the inner ring, torque times speed [W]; equals the loss where friction balances."""
         return self.torque * self.bearing.screw_speed
 
 
 def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> Settled:
-    """Contact loads for an axial force [N] on the inner ring and its radial displacement u_y [m] towards the ball.
+    """Return the contact loads of a ball, the least of the energy of `lowfi.friction.contact.rings`.
 
-    Groove centres at the nominal contact angle (Lin 3.2.2). Loads (4,), actual contact angles (4,) from the radial line,
-    place of the ball (2,) along x, y and of the ring (1,) along x: the least of the energy of
-    `lowfi.friction.contact.rings` over the ring's axial displacement and the ball's centre. Contact forces are unique; with
-    no force and play the ball floats, and its place is where the search ends.
+    Contact forces are unique; without force and with play the ball floats, and its position is where the search ends.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    force_x
+        Axial force on the inner ring [N].
+    u_y
+        Radial displacement of the inner ring towards the ball [m].
+
+    Returns
+    -------
+        Loads ``(4,)``, contact angles from the radial line ``(4,)``, position of the ball along x, y ``(2,)`` and of the
+        ring
+        along x ``(1,)``.
+
+    References
+    ----------
+    Lin (2019), 3.2.2: groove centres at the nominal contact angle.
     """
     normals = np.stack([AXIAL * np.sin(bearing.contact_angle), RADIAL * np.cos(bearing.contact_angle)], axis=1)
     cell = CellArrays(
@@ -111,30 +132,33 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> Settled:
 
 
 def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Maps (4, 3, 4) and drives (4, 3) of the ball at contact angles (4,) [rad].
+    """Return the maps ``(4, 3, 4)`` and drives ``(4, 3)`` of the ball's contacts at contact angles ``(4,)`` [rad].
 
-    Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], relative to the turning frame. Rederived from 3.4-3.9;
-    corrects the signs of 3.13 (compare F.1-F.3).
+    Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], relative to the turning frame.
+
+    References
+    ----------
+    Rederived from Lin 3.4 to 3.9; corrects the signs of 3.13 (compare F.1 to F.3).
     """
     maps, drives = bearing.maps(bearing.normals(angles[AROUND]))
     return maps[AROUND][..., TURNS], drives[AROUND]
 
 
 def ball_contacts(bearing: Bearing, load: Settled) -> Contacts:
-    """Friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse."""
+    """Return the friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse."""
     h = bearing.constants
     cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
     return contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
 def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
-    """The problem of motion at given loads of two, three or four contacts and angles; omega_z is zero by symmetry."""
+    """Return the problem of motion at given loads and angles of two to four contacts; omega_z is zero by symmetry."""
     maps, drives = contact_maps(bearing, load.angle)
     return Problem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
 
 
 def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
-    """Torque [N m] about the axis that keeps the inner ring turning: friction's moment on the ball at its contacts."""
+    """Return the torque [N m] about the axis that keeps the inner ring turning, by friction's moment on the ball."""
     radius = bearing.pitch_radius + RADIAL * bearing.ball_radius * np.cos(load.angle)
     along = -AXIAL * np.sin(load.angle)  # of each contact's y on the axis
     moments = radius * motion.friction.force[:, 1] + along * motion.friction.moment
@@ -142,7 +166,23 @@ def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
 
 
 def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False) -> Solution:
-    """Loads, then the motion of least dissipation with Coulomb friction."""
+    """Return loads and the motion of least dissipation of one ball, with Coulomb friction.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    force_x
+        Axial force on the inner ring [N].
+    u_y
+        Radial displacement of the inner ring towards the ball [m].
+    fast
+        Whether to use compiled kernels.
+
+    References
+    ----------
+    Lin (2019), 3.2, with exact Coulomb friction in place of the sigmoid 3.20.
+    """
     load = bearing_load(bearing, force_x, u_y)
     at = ball_contacts(bearing, load)
     problem = motion_problem(bearing, load, at)
@@ -151,9 +191,11 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
 
 
 def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> Solution:
-    """The source's method, faults included: Table B.1's Hertz constants, sigmoid, root of 3.19, torque 3.21.
+    """Return loads and motion by Lin's method with its errors.
 
-    The root is searched from the motion of least dissipation, then if need be with a sigmoid that grows ever sharper.
+    Hertz constants of Table B.1, sigmoid, root of 3.19, torque 3.21. The root is searched from the motion of least
+    dissipation,
+    then if need be with a sigmoid that grows ever sharper.
     """
     least = solve_ball(replace(bearing, hertz="as printed"), force_x, u_y, fast)
     motion = balance_by_root(least.problem, law, least.motion.q, fast)
@@ -163,9 +205,9 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 
 
 def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> list[Solution]:
-    """Solutions over the radial displacement u_y (n,) [m] (Figure 3.7), each on its own.
+    """Return solutions over radial displacements u_y ``(n,)`` [m] (Lin Figure 3.7), each solved separately.
 
-    law: the source's own way with that law, as ``solve_ball_as_printed``; without, least dissipation.
+    law: friction law of `solve_ball_as_printed`; without it, least dissipation.
     """
     if law is None:
         return [solve_ball(bearing, force_x, float(u), fast=True) for u in u_y]
@@ -181,30 +223,34 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 
 @dataclass(frozen=True)
 class BallRow:
-    """One row of balls: axial place [m] and the contacts (SL, SR, NL, NR; S: inner ring) that its grooves have."""
+    """Row of balls of a bearing."""
 
+    #: Axial position [m].
     place: float
+    #: Contacts that its grooves have (SL, SR, NL, NR; S: inner ring).
     contacts: tuple[bool, bool, bool, bool]
 
 
 @keyed
 @dataclass(frozen=True)
 class BearingCase:
-    """A bearing, inner ring turning and loaded, outer ring held; SI.
+    """Bearing with a turning, loaded inner ring and a fixed outer ring."""
 
-    groove: lead 0; count: balls per row; force [N] in the plane of x and z at the angle from the axis z given to
-    ``solve_bearing``; clearance [m] of the ball's radius at each contact, negative for preload; tilt: whether the inner
-    ring may tilt; phase: azimuth of the first ball, as a fraction of the distance between balls, 0 on x; arm [m]: axial
-    place where the force acts.
-    """
-
+    #: Its grooves; lead 0.
     groove: ScrewGroove
+    #: Balls per row.
     count: int
+    #: The rows.
     rows: tuple[BallRow, ...]
+    #: In the plane of x and z, at the angle from the axis z given to `solve_bearing` [N].
     force: float
+    #: Of the ball's radius at each contact [m], negative for preload.
     clearance: float = usual(0.0)
+    #: Whether the inner ring may tilt.
     tilt: bool = usual(False)
+    #: Azimuth of the first ball, as a fraction of the distance between balls, 0 on x.
     phase: float = usual(0.0)
+    #: Axial position where the force acts [m].
     arm: float = usual(0.0)
 
     def __post_init__(self) -> None:
@@ -215,21 +261,24 @@ class BearingCase:
 
 @dataclass(frozen=True)
 class BearingState:
-    """Loads (N, 4) [N], N balls of all rows in order, losses (N, 4) [W], friction torque [N m] on the inner ring.
+    """Loads and friction of a bearing with N balls of all rows in order."""
 
-    points (N,): loaded contacts of each ball; converged: loads and every motion.
-    """
-
+    #: Contact loads ``(N, 4)``.
     load: Settled
+    #: Losses at the contacts ``(N, 4)`` [W].
     loss: Array
+    #: Friction torque on the inner ring [N m].
     torque: float
+    #: Loaded contacts of each ball ``(N,)``.
     points: NDArray[np.int64]
+    #: Power that turns the inner ring [W].
     input_power: float
+    #: Whether loads and every motion converged.
     converged: bool
 
 
 def ring_rows(case: BearingCase) -> Array:
-    """Motion (N, 3, m) at each ball by the inner ring's translations x, y, z and, with tilt, rotations about x, y.
+    """Return the motion ``(N, 3, m)`` at each ball by the inner ring's translations and, with tilt, rotations about x, y.
 
     Rotations are scaled by the pitch radius, so that all unknowns are lengths [m].
     """
@@ -246,7 +295,7 @@ def ring_rows(case: BearingCase) -> Array:
 
 
 def bearing_cell(case: BearingCase, angle: float) -> Cell:
-    """Balls and load of a bearing whose force makes ``angle`` [rad] with its axis."""
+    """Return balls and load of a bearing whose force makes ``angle`` [rad] with its axis."""
     g, rows = case.groove, ring_rows(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
@@ -257,7 +306,7 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
 
 
 def free_motion(case: BearingCase, angle: float) -> str:
-    """Motion of the inner ring that the force at ``angle`` [rad] drives and no contact resists, in words; or empty.
+    """Return a description of an inner ring motion that the force drives and no contact resists; empty for none.
 
     A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear
     equilibrium of contact forces and load has a solution, but for signs of the contact forces.
@@ -277,7 +326,21 @@ def free_motion(case: BearingCase, angle: float) -> str:
 
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
-    """Loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
+    """Return loads, motions and friction torque of a bearing.
+
+    Parameters
+    ----------
+    case
+        The bearing.
+    angle
+        Of the force from the axis [rad].
+    near
+        A similar state to begin from.
+
+    References
+    ----------
+    Lin (2019), 4.3.1.
+    """
     load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.inner))
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
@@ -298,14 +361,15 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
 
 @dataclass(frozen=True)
 class TorqueCurve:
-    """Torque (n,) [N m] against the load's angle (n,) [rad] (Figure 4.7); four (n,): balls with more than two contacts.
+    """Friction torque of a bearing against the load's angle (Lin Figure 4.7)."""
 
-    ratio: largest over smallest torque.
-    """
-
+    #: Of the force from the axis ``(n,)`` [rad].
     angle: Array
+    #: ``(n,)`` [N m].
     torque: Array
+    #: Number of balls with more than two contacts ``(n,)``.
     four: NDArray[np.int64]
+    #: Whether each state converged ``(n,)``.
     converged: NDArray[np.bool_]
 
     @property
@@ -315,7 +379,7 @@ class TorqueCurve:
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """States with the force at angles (n,) [rad] from the axis, each the start of the next."""
+    """Return states with the force at angles ``(n,)`` [rad] from the axis, each the start of the next."""
     states: list[BearingState] = []
     for a in angle:
         states.append(solve_bearing(case, float(a), states[-1] if states else None))
@@ -323,7 +387,7 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
 
 
 def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
-    """Figure 4.7 for one bearing: angles (n,) [rad] of the force from the axis."""
+    """Return the friction torque over angles of the force from the axis ``(n,)`` [rad] (Lin Figure 4.7)."""
     states = bearing_states(case, angle)
     return TorqueCurve(
         angle=np.asarray(angle, dtype=float),

@@ -28,7 +28,7 @@ constant: d = e + v sin a_0. implicit (Liu's 10 and 14): cos a = (A - e) cos a_0
 exact: the centres move along the axis only, d = e - A + sqrt((A sin a_0 + v)^2 + (A cos a_0)^2); (10) scales the offset
 across the axis by (A - e)/A too, and takes the secant of the motion for its tangent. In all: axial force Q sin a cos(lead).
 
-An ensemble: many chains of one design, drawn by number, solved in chunks, only what is asked for kept.
+An ensemble: many chains of one design, drawn by number, solved in chunks; only a few quantities of each are stored.
 """
 
 from __future__ import annotations
@@ -50,25 +50,33 @@ LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 
 @dataclass(frozen=True)
 class Chain:
-    """Balls in a row between screw and nut.
+    """Balls in a row between screw and nut under axial load.
 
-    balls: M; stiffness: K [N/m^1.5] of Q = K d^1.5, both contacts; compliance: c [m/N] of screw and nut from a ball to the
-    next; groove_distance: A [m]; contact_angle, lead_angle [rad]; law: reading of the contact angle; spacing: each distance
-    to the next ball (M - 1,) over their mean, which c is of; none for even ones. Raises ValueError where a number is out of
-    range.
+    Raises
+    ------
+    ValueError
+        A number out of range.
     """
 
+    #: Number of balls M.
     balls: int
+    #: K of Q = K d^1.5, both contacts together [N/m^1.5].
     stiffness: float
+    #: Of screw and nut from a ball to the next, c [m/N].
     compliance: float
+    #: Distance A of the groove centres [m].
     groove_distance: float
+    #: Contact angle without load [rad].
     contact_angle: float
+    #: [rad].
     lead_angle: float
+    #: Interpretation of the equation of the contact angle.
     law: Law = "exact"
+    #: Each distance to the next ball over their mean, to which c belongs ``(M - 1,)``; empty for equal ones.
     spacing: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse what is no chain."""
+        """Refuse numbers out of range."""
         if self.balls < 1 or self.stiffness <= 0.0 or self.compliance < 0.0 or self.groove_distance <= 0.0:
             raise ValueError("balls, stiffness and groove distance must be positive, the compliance not negative")
         if not 0.0 < self.contact_angle < 0.5 * np.pi or not 0.0 <= self.lead_angle < 0.5 * np.pi:
@@ -80,7 +88,7 @@ class Chain:
 
     @property
     def segments(self) -> Array:
-        """Compliance (M,) [m/N] of screw and nut from the ball before, zero for the first."""
+        """Compliance of screw and nut from the ball before ``(M,)`` [m/N], zero for the first."""
         return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
 
     @property
@@ -91,7 +99,7 @@ class Chain:
 
     @property
     def C(self) -> float:
-        """Constant of both contacts of a ball as one [m/N^(2/3)]."""
+        """Hertz constant of both contacts of a ball together [m/N^(2/3)]."""
         return float(self.stiffness ** (-2.0 / 3.0))
 
     @property
@@ -102,18 +110,21 @@ class Chain:
 
 @dataclass(frozen=True)
 class ChainState:
-    """Solution of one chain.
+    """Solution of one chain."""
 
-    load: contact loads Q (M,) [N]; motion: u (M,) [m]; touch: motion at which the first ball touches [m]; stiffness:
-    dF/du_1 [N/m]; iterations; residual: largest error of a ball's force over the load; converged: whether that is small.
-    """
-
+    #: Contact loads Q ``(M,)`` [N].
     load: Array
+    #: Axial motions u ``(M,)`` [m].
     motion: Array
+    #: Motion at which the first ball touches [m].
     touch: float
+    #: dF/du_1 [N/m].
     stiffness: float
+    #: Newton steps.
     iterations: int
+    #: Largest error of a ball's force over the load.
     residual: float
+    #: Whether the residual is small.
     converged: bool
 
     @property
@@ -123,17 +134,23 @@ class ChainState:
 
     @property
     def displacement(self) -> float:
-        """Axial motion [m] at the loaded end since the first ball touched."""
+        """Axial motion at the loaded end since the first ball touched [m]."""
         return float(self.motion[0] - self.touch)
 
     @property
     def displacement_first_loaded(self) -> float:
-        """The same at the first loaded ball (Liu's 19), which leaves out the segments before it."""
+        """Axial motion at the first loaded ball [m] (Liu's 19), which leaves out the segments before it."""
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
 def checked(chain: Chain, errors: Array) -> Array:
-    """Errors (..., M) [m] as the kernels take them. Raises ValueError for another shape, or errors that reach A / 2."""
+    """Return errors ``(..., M)`` [m] as the kernels take them.
+
+    Raises
+    ------
+    ValueError
+        Another shape, or errors that reach A/2.
+    """
     e = np.ascontiguousarray(errors, dtype=float)
     if e.shape[-1:] != (chain.balls,) or not np.all(np.isfinite(e)):
         raise ValueError(f"errors must be finite and as many as balls: {chain.balls}")
@@ -143,9 +160,38 @@ def checked(chain: Chain, errors: Array) -> Array:
 
 
 def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
-    """Contact loads of a chain with errors (M,) [m], what each ball is too large, under a load F > 0 [N].
+    """Return the contact loads of a chain under an axial load.
 
-    Raises ValueError for a load that is not positive, or errors that do not fit. Valid for approaches small against A.
+    Valid for approaches small against the distance of the groove centres.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    errors
+        Excess of each ball along the contact normal ``(M,)`` [m].
+    load
+        F > 0 [N].
+    compiled
+        Whether to use compiled kernels.
+
+    Raises
+    ------
+    ValueError
+        A load that is not positive, or errors that do not fit.
+
+    References
+    ----------
+    Liu et al. (2025), section 2.2.
+
+    Examples
+    --------
+    Equal balls between rigid bodies share the load equally:
+
+    >>> rigid = Chain(10, 1e10, 0.0, 0.5e-3, np.pi / 4, 0.08, "constant")
+    >>> state = solve_chain(rigid, np.zeros(10), 1e3)
+    >>> bool(np.allclose(state.load, 1e3 / (10 * rigid.slope)))
+    True
     """
     if not 0.0 < load < np.inf:
         raise ValueError("the load must be positive")
@@ -158,15 +204,27 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
 
 
 def end_ratio(chain: Chain, load: float) -> float:
-    """Contact load of the last ball over that of the first, no errors, under a load [N]."""
+    """Return the contact load of the last ball over that of the first under a load [N], without errors."""
     q = solve_chain(chain, np.zeros(chain.balls), load).load
     return float(q[-1] / q[0])
 
 
 def calibrated(chain: Chain, ratio: float, load: float) -> Chain:
-    """The chain with the compliance that makes ``end_ratio`` at the load [N] the given one.
+    """Return the chain with the compliance for which `end_ratio` has a given value.
 
-    Raises ValueError for a ratio outside (0, 1) and a chain of one ball.
+    Parameters
+    ----------
+    chain
+        The chain.
+    ratio
+        Contact load of the last ball over that of the first, in (0, 1).
+    load
+        Axial load [N].
+
+    Raises
+    ------
+    ValueError
+        A ratio outside (0, 1), or a chain of one ball.
     """
     if not 0.0 < ratio < 1.0 or chain.balls < 2:
         raise ValueError("the ratio must lie in (0, 1), and a chain needs two balls")
@@ -184,9 +242,23 @@ def calibrated(chain: Chain, ratio: float, load: float) -> Chain:
 
 
 def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> float:
-    """Load [N], up to ``high``, from which ball ``ball`` (0-based) carries; 0 where it touches first.
+    """Return the load [N], up to ``high``, from which a ball carries; 0 where it touches first.
 
-    Every motion grows with the load, so there is one. Raises ValueError where the ball is loose still at ``high``.
+    Every motion grows with the load, so there is one.
+
+    Parameters
+    ----------
+    chain, errors
+        As for `solve_chain`.
+    ball
+        Number of the ball, from 0.
+    high
+        Largest load [N].
+
+    Raises
+    ------
+    ValueError
+        A ball that is still loose at ``high``.
     """
     e = checked(chain, errors)
 
@@ -202,7 +274,7 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
 
 
 def free_motion(chain: Chain, error: Array | float) -> Array:
-    """Motion [m] at which balls of errors [m] just touch, shape of the errors."""
+    """Return the motion at which balls of given errors [m] just touch [m], of the shape of the errors."""
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
         return -e / chain.slope
@@ -222,16 +294,19 @@ CHUNK = 8192
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Chains drawn and solved. loads (L,) [N]; kept (n, L, 6), last axis as ``QUANTITIES``; residual: the largest, over the
-    load; failed: chains that did not converge under some load."""
+    """Quantities of n solved chains under L loads."""
 
+    #: The loads ``(L,)`` [N].
     loads: Array
+    #: The quantities ``(n, L, 6)``, last axis as ``QUANTITIES``.
     kept: Array
+    #: Largest residual over the load.
     residual: float
+    #: Number of chains that did not converge under some load.
     failed: int
 
     def of(self, quantity: Quantity, load: float) -> Array:
-        """One quantity of every chain (n,) at a load [N]. Raises KeyError for a load that was not solved."""
+        """Return one quantity of every chain at a load [N], ``(n,)``; raises KeyError for a load that was not solved."""
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:
             raise KeyError(f"no load of {load} N in this ensemble")
@@ -239,10 +314,25 @@ class Ensemble:
 
 
 def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
-    """Errors (count, balls) [m], uniform and independent in [-half_range, half_range], of the chains ``first`` and on.
+    """Return errors ``(count, balls)`` [m] of some chains, uniform and independent within the half range.
 
-    Chain i has the numbers i M to (i + 1) M - 1 of the stream of ``seed``, so a chain is the same however it is asked for
-    (Liu, 2.1: e - 2 e rand(1, 78); the source's plus sign would leave the band).
+    Chain i has the numbers i M to (i + 1) M - 1 of the stream of ``seed``, so a chain does not depend on how many are
+    drawn.
+
+    Parameters
+    ----------
+    seed
+        Of the random numbers.
+    first, count
+        Number of the first chain, and of chains.
+    balls
+        Number of balls M of a chain.
+    half_range
+        Largest size of an error [m].
+
+    References
+    ----------
+    Liu et al. (2025), 2.1: e - 2 e rand(1, 78), with his plus sign corrected, which would leave the band.
     """
     stream = np.random.PCG64(seed)
     stream.advance(first * balls)
@@ -250,9 +340,12 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
 
 
 def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Quantities (n, L, 6) and residuals (n, L) of chains with errors (n, M) [m] under loads (L,) [N].
+    """Return quantities ``(n, L, 6)`` and residuals ``(n, L)`` of chains with errors ``(n, M)`` [m] at loads ``(L,)`` [N].
 
-    Raises ValueError for a load that is not positive, or errors that do not fit.
+    Raises
+    ------
+    ValueError
+        A load that is not positive, or errors that do not fit.
     """
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
@@ -269,10 +362,29 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
 def solve_ensemble(
     chain: Chain, half_range: float, loads: Array | list[float], members: int, *, seed: int = 0, chunk: int = CHUNK
 ) -> Ensemble:
-    """Chains 0 to ``members`` - 1 of a seed, errors within +-half_range [m], under loads (L,) [N].
+    """Return quantities of many chains with random errors.
 
-    Memory: one chunk of errors, and six numbers a chain and load. The same numbers whatever the chunk.
-    Raises ValueError where members or chunk are not positive, or as ``solve_errors``.
+    Memory: one chunk of errors, and six numbers a chain and load.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    half_range
+        Largest size of an error [m].
+    loads
+        ``(L,)`` [N].
+    members
+        Number of chains.
+    seed
+        Of the random numbers.
+    chunk
+        Number of chains solved at a time; the result does not depend on it.
+
+    Raises
+    ------
+    ValueError
+        Numbers of members or of a chunk that are not positive, or errors as in `solve_errors`.
     """
     if members < 1 or chunk < 1 or half_range < 0.0:
         raise ValueError("members and chunk must be positive, the range of errors not negative")
@@ -290,11 +402,13 @@ def solve_ensemble(
 
 @dataclass(frozen=True)
 class Percentile:
-    """Where a number stands in a sample: share at or below and share below it (they differ where values repeat), both with
-    the standard error of the share; size of the sample."""
+    """Rank of a number in a sample."""
 
+    #: Share of the sample below it, and the standard error of the share.
     below: float
+    #: Share of the sample at or below it, likewise; they differ where values repeat.
     at_most: float
+    #: Size of the sample.
     size: int
 
     @property
@@ -315,11 +429,21 @@ class Percentile:
 
     @property
     def tail_bound(self) -> float:
-        """Upper 95 % bound of ``tail`` (Wilson; 2.7 / size where no value reaches it)."""
+        """Upper 95 % bound of ``tail`` (Wilson; 2.7/size where no value reaches it)."""
         z, n, p = 1.645, self.size, self.tail
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 
 
 def percentile(sample: Array, value: float, width: float = 0.0) -> Percentile:
-    """Where ``value`` stands in a sample (n,); ``width``: half of what rounding hides, counted as equal."""
+    """Return the rank of a number in a sample.
+
+    Parameters
+    ----------
+    sample
+        ``(n,)``.
+    value
+        The number, in the sample's unit.
+    width
+        Half of what rounding hides of it, counted as equal.
+    """
     return Percentile(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)

@@ -1,12 +1,12 @@
-"""Liu's own algorithm: equations between neighbouring loaded balls, unloaded balls struck out one round after another.
+"""Liu's elimination algorithm: equations between neighbouring loaded balls, unloaded balls removed in rounds.
 
 Unknowns are the approaches of the balls that are still in: between neighbours q < i equation (17), with the sum to q that
 (14) asks for (printed: to i and q + 1 in (23), and the brackets of 17, 23, 24 with the opposite sign),
 
     F - sum over j <= q of C(j) - (m + 1)^-1 (A(q) - A(i) - B(q) + B(i)) / (c cos(lead)) = 0,    C(j) axial forces,
 
-and (18), their sum. A round solves them by Newton's method with tension allowed (C odd in the approach, of which the source
-says nothing), strikes out every negative approach, and starts again.
+and (18), their sum. A round solves them by Newton's method with tension allowed (C odd in the approach, on which the source
+is silent), removes every negative approach, and starts again.
 
 It ends with the active set of the complementarity problem: with tension allowed H(u) is nowhere larger, so its solution
 lies above the true one in every component, and what it leaves loose is loose; dropping balls lowers it further. So no ball
@@ -31,16 +31,20 @@ TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class Eliminated:
-    """Result: contact loads (M,) [N]; rounds; Newton steps in all; converged: whether every round came to its end."""
+    """Result of Liu's elimination algorithm."""
 
+    #: Contact loads ``(M,)`` [N].
     load: Array
+    #: Number of rounds.
     rounds: int
+    #: Newton steps of all rounds.
     steps: int
+    #: Whether every round was solved.
     converged: bool
 
 
 def _angle(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Sine of the contact angle and its derivative by the approach."""
+    """Return the sine of the contact angle and its derivative by the approach."""
     sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
     if chain.law == "constant":
         return np.full_like(approach, sine_0), np.zeros_like(approach)
@@ -51,7 +55,7 @@ def _angle(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
 
 
 def _motion(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Motion (A - B)/cos(lead) [m] to an approach, and its derivative."""
+    """Return the motion (A - B)/cos(lead) [m] of an approach, and its derivative."""
     sine, turn = _angle(chain, errors, approach)
     if chain.law == "exact":
         # difference of two lengths along the axis, from that of their squares: no cancellation
@@ -63,7 +67,7 @@ def _motion(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]
 
 
 def _forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Axial forces C(j) [N], odd in the approach, and their derivatives."""
+    """Return the axial forces C(j) [N], odd in the approach, and their derivatives."""
     sine, turn = _angle(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
     load = chain.stiffness * approach * root
@@ -71,7 +75,7 @@ def _forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]
 
 
 def _equations(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array) -> tuple[Array, Array]:
-    """Equations (17) and (18) of the balls ``at`` [N], and their Jacobian."""
+    """Return equations (17) and (18) of the balls ``at`` [N], and their Jacobian."""
     force, rate = _forces(chain, errors, approach)
     motion, slope = _motion(chain, errors, approach)
     n = at.size
@@ -85,7 +89,7 @@ def _equations(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, 
 
 
 def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array) -> tuple[Array, int, bool]:
-    """Solve the equations of the balls that are in: approaches, steps, whether they are solved."""
+    """Solve the equations of the balls that are in; return approaches, steps, and whether they are solved."""
     value, jacobian = _equations(chain, errors, at, load, approach)
     for step in range(MAX_STEPS):
         size = float(np.abs(value).max())
@@ -104,10 +108,25 @@ def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, appr
 
 
 def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated:
-    """Contact loads by the source's five steps, for errors (M,) [m] and a load F > 0 [N].
+    """Return contact loads by Liu's five steps.
 
-    Raises ValueError for rigid bodies (its equations divide by the compliance), a load that is not positive, or errors
-    that do not fit.
+    Parameters
+    ----------
+    chain
+        The chain.
+    errors
+        Excess of each ball along the contact normal ``(M,)`` [m].
+    load
+        F > 0 [N].
+
+    Raises
+    ------
+    ValueError
+        Rigid bodies (the equations divide by the compliance), a load that is not positive, or errors that do not fit.
+
+    References
+    ----------
+    Liu et al. (2025), 14 to 24.
     """
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
         raise ValueError("the elimination needs a compliance and a load above zero")

@@ -1,10 +1,10 @@
-"""The worst contact of a load distribution, of balls by Hertz or of tapered rollers, and its static safety.
+"""Most heavily loaded contact of balls or tapered rollers, its static safety, and static load ratings.
 
 Basic static load ratings C0 of rings (ISO 76) and ball screws (ISO 3408-5), by the most heavily loaded contact.
 
-A contact's own rating Q_0 is the lesser of its two raceways'. Rings, as ISO 76 has it for all but self-aligning ball
-bearings: the force of a pole pressure of 4,200 MPa by Hertz, whose lasting dent in ball and raceway together is about 1e-4
-of the ball's diameter D. Screws, as ISO 3408-5 has it: the force of that dent itself by Palmgren's formula, lengths in mm,
+The rating Q_0 of a contact is the lesser of its two raceways'. Rings, by ISO 76 for all but self-aligning ball bearings:
+the force of a largest pressure of 4,200 MPa by Hertz, whose permanent indentation of ball and raceway together is about
+1e-4 of the ball's diameter D. Screws, by ISO 3408-5: the force of that indentation by Palmgren's formula, lengths in mm,
 
     1.3e-7 Q^2/D (1/D across)(1/D along) = 1e-4 D,  so  Q_0 = 27.74 D/sqrt(across along),                             (1)
 
@@ -43,15 +43,17 @@ PALMGREN = 1.3e-19
 
 @record
 class Contact:
-    """One contact by Hertz, with its own radii of ball and groove at the nominal contact angle.
+    """Elliptical Hertz contact of one ball with one flank, of the radii that ball and groove have with their errors."""
 
-    ball from 1; side; force [N]; angle [rad]; approach, semi-axes a (across the groove) and b [m]; pole pressure [Pa].
-    """
-
+    #: Number of the ball, from 1.
     ball: int = quantity("ball", "ball of the highest pressure")
+    #: Flank.
     side: str = quantity("side", "its flank")
+    #: Contact force F [N].
     force: float = quantity("force_N", "its load F", error="that of the load")
+    #: Contact angle [rad].
     angle: float = quantity("contact_angle_deg", "its contact angle")
+    #: Hertz approach of ball and groove [m].
     approach: float = quantity(
         "approach_um",
         "local Hertz approach of ball and groove, delta = (F/C)^(2/3)",
@@ -59,6 +61,7 @@ class Contact:
         heading="approach of its contact",
         form=".3f",
     )
+    #: Larger semi-axis [m], across the groove.
     a: float = quantity(
         "semi_axis_a_mm",
         "larger semi-axis of the contact ellipse, along the groove's profile",
@@ -66,7 +69,9 @@ class Contact:
         heading="larger semi-axis",
         form=".4f",
     )
+    #: Smaller semi-axis [m], along the track.
     b: float = quantity("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
+    #: Largest pressure [Pa].
     pressure: float = quantity(
         "pressure_MPa",
         "largest pressure, of the radii that ball and groove have with their errors, at the nominal contact angle: "
@@ -79,10 +84,9 @@ class Contact:
 
 @record
 class StaticSafety:
-    """Of the contact of highest pressure. factor: force at the allowed pressure [Pa] over its force, (4200 MPa / p)^3 of
-    balls, (4000 MPa / p)^2 of rollers; permanent: of balls, its lasting indentation over the ball's diameter, of which ISO
-    76 allows 1e-4."""
+    """Static safety of the contact with the highest pressure."""
 
+    #: Force at the allowed pressure over the contact's force: (4200 MPa/p)^3 for balls, (4000 MPa/p)^2 for rollers.
     factor: float = quantity(
         "factor",
         "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
@@ -90,7 +94,9 @@ class StaticSafety:
         heading="static safety",
         form=".2f",
     )
+    #: Allowed pressure [Pa].
     allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
+    #: Permanent indentation over the ball's diameter, of which ISO 76 allows 1e-4; None for rollers.
     permanent: float | None = quantity(
         "permanent_over_diameter",
         "lasting dent over the ball's diameter, by Palmgren's formula",
@@ -101,43 +107,68 @@ class StaticSafety:
     @property
     @Stated("allowed_over_diameter", "1e-4, the dent that standards allow")
     def allowed_permanent(self) -> float:
-        """What ISO 76 allows of ``permanent``."""
+        """Largest permanent indentation over the ball's diameter that ISO 76 allows."""
         return ALLOWED
 
 
 @record
 class Truncation:
-    """The ellipse that comes nearest to an edge of its groove's arc, or leaves it most.
+    """Contact ellipse that comes nearest to an edge of its groove's arc, or that the edge truncates most."""
 
-    ball from 1; side; edge: ``"land"``, or ``"apex"`` between two arcs; angle, half: contact angle and half width of the
-    ellipse as an angle of the groove's arc [rad]; limit: the angle of the edge [rad]; margin [rad]: from the ellipse to it,
-    negative where it is cut; cut: number of contacts whose ellipse passes an edge.
-    """
-
+    #: Number of the ball, from 1.
     ball: int = quantity("ball", "ball whose ellipse comes nearest to an edge of its groove")
+    #: Flank.
     side: str = quantity("side", "its flank")
+    #: ``"land"``, or ``"apex"`` between the two arcs of a groove.
     edge: str = quantity("edge", "which edge: land, or apex between two arcs; a groove of one arc has lands at both ends")
+    #: Contact angle [rad].
     angle: float = quantity("contact_angle_deg", "its contact angle")
+    #: Half width of the ellipse as an angle on the groove's arc [rad].
     half: float = quantity("ellipse_half_width_deg", "half width of the ellipse over the groove's profile")
+    #: Angle of the edge [rad].
     limit: float = quantity("edge_angle_deg", "angle of the edge on the same profile")
+    #: Angle from the ellipse to the edge [rad]; negative where the ellipse is truncated.
     margin: float = quantity(
         "margin_deg",
         "edge angle less contact angle and half width; negative: the ellipse is cut",
         heading="ellipse to edge of groove",
         form=".2f",
     )
+    #: Number of contacts whose ellipse passes an edge.
     cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge")
 
 
 def worst_contact(
     scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
 ) -> Contact | None:
-    """The loaded contact of the highest pole pressure, None without load. load ``(n, 4)`` [N], angle ``(n, 4)`` [rad];
-    pressure ``(n, 4)`` [Pa] in place of Hertz's.
+    """Return the loaded contact with the highest pressure.
 
-    Elliptical Hertz contact (Johnson 1985, 4.2) of the radii of ball and groove that are drawn, whatever constants the
-    force law has (ingredient ``hertz``); valid as long as the ellipse is small against ball and groove. Raises ValueError
-    where a drawn ball conforms to its groove.
+    Elliptical Hertz contact with the drawn radii of ball and groove, whatever constants the force law uses (ingredient
+    ``hertz``). Valid for ellipses small against ball and groove.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their drawn errors.
+    load
+        Contact forces ``(n, 4)`` [N].
+    angle
+        Contact angles ``(n, 4)`` [rad].
+    pressure
+        Largest pressures ``(n, 4)`` [Pa] to use in place of Hertz's.
+
+    Returns
+    -------
+        The contact; None without load.
+
+    Raises
+    ------
+    ValueError
+        A drawn ball that conforms to its groove.
+
+    References
+    ----------
+    Johnson (1985), 4.2.
     """
     if not (load > 0.0).any():
         return None
@@ -158,12 +189,23 @@ def worst_contact(
 
 
 def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety:
-    """Static safety of a contact of hardened bearing steel.
+    """Return the static safety of a ball's contact between parts of hardened bearing steel.
 
-    By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: Palmgren (1959; Harris
-    and Kotzalas 2007, ball against raceway), permanent deformation of both surfaces together
-    1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; fitted near the elastic limit, hardness 63 to 65 HRC.
-    D and curvatures are the contact's own.
+    By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: the permanent
+    deformation
+    of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near the elastic
+    limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    worst
+        The contact, see `worst_contact`.
+
+    References
+    ----------
+    Palmgren (1959); Harris and Kotzalas (2007), ball against raceway.
     """
     i, s = worst.ball - 1, SIDES.index(worst.side)
     across, along = (nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radius))[i, s]
@@ -173,10 +215,27 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
 
 
 def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
-    """Where the ellipses reach on the arcs of their grooves; None without load. Arguments as for `worst_contact`.
+    """Return where the contact ellipses end on the arcs of their grooves.
 
-    The nut's land is not dimensioned in a low-order scene: its arc ends at 90 deg. Raises ValueError where the screw's
-    surface does not cut its groove, and as `worst_contact`.
+    The land of the nut has no dimension in a low-order scene: the nut's arc is taken to end at 90 deg.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their drawn errors.
+    load
+        Contact forces ``(n, 4)`` [N].
+    angle
+        Contact angles ``(n, 4)`` [rad].
+
+    Returns
+    -------
+        The ellipse with the smallest margin; None without load.
+
+    Raises
+    ------
+    ValueError
+        A screw whose cylinder does not cut its groove, or a drawn ball that conforms to its groove.
     """
     loaded = (load > 0.0) & np.isfinite(angle)
     if not loaded.any():
@@ -206,29 +265,33 @@ RACES = ("inner", "outer")
 
 @record
 class RollerContact:
-    """Line contact of the highest pressure.
+    """Line contact of a roller with the highest pressure of its row."""
 
-    roller from 1; race: of `RACES`; force: the roller's load on either race [N]; place [m]: along the roller from its
-    middle, outwards, where line_load [N/m], half_width b [m] and pressure [Pa] are; other: the greatest pressure on the
-    other race of that roller [Pa]; middle: at the middle of the roller under its load evenly spread [Pa].
-    """
-
+    #: Number of the roller, from 1.
     roller: int = quantity("roller", "roller of the highest pressure")
+    #: Its race, ``"inner"`` or ``"outer"``.
     race: str = quantity("race", "its race: inner or outer")
+    #: Force of either race on the roller [N].
     force: float = quantity("force_N")
+    #: Distance of the highest pressure from the roller's middle [m], positive towards the large end.
     place: float = quantity("place_mm", "that place, from the roller's middle, positive to its large end")
+    #: Load per length there [N/m].
     line_load: float = quantity(
         "line_load_N_mm",
         "load per length q where the pressure is highest",
         error="without what the ends of straight rollers add",
     )
+    #: Half-width b there [m].
     half_width: float = quantity(
         "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
     )
+    #: Largest pressure there [Pa].
     pressure: float = quantity("pressure_MPa", heading="peak pressure", form=".0f")
+    #: Largest pressure of the same roller on its other race [Pa].
     other: float = quantity(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
     )
+    #: Pressure at the roller's middle if its load were spread evenly [Pa].
     middle: float = quantity(
         "middle_pressure_MPa",
         "pressure at the roller's middle diameter if its load were spread evenly along it",
@@ -237,16 +300,34 @@ class RollerContact:
 
 
 def race_pressures(row: RollerRow, line_loads: Array) -> Array:
-    """Greatest pressures ``(count, 2)`` [Pa] along every roller at inner and outer race; line_loads ``(count, slices)``
-    [N/m]."""
+    """Return the largest pressures along every roller at inner and outer race, ``(count, 2)`` [Pa].
+
+    Parameters
+    ----------
+    row
+        The row.
+    line_loads
+        Loads per length ``(count, slices)`` [N/m].
+    """
     return np.asarray(slice_contacts(tapered(row), line_loads)[1].max(axis=1))
 
 
 def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
-    """The place of the highest pressure of a row, None without load; line_loads ``(count, slices)`` [N/m].
+    """Return the position of the highest pressure of a row of rollers.
 
-    Equations and range: `lowfi.rollers.slice_contacts`. Under an even line load the place is the small end,
-    where the curvatures are greatest.
+    Equations and range are those of `rollbench.lowfi.rollers.slice_contacts`. Under an even line load the position is the
+    small end, where the curvatures are largest.
+
+    Parameters
+    ----------
+    row
+        The row.
+    line_loads
+        Loads per length ``(count, slices)`` [N/m].
+
+    Returns
+    -------
+        The contact; None without load.
     """
     bearing = tapered(row)
     half_width, pressure = slice_contacts(bearing, line_loads)
@@ -268,8 +349,10 @@ def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
 
 
 def roller_safety(worst: RollerContact) -> StaticSafety:
-    """Static safety of a line contact of hardened bearing steel: ISO 76 rates those of roller bearings at the load of 4000
-    MPa, and pressure grows with the root of the load."""
+    """Return the static safety of a roller's line contact between parts of hardened bearing steel.
+
+    ISO 76 rates the contacts of roller bearings at the load of 4000 MPa, and the pressure grows with the root of the load.
+    """
     return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
 
@@ -278,7 +361,7 @@ STRIBECK = 5.0
 
 
 def contact_rating(scene: Scene) -> float:
-    """Force Q_0 [N] that a contact of the scene is rated at, of one pair of opposite raceways."""
+    """Return the force Q_0 at which a contact of the scene is rated [N], the lesser of one pair of opposite raceways."""
     if scene.track.lead > 0.0:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
@@ -288,7 +371,19 @@ def contact_rating(scene: Scene) -> float:
 
 
 def static_rating(scene: Scene) -> float:
-    """Basic static load rating C_0 [N] by (2): axial for a screw and a thrust bearing, radial for a ring up to 45 deg."""
+    """Return the basic static load rating C_0 of a screw or bearing by (2).
+
+    Returns
+    -------
+        C_0 [N]: axial for a screw (ISO 3408-5) and a thrust bearing, radial for a bearing up to 45 deg (ISO 76).
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> scene = rollbench.read("lin-case1")
+    >>> round(static_rating(scene)), round(rating(scene))
+    (23397, 11426)
+    """
     ratings = scene.ball_count * contact_rating(scene)
     if is_thrust(scene) or scene.track.lead > 0.0:
         return ratings * slope_of(scene)
@@ -297,17 +392,28 @@ def static_rating(scene: Scene) -> float:
 
 @record
 class Ratings:
-    """Basic load ratings as computed [N]: dynamic C, static C_0; axial or radial; whose formulas."""
+    """Basic load ratings as computed."""
 
+    #: Dynamic load rating C [N].
     dynamic: float = quantity("dynamic_N", "basic dynamic load rating C")
+    #: Static load rating C_0 [N].
     static: float = quantity("static_N", "basic static load rating C0")
+    #: Whether they are axial loads; otherwise radial.
     axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
+    #: Standard of the dynamic rating.
     dynamic_standard: str = quantity("dynamic_standard", "whose formulas")
+    #: Standard of the static rating.
     static_standard: str = quantity("static_standard", "whose formulas")
 
 
 def ratings(scene: Scene) -> Ratings:
-    """Both ratings of a scene. Raises ValueError as `lowfi.rating.life.contact_capacity`."""
+    """Return the dynamic and static load ratings of a screw or bearing.
+
+    Raises
+    ------
+    ValueError
+        A groove no larger than the ball, or a screw with a contact angle of zero.
+    """
     axial = is_thrust(scene) or scene.track.lead > 0.0
     static_standard = "ISO 3408-5" if scene.track.lead > 0.0 else "ISO 76"
     return Ratings(rating(scene), static_rating(scene), axial, standard_of(scene), static_standard)

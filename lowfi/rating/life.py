@@ -1,8 +1,8 @@
-"""Fatigue life of a load distribution: rings as ISO 281 and ISO/TS 16281 do it, ball screws as ISO 3408-5 does.
+"""Fatigue life of a load distribution: bearings by ISO 281 and ISO/TS 16281, ball screws by ISO 3408-5.
 
 Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway; it has a capacity Q_c [N], the contact force
 that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact force Q_e, the mean of its balls' forces of
-order 3 where it turns against the load (screw, inner ring) and 10/3 where it stands (nut, outer ring):
+order 3 where it turns relative to the load (screw, inner ring) and 10/3 where it is stationary (nut, outer ring):
 
     L = (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10).                                                              (1)
 
@@ -23,40 +23,42 @@ nothing to i: a start of n balls, at the median d of the angles between neighbou
 (`filled_turns`). Equal loads then give L = (C_a/F_a)^3 with
 C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
 
-Several load cases, the nut at one position: damage belongs to a place of a raceway and adds up there by the share n_j of
-the revolutions (Miner). A contact of the nut stands, and its life goes as F^-3; a place of the screw meets all contacts,
-whose F^3 are averaged. So each contact's mean of order 3 over the cases,
+Several load cases, the nut at one position: damage belongs to a position on a raceway and adds up there by the share n_j of
+the revolutions (Miner). A contact of the nut stays where it is, and its life goes as F^-3; a position on the screw meets
+all contacts, whose F^3 are averaged. So each contact's mean of order 3 over the cases,
 
     F = (sum_j n_j F_j^3)^(1/3),                                                                                      (4)
 
 in place of its force in (1) gives the life over all cases.
 
 Range: grooves with f > 0.5 of hardened bearing steel, balls of up to 25 mm, no plastic contact, full lubrication; factors
-for hardness, accuracy, material, reliability and lubricant are one. These are ratings as computed, and no maker's.
+for hardness, accuracy, material, reliability and lubricant are one. These are computed ratings, not those of a
+manufacturer.
 
-Life of a duty cycle by the standards' equivalent loads: ISO 3408-5 for ball screws, ISO 281 for rings.
+Life of a duty cycle by the standards' equivalent loads: ISO 3408-5 for ball screws, ISO 281 for bearings.
 
 Both take the force on the whole part in every case j, with its share n_j of the revolutions, and a mean of order 3,
 
     F_m = (sum_j n_j F_j^3)^(1/3),  L = (C/F_m)^3 in 10^6 revolutions.                                               (5)
 
 Ball screws, axial forces only. A nut with play carries either direction on another pair of flanks; of two halves that are
-preloaded against each other with F_pr each carries one, and both give way by F^(2/3). So they part at 2^(3/2) F_pr, and up
+preloaded against each other with F_pr each carries one, and both deflect by F^(2/3). So they part at 2^(3/2) F_pr, and up
 to there, as the standard has it, the half that the force loads and the other one carry
 
     F_1 = F_pr (1 + F/(2^(3/2) F_pr))^(3/2),  F_2 = F_1 - F;  beyond  F_1 = F,  F_2 = 0.                             (6)
 
 The lives of both, each with its rating, combine to L = (L_1^(-10/9) + L_2^(-10/9))^(-9/10).                         (7)
 
-Rings: P = X F_r + Y F_a with the factors of a single row, from 20 deg on (below they follow from C_0 and tabulated factors
-f_0, which are not computed here), above 45 deg with those of thrust bearings,
-X = 1.25 tan(alpha) (1 - 2/3 sin(alpha)), Y = 1 where F_a > 1.25 tan(alpha) F_r. The standards know neither moments nor
+Bearings: P = X F_r + Y F_a with the factors of a single row, from 20 deg on (below they follow from C_0 and tabulated
+factors f_0, which are not computed here), above 45 deg with those of thrust bearings,
+X = 1.25 tan(alpha) (1 - 2/3 sin(alpha)), Y = 1 where F_a > 1.25 tan(alpha) F_r. The standards cover neither moments nor
 the four-point preload of one nut.
 
-Held against what makers print (``external-equivalent``, with pages): (5) by worked examples of HIWIN and Rexroth; (6) below
-parting and (7) by HIWIN and NBS, who write 3 for 2^(3/2), as THK does after deriving it: their F_1 is up to 4 % lower, and
-their F_2 negative before the halves part; e, X, Y at 25, 30 and 40 deg, and 1.25 tan(alpha) and X at 50, 55 and 60 deg by
-NSK. Those at 20, 35 and 45 deg are not printed there; at all of them the two branches of P meet within 0.3 % (X + e Y).
+Compared with what manufacturers print (``external-equivalent``, with pages): (5) with worked examples of HIWIN and
+Rexroth; (6) below parting and (7) with HIWIN and NBS, who write 3 for 2^(3/2), as THK does after deriving it: their F_1 is
+up to 4 % lower, and their F_2 negative before the halves part; e, X, Y at 25, 30 and 40 deg, and 1.25 tan(alpha) and X at
+50, 55 and 60 deg with NSK. Those at 20, 35 and 45 deg are not printed there; at all of them the two branches of P meet
+within 0.3 % (X + e Y).
 """
 
 from __future__ import annotations
@@ -82,7 +84,7 @@ SINGLE_ROW, THRUST, STEEL = 0.95, 0.90, 1.3
 #: Contact angle [deg] above which a bearing is rated as a thrust bearing (ISO 281, ISO 76).
 RADIAL_UP_TO = 45.0
 
-#: Orders of the mean force of a raceway that turns against the load, and of one that stands.
+#: Orders of the mean force of a raceway that rotates relative to the load, and of a stationary one.
 TURNING, STANDING = 3.0, 10.0 / 3.0
 
 #: Shares of rotating and standing raceways in the radial rating of a ring: J_r/J_1 and J_r/J_2 of half a loaded circle.
@@ -91,10 +93,9 @@ RADIAL = (0.407, 0.389)
 
 @record
 class Life:
-    """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
-    basic dynamic load rating as computed [N], axial for screws and thrust bearings, else radial; equivalent: the load [N]
-    under which the rating would give the same life; standard: whose formulas; lead: of the screw [m], 0 of a ring."""
+    """Basic rating life (reliability 90 %) of one set of rolling elements under a load distribution."""
 
+    #: L10 in 10^6 revolutions.
     revolutions: float = quantity(
         "L10_million_revolutions",
         "life that 90 % reach under this load distribution",
@@ -102,19 +103,24 @@ class Life:
         heading="life L10",
         form=".1f",
     )
+    #: Life of each loaded raceway in 10^6 revolutions, by its name.
     raceways: dict[str, float] = quantity(
         "raceways_million_revolutions",
         "life of one raceway: flank of balls, inner or outer race of rollers",
         error="as above",
         parts=".*",
     )
+    #: Basic dynamic load rating C [N]: axial for screws and thrust bearings, radial for other bearings.
     rating: float = quantity("rating_as_computed_N", "basic dynamic load rating C")
+    #: Load P [N] under which C gives the same life.
     equivalent: float = quantity(
         "equivalent_load_N",
         "load under which C would give the same life, C/L10^(1/3), of rollers C/L10^(3/10)",
         error="that of the loads",
     )
+    #: Standard whose formulas are used.
     standard: str = quantity("standard", "whose formulas")
+    #: Lead of the screw [m], 0 for a bearing.
     lead: float = 0.0
 
     @property
@@ -124,7 +130,7 @@ class Life:
         error="as in revolutions",
     )
     def distance(self) -> float | None:
-        """Life as the distance [m] that the nut travels; None for rings."""
+        """Life as the distance that the nut travels [m]; None for bearings."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
     @Stated(
@@ -133,7 +139,7 @@ class Life:
         error="as in revolutions",
     )
     def hours(self, speed: float) -> float:
-        """Life in hours at a speed of the turning part [rad/s]."""
+        """Return the life in hours at a speed of the rotating part [rad/s]."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
 
 
@@ -143,38 +149,58 @@ SLOPE = 10.0 / 9.0
 
 @record
 class SystemLife:
-    """Life of parts that turn together, of which the first to fail ends it. revolutions: in 10^6; shortest: part that lives
-    shortest; lead [m], 0 without a nut; speed [rad/s]."""
+    """Life of several sets that turn together, where the first failure of any set ends it."""
 
+    #: L10 in 10^6 revolutions.
     revolutions: float = quantity(
         "L10_million_revolutions",
         "revolutions of the shaft that 90 % of equal axes reach without a failure of any set: product of the sets' "
         "probabilities of survival, each a Weibull distribution",
         error="that of the lives",
     )
+    #: Name of the set with the shortest life.
     shortest: str = quantity("shortest_set", "set that lives shortest")
+    #: Lead of the screw [m]; 0 without a nut.
     lead: float = 0.0
+    #: Speed [rad/s]; None where the scene states none.
     speed: float | None = None
 
     @property
     @Stated("L10_km", "the same as travel of the nut; null without one", error="as in revolutions")
     def distance(self) -> float | None:
-        """Travel of the nut [m]."""
+        """Travel of the nut [m]; None without a nut."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
     @property
     @Stated("L10_hours", "the same in hours, where a speed is stated", error="as in revolutions")
     def hours(self) -> float | None:
-        """Life [h]."""
+        """Life in hours; None without a speed."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
 
 
 def system_life(lives: Sequence[tuple[float, float]]) -> float:
-    """Life that 90 % of systems reach, of parts (life that 90 % reach, Weibull slope) of which the first to fail ends it.
+    """Return the life that 90 % of systems reach whose first failing part ends the life.
 
-    A part survives L with 0.9^((L/L_i)^e_i), the system with the product of these (Lundberg and Palmgren 1947): so L solves
-    sum_i (L/L_i)^e_i = 1, which is (sum L_i^-e)^(-1/e) for equal slopes. Failures are taken to be independent. Smith 4.3.6
-    takes the shortest life, the upper limit.
+    A part survives L with the probability 0.9^((L/L_i)^e_i), the system with the product of these; so L solves
+    sum_i (L/L_i)^e_i = 1, which is (sum L_i^-e)^(-1/e) for equal slopes. Failures are taken to be independent.
+
+    Parameters
+    ----------
+    lives
+        Of each part its life L_i that 90 % reach, in any unit, and its Weibull slope e_i.
+
+    Returns
+    -------
+        Life of the system, in the same unit.
+
+    References
+    ----------
+    Lundberg and Palmgren (1947). Smith (1994), 4.3.6, takes the shortest life instead, the upper limit.
+
+    Examples
+    --------
+    >>> round(system_life([(100.0, SLOPE), (100.0, SLOPE)]), 3)  # 100/2^0.9
+    53.589
     """
     shortest: float = min(life for life, _ in lives)
 
@@ -186,16 +212,17 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
 
 
 def is_thrust(scene: Scene) -> bool:
-    """Whether a scene is a thrust bearing: a ring of a contact angle above 45 deg."""
+    """Return whether a scene is a thrust bearing: a bearing with a contact angle above 45 deg."""
     return scene.track.lead == 0.0 and degrees(scene.track.contact_angle) > RADIAL_UP_TO + 1e-9
 
 
 def filled_turns(scene: Scene) -> float:
-    """Turns that the balls of all starts fill, without those between circuits: every ball takes the median angle between
-    neighbours, one ball a whole turn.
+    """Return the number of turns that the balls of all starts fill, without the gaps between circuits.
 
-    Exact for equal distances within circuits of two balls or more, whatever their gaps; continuous in every azimuth. Where
-    distances are unequal, a longer one counts as if it were the median.
+    Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. Exact for equal
+    spacing
+    within circuits of two balls or more, whatever their gaps; where spacings are unequal, a longer one counts as the
+    median.
     """
     azimuths = np.sort(scene.balls.azimuths)
     angle = float(np.median(np.diff(azimuths))) if azimuths.size > 1 else 2.0 * pi
@@ -203,7 +230,7 @@ def filled_turns(scene: Scene) -> float:
 
 
 def _shape(scene: Scene) -> tuple[Array, float]:
-    """Factors ``(4,)`` of (2) that conformity and curvature make, gamma^0.3 included, and the ball's diameter [mm]."""
+    """Return the factors ``(4,)`` of (2) by conformity and curvature, gamma^0.3 included, and the ball's diameter [mm]."""
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
     f = groove_radii(scene) / D
@@ -213,8 +240,13 @@ def _shape(scene: Scene) -> tuple[Array, float]:
 
 
 def contact_capacity(scene: Scene) -> Array:
-    """Capacity Q_c of each raceway's contacts, ``(4,)`` [N]: (2) for rings, (3) for screws. Raises ValueError for a groove
-    no larger than the ball or a contact angle of zero in a screw."""
+    """Return the basic dynamic capacity Q_c of a contact of each raceway, ``(4,)`` [N]: (2) for bearings, (3) for screws.
+
+    Raises
+    ------
+    ValueError
+        A groove no larger than the ball, or a screw with a contact angle of zero.
+    """
     alpha = scene.track.contact_angle
     if float(groove_radii(scene).min()) <= scene.balls.radius:
         raise ValueError("ratings need grooves larger than the ball")
@@ -236,7 +268,7 @@ def _turns_share(scene: Scene) -> float:
 
 
 def _turn_rating(scene: Scene) -> Array:
-    """(3) of each raceway, ``(4,)`` [N], for one turn."""
+    """Return (3) of each raceway ``(4,)`` [N], for one turn."""
     alpha = scene.track.contact_angle
     shape, D = _shape(scene)
     angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _slope(scene) ** 1.3
@@ -245,8 +277,34 @@ def _turn_rating(scene: Scene) -> Array:
 
 
 def rating(scene: Scene) -> float:
-    """Basic dynamic load rating as computed [N], of one pair of opposite raceways: axial of a screw (ISO 3408-5) or of a
-    ring above 45 deg, radial of another ring (ISO 281). Raises ValueError as `contact_capacity`."""
+    """Return the basic dynamic load rating C of one pair of opposite raceways.
+
+    Returns
+    -------
+        C [N]: axial for a screw (ISO 3408-5) and for a bearing above 45 deg, radial for other bearings (ISO 281).
+
+    Raises
+    ------
+    ValueError
+        A groove no larger than the ball, or a screw with a contact angle of zero.
+
+    References
+    ----------
+    ISO 3408-5, ISO 281 and ISO/TR 1281-1, written out in (1) to (3) of this module.
+
+    Examples
+    --------
+    Nine balls of 10 mm, groove radii 0.52 D, D/D_pw = 0.2: ISO 281's table has f_c = 59.9.
+
+    >>> from rollbench.meshes.parts import Balls, Material, Nut, Screw, Track
+    >>> steel = Material(206e9, 0.3)
+    >>> balls = Balls(5e-3, steel, tuple(2.0 * pi * k / 9 for k in range(9)))
+    >>> inner, outer = Screw(0.02, 0.049, 5.2e-3, steel), Nut(0.01, 0.02, 0.1, 5.2e-3, steel)
+    >>> bearing = Scene("ring", "ring", Track(25e-3, 0.0, 0.0), inner, outer, balls)
+    >>> C = rating(bearing)
+    >>> round(C), round(C / (1.3 * 9 ** (2 / 3) * 10**1.8), 1)
+    (21109, 59.5)
+    """
     if scene.track.lead > 0.0:
         screw, nut = _turn_rating(scene)[[0, 3]] * _turns_share(scene)
     else:
@@ -256,7 +314,37 @@ def rating(scene: Scene) -> float:
 
 
 def life(scene: Scene, load: Array) -> Life | None:
-    """Life of contact loads ``(n, 4)`` [N] by (1), None without load. Raises ValueError as `contact_capacity`."""
+    """Return the basic rating life of a distribution of contact loads by (1).
+
+    Parameters
+    ----------
+    scene
+        The screw or bearing.
+    load
+        Contact forces ``(n, 4)`` [N] of the balls on the four flanks.
+
+    Returns
+    -------
+        The life; None without load.
+
+    Raises
+    ------
+    ValueError
+        A groove no larger than the ball, or a screw with a contact angle of zero.
+
+    Examples
+    --------
+    Equal loads have the life (C/F)^3:
+
+    >>> import rollbench
+    >>> scene = rollbench.read("lin-case1")
+    >>> load = np.zeros((scene.ball_count, 4))
+    >>> load[:, [0, 3]] = 100.0
+    >>> found = life(scene, load)
+    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _slope(scene)
+    >>> round(found.revolutions / (found.rating / axial) ** 3, 9)
+    1.0
+    """
     if not (load > 0.0).any():
         return None
     capacity = contact_capacity(scene)
@@ -273,9 +361,18 @@ def life(scene: Scene, load: Array) -> Life | None:
 
 
 def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:
-    """Contact loads ``(n, 4)`` [N] whose `life` is that of several load cases, by (4); of one case its own.
+    """Return the contact loads that cause the same fatigue damage as several load cases together, by (4).
 
-    loads: of each case; shares: of the revolutions, of which the sum is 1; cases without a share do not count.
+    Parameters
+    ----------
+    loads
+        Contact forces of each case, ``(n, 4)`` [N].
+    shares
+        Fractions of the revolutions spent in each case, with the sum 1; cases with a share of zero do not count.
+
+    Returns
+    -------
+        ``(n, 4)`` [N], of which `life` is the life over all cases.
     """
     used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
     if len(used) == 1:
@@ -285,7 +382,7 @@ def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:
 
 
 def standard_of(scene: Scene) -> str:
-    """Whose formulas rate a scene's life."""
+    """Return the name of the standard by which a scene's life is computed."""
     if scene.track.lead > 0.0:
         return "ISO 3408-5"
     return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(scene) else "")
@@ -306,28 +403,48 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 
 @record
 class EquivalentLife:
-    """Life by (5) to (7). revolutions: in 10^6; loads: equivalent loads [N] of the two directions or halves of a screw, the
-    first of a force on the nut along +z, or of a ring's one; standard: whose formulas."""
+    """Life of a duty cycle by the equivalent loads of a standard, (5) to (7)."""
 
+    #: L10 in 10^6 revolutions.
     revolutions: float = quantity(
         "L10_million_revolutions",
         "life by the standard's equivalent loads, (C/F_m)^3, of both directions or halves together",
     )
+    #: Equivalent loads [N]: of a screw those of both directions or halves, first that of a force on the nut along +z; of a
+    #: bearing the one load P.
     loads: tuple[float, ...] = quantity(
         "equivalent_loads_N",
         "means of order 3 of the axial forces over the revolutions: of what carries forces along +z, and against it",
         parts="[]",
     )
+    #: Standard whose formulas are used.
     standard: str = quantity("standard", "whose formulas")
 
 
 def equivalent_life(
     scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array], preload: float
 ) -> EquivalentLife | None:
-    """Life of cases of the same parts by the standards; None without load.
+    """Return the life of several load cases of the same parts by the standard's equivalent loads.
 
-    shares: of the revolutions; forces: of the screw on the nut in each case, ``(3,)`` [N]; preload: axial force [N] between
-    two halves with a lead offset, 0 with play. Raises ValueError, in words, where the standard does not apply.
+    Parameters
+    ----------
+    scenes
+        The scene of each case; all have the same parts.
+    shares
+        Fractions of the revolutions spent in each case.
+    forces
+        Force of the screw on the nut in each case, ``(3,)`` [N].
+    preload
+        Axial force [N] between two halves of a nut with a lead offset; 0 for a nut with play.
+
+    Returns
+    -------
+        The life; None without load.
+
+    Raises
+    ------
+    ValueError
+        A load that the standard does not cover (moments, radial force on a screw, four-point preload); the text says which.
     """
     used = [(scene, n, np.asarray(F, dtype=float)) for scene, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
     ring = scenes[0].track.lead == 0.0
@@ -349,7 +466,28 @@ def equivalent_life(
 
 
 def halves(force: Array, preload: float) -> tuple[Array, Array]:
-    """Forces [N] by (6) of what carries axial forces ``(n,)`` [N] along +z, and of what carries those against it."""
+    """Return the forces on the two halves of a preloaded nut by (6).
+
+    Parameters
+    ----------
+    force
+        Axial forces of all cases ``(n,)`` [N], positive along +z.
+    preload
+        F_pr [N]; 0 for a nut with play, where each direction has its pair of flanks.
+
+    Returns
+    -------
+        Forces ``(n,)`` [N] on what carries forces along +z, and on what carries those against it.
+
+    References
+    ----------
+    ISO 3408-5, with 2^(3/2) where manufacturers print 3.
+
+    Examples
+    --------
+    >>> [x.round(1).tolist() for x in halves(np.array([0.0, 1e3, 5e3, -5e3]), 1e3)]
+    [[1000.0, 1574.8, 5000.0, 0.0], [1000.0, 574.8, 0.0, 5000.0]]
+    """
     size = np.abs(force)
     if preload > 0.0:
         loaded = np.where(size < PARTING * preload, preload * (1.0 + size / (PARTING * preload)) ** 1.5, size)
@@ -360,14 +498,30 @@ def halves(force: Array, preload: float) -> tuple[Array, Array]:
 
 
 def mean_force(shares: Array, force: Array) -> float:
-    """F_m [N] of (5), of forces no less than zero ``(n,)`` [N] with their shares of the revolutions ``(n,)``."""
+    """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N], by (5).
+
+    Parameters
+    ----------
+    shares
+        Fractions n_j of the revolutions ``(n,)``.
+    force
+        Forces F_j ``(n,)`` [N], not negative.
+
+    Examples
+    --------
+    >>> round(mean_force(np.array([0.5, 0.3, 0.2]), np.array([1e3, 2e3, 4e3])), 1)
+    2504.0
+    """
     top = float(force.max(initial=0.0))
     return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
 
 
 def _ratings(scene: Scene) -> tuple[float, float]:
-    """Ratings [N] of a screw along +z and against it: of the nut with play, of its halves with a lead offset, of which the
-    one that is shifted along +z carries the forces against it."""
+    """Return the ratings [N] of a screw along +z and against it.
+
+    Of the nut with play, of its halves with a lead offset, of which the one that is shifted along +z carries the forces
+    against it.
+    """
     capacity = rating(scene)
     offset = scene.errors.lead_offset
     if offset == 0.0:
@@ -378,8 +532,25 @@ def _ratings(scene: Scene) -> tuple[float, float]:
 
 
 def factors(alpha: float) -> tuple[float, float, float]:
-    """Limit e of axial over radial force, and X and Y beyond it, of a single row of contact angle alpha [rad] (ISO 281): a
-    radial bearing from 20 deg on, above 45 deg a thrust bearing. Raises ValueError, in words, below 20 deg."""
+    """Return the factors e, X and Y of a single row of balls (ISO 281), P = X F_r + Y F_a where F_a > e F_r.
+
+    Parameters
+    ----------
+    alpha
+        Contact angle [rad]: a radial bearing from 20 deg on, a thrust bearing above 45 deg; linear between the table's
+        angles.
+
+    Raises
+    ------
+    ValueError
+        A contact angle below 20 deg, whose factors need C_0 and tabulated factors f_0.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> [round(x, 2) for x in factors(radians(40.0))], [round(x, 2) for x in factors(radians(60.0))]
+    ([1.14, 0.35, 0.57], [2.17, 0.92, 1.0])
+    """
     angle = degrees(alpha)
     if angle > RADIAL_UP_TO + 1e-9:
         return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
@@ -390,7 +561,7 @@ def factors(alpha: float) -> tuple[float, float, float]:
 
 
 def _of_ring(scene: Scene, force: Array) -> float:
-    """Equivalent load P [N] of a ring."""
+    """Return the equivalent load P [N] of a bearing."""
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
@@ -403,7 +574,7 @@ def _of_ring(scene: Scene, force: Array) -> float:
 
 
 def _outside(scene: Scene, *, ring: bool) -> str:
-    """What of a case the standard does not cover; empty where it covers all."""
+    """Return what of a case the standard does not cover; empty where it covers all."""
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"

@@ -13,13 +13,13 @@ The fatigue load limit C_u is the load that brings the worst contact to 1500 MPa
 4200 MPa, times (100 mm/D_pw)^(1/2) beyond a pitch diameter of 100 mm (ISO 281, B.3.3); of a screw under equal loads,
 axially. P is the load under which C gives the same L_10.
 
-Range: kappa from 0.1 on, mineral oils and greases, hardened steel. ISO 3408-5 knows a_1 alone: a_ISO of a screw, whose
+Range: kappa from 0.1 on, mineral oils and greases, hardened steel. ISO 3408-5 has a_1 only: a_ISO of a screw, whose
 rating is that of a thrust bearing with other factors and whose P is axial, takes (2) of a thrust bearing, and is an
 extension of the standard.
 
-Held against print: a_1 by ISO 281's Table 12 within its rounding; k is continuous at 0.4 and 1 to 1e-4, and 2.5671 at
-0.1, where a_ISO is 0.1 under every load. SKF's a_SKF of its class Explorer, 8 and 20.7 for the bearing 6309 (catalogue
-"Rolling bearings", example 1; a report of its calculator), are (2) with C_u 1.22 times as large in both.
+Compared with print: a_1 agrees with ISO 281's Table 12 within its rounding; k is continuous at 0.4 and 1 to 1e-4, and
+2.5671 at 0.1, where a_ISO is 0.1 under every load. SKF's a_SKF of its class Explorer, 8 and 20.7 for the bearing 6309
+(catalogue "Rolling bearings", example 1; a report of its calculator), are (2) with C_u 1.22 times as large in both.
 """
 
 from __future__ import annotations
@@ -44,25 +44,40 @@ MOST, FULL_FILM = 50.0, 4.0
 
 @record
 class ModifiedLife:
-    """revolutions: L_nm [10^6]; reliability [%]; a_1 and a_ISO, the latter None where no lubricant is given; limit: fatigue
-    load limit C_u [N]."""
+    """Modified rating life by ISO 281, with the factors it is made of."""
 
+    #: L_nm in 10^6 revolutions.
     revolutions: float = quantity(
         "Lnm_million_revolutions",
         "modified life a_1 a_ISO L10",
         error="as in L10, and a_ISO: by the contamination, which is an estimate",
     )
+    #: Reliability [%].
     reliability: float = quantity("reliability_percent", "share of screws or bearings that reach it")
+    #: Factor of the reliability.
     a_1: float = quantity("a_1", "factor of the reliability (ISO 281)")
+    #: Factor of lubricant and contamination; None where the scene does not give them.
     a_iso: float | None = quantity(
         "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
     )
+    #: Fatigue load limit C_u [N].
     limit: float = quantity("fatigue_load_limit_N", "load C_u at which the worst contact has 1500 MPa, as computed")
 
 
 def reliability_factor(percent: float) -> float:
-    """a_1 of a reliability [%] by (1).
+    """Return the factor a_1 of a reliability by (1).
 
+    Parameters
+    ----------
+    percent
+        Reliability S [%], 90 to 99.95.
+
+    References
+    ----------
+    ISO/TR 1281-2; ISO 281:2007, Table 12.
+
+    Examples
+    --------
     >>> [round(reliability_factor(s), 3) for s in (90.0, 95.0, 99.0, 99.95)]
     [1.0, 0.638, 0.248, 0.077]
     """
@@ -70,8 +85,23 @@ def reliability_factor(percent: float) -> float:
 
 
 def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
-    """a_ISO by (2); kappa: viscosity ratio, from 0.1 on; clean: e_C C_u/P.
+    """Return the factor a_ISO of lubricant and contamination of a ball bearing by (2), at most 50.
 
+    Parameters
+    ----------
+    kappa
+        Viscosity ratio, from 0.1 on; above 4 as 4.
+    clean
+        Contamination factor times fatigue load limit over equivalent load, e_C C_u/P.
+    thrust
+        Whether it is a thrust bearing.
+
+    References
+    ----------
+    ISO 281:2007, 9.3.3.
+
+    Examples
+    --------
     >>> round(iso_factor(2.45, 0.107), 2)
     5.5
     """
@@ -83,7 +113,12 @@ def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
 
 
 def fatigue_limit(scene: Scene) -> float:
-    """C_u [N], axial for a screw and a thrust bearing, radial for another ring."""
+    """Return the fatigue load limit C_u [N]: axial for a screw and a thrust bearing, radial for other bearings.
+
+    References
+    ----------
+    ISO 281:2007, B.3.3, for bearings; for screws the same pressure of 1500 MPa under equal contact loads.
+    """
     if scene.track.lead == 0.0:
         across = 2.0 * scene.track.pitch_radius
         return float(static_rating(scene) / STATIC_OVER_FATIGUE * min(1.0, (0.1 / across) ** 0.5))
@@ -92,7 +127,12 @@ def fatigue_limit(scene: Scene) -> float:
 
 
 def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
-    """The life modified by the scene's operation; None without life, and where the scene gives nothing of it."""
+    """Return the life modified by the reliability, lubricant and contamination of a scene's operation.
+
+    Returns
+    -------
+        The modified life; None where there is no life or the scene gives neither reliability nor viscosity ratio.
+    """
     of = scene.operation
     if life is None or (of.reliability is None and of.viscosity_ratio is None):
         return None

@@ -1,4 +1,4 @@
-"""Overall coefficients of friction, which catalogues and calculators give, against the one of sliding that scenes have.
+"""Overall coefficients of friction of catalogues and calculators, as distinct from the sliding coefficient of a scene.
 
 Calculators treat a ball screw as a sliding thread with one small coefficient f. At the lead angle phi of the pitch circle
 its efficiency against the load is
@@ -23,13 +23,28 @@ OVERALL = 0.02
 
 
 def efficiency(track: Track, coefficient: float) -> float:
-    """Efficiency against the load by (1), of a screw with an overall coefficient."""
+    """Return the efficiency of a screw that moves its load against the force, by (1).
+
+    Parameters
+    ----------
+    track
+        Track of the screw, for its lead angle.
+    coefficient
+        Overall coefficient of friction f, for all losses together; 0.003 to 0.01 for ball screws.
+
+    Examples
+    --------
+    A lead of 10 mm at a pitch diameter of 40 mm:
+
+    >>> round(efficiency(Track(20e-3, 10e-3, 0.785), 0.005), 4)
+    0.9405
+    """
     phi = abs(lead_angle(track))
     return tan(phi) / tan(phi + atan(coefficient))
 
 
 def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
-    """Warning where a coefficient of sliding lies where overall coefficients do."""
+    """Return a warning where a scene's coefficient of sliding is as small as an overall coefficient of catalogues."""
     mu = max(friction.screw, friction.nut)
     if not 0.0 < mu <= OVERALL:
         return []

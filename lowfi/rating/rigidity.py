@@ -5,8 +5,8 @@ and C the Hertz constants of both contacts of a ball together, flanks that press
 
     F = N s (((c_1 + s u)/C)^(3/2) - ((c_2 - s u)/C)^(3/2)),   terms of negative closure c +- s u zero,                (1)
 
-closed by c_1, c_2 at zero load (preload by large balls or errors; the two halves of a nut with a lead offset each by their
-own, the sum over both); without preload u = C (F/(N s))^(2/3)/s.
+closed by c_1, c_2 at zero load (preload by large balls or errors; with a lead offset each half of the nut has its own
+closures, and the sum runs over both); without preload u = C (F/(N s))^(2/3)/s.
 
 With the bodies (R_nu): the radial part F/tan(alpha) of the contact forces widens the nut and squeezes the screw, as thick
 tubes under even pressure over the loaded length i P_h of each start (Lame), which ISO 3408-4 takes too:
@@ -18,7 +18,7 @@ tubes under even pressure over the loaded length i P_h of each start (Lame), whi
 i counts the filled turns only (`life.filled_turns`): where no ball presses there is no pressure, so that gaps between
 circuits do not change (2). In truth the wall without balls, between circuits and beyond the outer ones, carries a share
 along about sqrt(R t)/1.3 (R its mean radius, t its thickness); that is left out, here as in ISO 3408-4, and makes (2) too
-soft, most where short circuits stand apart.
+soft, most where short circuits are far apart.
 
 With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
 nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Its contact angles are those under load, so that it
@@ -51,19 +51,21 @@ PRACTICE = 0.8
 
 @record
 class Rigidities:
-    """Axial load over axial displacement [N/m]: of the contacts only, with the bodies (None for rings, which have no
-    loaded length), and of the model that solves for unequal loads (None where it is not known)."""
+    """Axial load over axial displacement of a nut or bearing, with three extents of what deforms [N/m]."""
 
+    #: Of the contacts only.
     contacts: float = quantity(
         "rigidities_N_per_um.contacts_alone",
         "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
         error="leaves out bodies and unequal loads",
     )
+    #: Of the contacts with the bodies; None for bearings, which have no loaded length.
     bodies: float | None = quantity(
         "rigidities_N_per_um.with_bodies",
         "the same with nut and screw as thick tubes, which widen and are squeezed",
         error="leaves out unequal loads",
     )
+    #: Of the model that solves for unequal contact loads; None where its displacement is not known.
     unequal: float | None = quantity(
         "rigidities_N_per_um.with_unequal_loads",
         "the model's secant, `axial.rigidity_N_per_um`",
@@ -77,18 +79,30 @@ class Rigidities:
         error="see the report's outside values",
     )
     def practice(self) -> float | None:
-        """Rigidity that makers advise to take, four fifths of contacts and bodies; None for rings."""
+        """Rigidity that manufacturers advise to use [N/m], four fifths of contacts with bodies; None for bearings."""
         return None if self.bodies is None else PRACTICE * self.bodies
 
 
 def slope_of(scene: Scene) -> float:
-    """Approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi)."""
+    """Return the approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi)."""
     return sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
 
 
 def contacts_displacement(scene: Scene, force: float) -> float:
-    """Axial displacement [m] by (1) under an axial load [N] above zero, from first contact or, where a lead offset presses
-    the nut's halves against one another, from their equilibrium without load."""
+    """Return the axial displacement by the contacts only [m], (1).
+
+    Parameters
+    ----------
+    scene
+        The screw or bearing.
+    force
+        Axial load [N], above zero.
+
+    Returns
+    -------
+        Displacement from first contact; with a lead offset that preloads the nut's halves against each other, from their
+        equilibrium without load.
+    """
     layout = ball_layout(scene)
     of_balls = distances(scene, specimen(scene, layout))[1]
     beyond = beyond_step(scene, layout.z)
@@ -112,7 +126,21 @@ def contacts_displacement(scene: Scene, force: float) -> float:
 
 
 def body_compliance(scene: Scene) -> float | None:
-    """Axial displacement per load [m/N] by (2); None without lead. Raises ValueError where a body has no wall."""
+    """Return the axial displacement per load of nut and screw as thick tubes [m/N], (2).
+
+    Returns
+    -------
+        None for bearings, which have no lead.
+
+    Raises
+    ------
+    ValueError
+        A nut or screw without a wall behind its contacts.
+
+    References
+    ----------
+    ISO 3408-4; Lame's thick tube.
+    """
     track = scene.track
     if track.lead == 0.0:
         return None
@@ -129,20 +157,49 @@ def body_compliance(scene: Scene) -> float | None:
 
 
 def axial_displacement(scene: Scene, result: StaticResult) -> float:
-    """Axial displacement [m] of the screw's section at the nut's centre."""
+    """Return the axial displacement of the screw's section at the nut's centre [m]."""
     return float(np.interp(scene.nut.position, result.centreline_z, result.centreline[:, 2]))
 
 
 def axial_force(result: StaticResult) -> float:
-    """Axial force [N] of the screw on the nut; zero where it is round-off of the contact loads."""
+    """Return the axial force of the screw on the nut [N]; zero where it is round-off of the contact loads."""
     balance = result.equilibrium
     force = 0.0 if balance is None else -float(balance.contact_force[2])
     return force if abs(force) > ROUND_OFF * float(result.load.sum()) else 0.0
 
 
 def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:
-    """The three rigidities at an axial load [N]; displacement [m] of a model that solves for unequal loads, in the sense
-    of the load. None without axial load or without contact angle. Raises ValueError as `body_compliance`."""
+    """Return the three rigidities of a nut or bearing at an axial load.
+
+    Parameters
+    ----------
+    scene
+        The screw or bearing.
+    force
+        Axial load [N], with its sign.
+    displacement
+        Axial displacement [m] of a model that solves for unequal loads, with the same sign; None where it is not known.
+
+    Returns
+    -------
+        The rigidities; None without axial load or with a contact angle of zero.
+
+    Raises
+    ------
+    ValueError
+        A nut or screw without a wall behind its contacts.
+
+    References
+    ----------
+    ISO 3408-4.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> found = rigidities(rollbench.read("lin-case1"), 5e3, 20e-6)
+    >>> [round(x * 1e-6) for x in (found.contacts, found.bodies, found.unequal)]  # N/um
+    [271, 265, 250]
+    """
     size = abs(force)
     if size == 0.0 or slope_of(scene) <= 0.0:
         return None

@@ -2,18 +2,19 @@
 
 A bar of the thread's root diameter d (bore d_b) over the free length L, the nut at its far end,
 
-    F_c = c pi^2 E I / L^2,  n_c = lambda^2/(2 pi L^2) sqrt(E I/(rho A)),  I = pi (d^4 - d_b^4)/64,  A = pi (d^2 - d_b^2)/4,
+    F_c = c pi^2 E I / L^2,                            I = pi (d^4 - d_b^4)/64,                                        (1)
+    n_c = lambda^2/(2 pi L^2) sqrt(E I/(rho A)),       A = pi (d^2 - d_b^2)/4,                                         (2)
 
-with c and lambda by how the ends are held, as makers print them:
+with c and lambda by the support of both ends, as manufacturers print them:
 
     fixed, free: 1/4, 1.875    supported both: 1, 3.142    fixed, supported: 2, 3.927    fixed both: 4, 4.730
 
 (c: STAR/Rexroth RE 83 301/12.99, p. 97, f_Fk 2.6, 10.2, 20.4 and 40.6; lambda: THK general catalogue 513-1E, A15-32; a
-fixed and a supported end have 2.05 exactly). Makers let a shaft carry half of F_c, and turn at four fifths of n_c (same
-pages). DN is pitch diameter times speed: what the return of the balls bears is the maker's to say; without it 76,200
-mm/min is taken, 3000 in rpm for returns by tubes (Engineers Edge, critical speed of ball screws).
+fixed and a supported end have 2.05 exactly). Manufacturers let a shaft carry half of F_c, and turn at four fifths of n_c
+(same pages). DN is pitch diameter times speed; its limit depends on the return of the balls and is the manufacturer's to
+give; without it 76,200 mm/min is taken, 3000 in rpm for returns by tubes (Engineers Edge, critical speed of ball screws).
 
-Range: slender shafts, L of more than some 25 d (a shorter one yields before it buckles, and its bearings give way before it
+Range: slender shafts, L of more than some 25 d (a shorter one yields before it buckles, and its bearings deflect before it
 whirls); thread over the whole length, steel of 7850 kg/m3; loads count where they and the reactions compress the shaft.
 """
 
@@ -45,24 +46,34 @@ SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
 
 @record
 class ShaftLimits:
-    """Limits of the weakest free length of a shaft. length, root [m]; loads [N]: compression: the largest in the shaft, 0
-    where it is only pulled; critical, speed [rad/s], speed None where the scene states none; dn, its limit [m rad/s]."""
+    """Limits of the weakest free length of a screw shaft."""
 
+    #: Support of that length at its ends: fixed, supported or free.
     ends: str = quantity("ends", "how that length is held at its ends: fixed (no tilt), supported or free")
+    #: Free length L [m].
     length: float = quantity("length_mm", "free length: between bearings, or from the only one to the free end")
+    #: Root diameter of the thread [m].
     root: float = quantity("root_diameter_mm", "root diameter of the thread, which the formulas take")
+    #: Euler's buckling load F_c [N].
     buckling: float = quantity("buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as said")
+    #: Largest axial compression of the shaft by its loads [N]; 0 where it is only in tension.
     compression: float = quantity("compression_N", "largest axial compression in the shaft by its loads")
+    #: Critical speed [rad/s].
     critical: float = quantity("critical_speed_rpm", "speed of the first whirl of it", error="as above")
+    #: Speed of the scene's motion [rad/s]; None where the scene states none.
     speed: float | None = quantity("speed_rpm", "speed of the scene's motion")
+    #: Pitch diameter times speed [m rad/s]; None without a speed.
     dn: float | None = quantity("dn_mm_rpm", "DN value: pitch diameter times speed")
+    #: Largest DN value allowed [m rad/s].
     dn_limit: float = quantity("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
+    #: Half of the buckling load [N].
     allowed_load: float = quantity("allowed_compression_N", "half the buckling load, as makers have it")
+    #: Least of four fifths of the critical speed and the speed at the DN limit [rad/s].
     allowed_speed: float = quantity("allowed_speed_rpm", "least of four fifths of the critical speed and the DN limit")
 
     @property
     def warnings(self) -> list[Warned]:
-        """What the scene exceeds."""
+        """Warnings of the limits that the scene exceeds."""
         found = []
         if self.compression > self.allowed_load:
             words = f"{self.compression:.4g} N press on {1e3 * self.length:.4g} mm of shaft, {self.ends}"
@@ -78,16 +89,25 @@ class ShaftLimits:
 
 
 def root_diameter(scene: Scene) -> float:
-    """Diameter [m] at the bottom of the screw's groove, where its two arcs meet."""
+    """Return the diameter at the bottom of the screw's groove [m], where its two arcs meet."""
     track, slack = scene.track, scene.screw.groove_radius - scene.balls.radius
     deep = sqrt(scene.screw.groove_radius**2 - (slack * sin(track.contact_angle)) ** 2)
     return 2.0 * (track.pitch_radius + slack * cos(track.contact_angle) - deep)
 
 
 def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
-    """Lengths [m] between neighbouring bearings of a shaft, or from the only one to its farther end, with how their ends
-    are held, the stiffer first. A bearing holds both lateral freedoms; where it holds both tilts it is fixed, but supported
-    within the shaft."""
+    """Return the free lengths of a shaft with the supports at their ends.
+
+    A bearing that fixes both lateral displacements supports the shaft; one at the shaft's end that also fixes both
+    rotations
+    counts as fixed.
+
+    Returns
+    -------
+        Lengths [m] between neighbouring bearings, or from a single bearing to the farther end, each with the kinds of its
+        two
+        ends, the stiffer first.
+    """
     bearings = sorted((s for s in scene.supports if _holds(s, "ux", "uy")), key=lambda s: s.at)
     held = ["fixed" if _holds(s, "rx", "ry") else "supported" for s in bearings]
     if len(bearings) == 1:
@@ -102,8 +122,29 @@ def _holds(support: Support, *names: str) -> bool:
 
 
 def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulus: float) -> tuple[float, float]:
-    """Buckling load [N] and critical speed [rad/s] of a bar; lengths [m], modulus [Pa].
+    """Return the buckling load and the critical speed of a steel bar by (1) and (2).
 
+    Parameters
+    ----------
+    length
+        Free length L [m].
+    ends
+        Kinds of the two ends, a key of ``FACTORS``.
+    root, bore
+        Outer and inner diameter of the bar [m].
+    modulus
+        Young's modulus [Pa].
+
+    Returns
+    -------
+        F_c [N] and the critical speed 2 pi n_c [rad/s].
+
+    References
+    ----------
+    Rexroth RE 83 301/12.99, p. 97; THK 513-1E, A15-32. Range: L above some 25 diameters.
+
+    Examples
+    --------
     >>> load, speed = euler(2.4, ("fixed", "supported"), 56.5e-3, 0.0, 210e9)
     >>> round(1e-3 * load), round(speed * 30.0 / pi)
     (360, 1868)
@@ -114,7 +155,10 @@ def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulu
 
 
 def compression(scene: Scene, result: StaticResult) -> float:
-    """Largest axial compression [N] in the shaft by its loads, supports and nut, which acts at its middle."""
+    """Return the largest axial compression of the shaft [N] by its loads, its supports and the nut.
+
+    The nut's force is taken to act at the nut's middle; zero where the shaft is only in tension.
+    """
     balance = result.equilibrium
     forces = [(x.at, x.force[2]) for x in scene.loads]
     forces += [(s.at, float(r[2])) for s, r in zip(scene.supports, result.reactions, strict=False)]
@@ -125,7 +169,14 @@ def compression(scene: Scene, result: StaticResult) -> float:
 
 
 def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
-    """Limits of a screw's shaft under its loads; None of rings, and where no bearing holds the shaft or it tilts freely."""
+    """Return the limits of a screw's shaft under the loads of a solved scene.
+
+    Returns
+    -------
+        The limits of the weakest free length; None for bearings, and where no bearing fixes the shaft laterally or it
+        rotates
+        freely about its only bearing.
+    """
     spans = [(x, ends) for x, ends in free_lengths(scene) if ends in FACTORS and x > 0.0]
     if scene.track.lead == 0.0 or not spans:
         return None

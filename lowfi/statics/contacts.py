@@ -1,5 +1,4 @@
-"""Hertz's constants of a scene's contacts, nominal and with all errors, and what his flat contact leaves out where ball and
-groove conform: errors of radius, and pressure at an angle.
+"""Hertz constants of a scene's contacts with all errors, and corrections where ball and groove conform.
 
 Ball (radius r) and groove (radius rho) touch over an ellipse of semi-axes a, b; theta is the angle of a point of it at the
 ball's centre from the contact's normal. Along the ball's normals an approach delta closes the gap by delta cos(theta), a
@@ -17,7 +16,7 @@ curvature (1/2 d/dN of N a^2/5), so that the larger ball, which conforms more, g
 smaller by e closes the gap by more than an approach across it, where its arc shrinks, and like one along the track, where
 its normals do not turn with the ball's: only the curvature across changes, by e/rho^2. A profile's offset does it by its
 curvature; its third and fourth derivatives join by moments of order (a/rho)^3 and are left out. So Hertz's constants are
-taken at each contact's own radii, exactly. Limits: a flat contact (a << r) keeps delta_eq = e; without errors nothing
+taken at each contact's actual radii, exactly. Limits: a flat contact (a << r) keeps delta_eq = e; without errors nothing
 changes.
 
 The approach itself does less than Hertz's: it closes the gap by its cosine, and only p cos(theta) carries N. To first
@@ -46,10 +45,20 @@ from rollbench.meshes.surface import ALL, groove_profile, principal_curvatures, 
 
 
 def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:
-    """Change of each contact's relative curvatures by the errors of its radii, ``(..., N, 4, 2)`` [1/m], across the groove
-    first; ball_radius: ``(..., N)`` [m].
+    """Return the change of each contact's relative curvatures by the errors of its radii.
 
-    The groove's is that of its profile at the nominal contact angle.
+    The groove's curvature is that of its profile at the nominal contact angle.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    ball_radius
+        ``(..., N)`` [m].
+
+    Returns
+    -------
+        ``(..., N, 4, 2)`` [1/m], across the groove first.
     """
     gamma = np.array(scene.track.contact_angle)
     profiles = [groove_profile(gamma, drawn.radius[s], drawn.profile[s]) for s in range(4)]
@@ -61,12 +70,12 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
 
 
 def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
-    """Curvature [1/m] of a curve in polar coordinates from its radius and derivatives by angle."""
+    """Return the curvature [1/m] of a curve in polar coordinates from its radius and derivatives by angle."""
     return np.asarray((radius**2 + 2.0 * slope**2 - radius * bend) / np.hypot(radius, slope) ** 3)
 
 
 def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
-    """h [m/N^(4/3)] of what pressure at an angle adds to the approach, h F^(4/3): (2)."""
+    """Return the factor h [m/N^(4/3)] of the approach h F^(4/3) that oblique pressure adds, by (2)."""
     return np.asarray(7.0 / 30.0 * constants.C * (constants.C_a**2 + constants.C_b**2) / ball_radius**2)
 
 
@@ -76,16 +85,18 @@ NODES, ROUND_OFF = 12, 1e-15
 
 @lru_cache(maxsize=64)
 def error_free_hertz(scene: Scene) -> HertzConstants:
-    """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle.
+    """Return the Hertz constants ``(4,)`` of the error-free parts at the nominal contact angle.
 
-    Kept for all solutions of a scene: not to be written to.
+    Cached for all solutions of a scene: not to be written to.
     """
     return _hertz_of(_parts_alone(scene))
 
 
 def nominal_curvatures(scene: Scene) -> Array:
-    """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
-    groove first. Kept for all scenes of the same parts: not to be written to."""
+    """Return the relative principal curvatures ``(4, 2)`` [1/m] of the error-free parts, across the groove first.
+
+    At the nominal contact angle; cached for all scenes of the same parts: not to be written to.
+    """
     return _curvatures_of(_parts_alone(scene))
 
 
@@ -95,7 +106,7 @@ def _parts_alone(scene: Scene) -> Scene:
 
 
 def forget_nominal() -> None:
-    """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
+    """Clear the caches of nominal contacts, so that the next solve is timed with its set-up."""
     for kept in (_curvatures_of, _hertz_of, _hertz_at, error_free_hertz):
         kept.cache_clear()
 
@@ -107,7 +118,7 @@ def _hertz_of(bare: Scene) -> HertzConstants:
 
 @lru_cache(maxsize=64)
 def _hertz_at(bare: Scene, ball_radius: float) -> HertzConstants:
-    """Constants ``(1, 4)`` of error-free grooves with balls of another radius [m]."""
+    """Return the constants ``(1, 4)`` of error-free grooves with balls of another radius [m]."""
     return _unwritable(drawn_hertz(bare, specimen(bare, ball_layout(bare)), np.array([ball_radius])))
 
 
@@ -127,16 +138,21 @@ def _curvatures_of(bare: Scene) -> Array:
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
-    """Hertz constants ``(..., N, 4)`` of every contact at the nominal contact angle, with its own radii of ball and groove.
+    """Return the Hertz constants ``(..., N, 4)`` of every contact at the nominal contact angle, with the actual radii.
 
-    ball_radius: ``(..., N)`` [m] in place of the specimen's. What this does to an oversize: (1).
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    ball_radius
+        Radii ``(..., N)`` [m] in place of the drawn ones. Their effect on an oversize is (1).
     """
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
 
 
 def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
-    """As `drawn_hertz` for balls of these radii ``(N,)`` [m], but one row for all of them where they are alike."""
+    """Return the constants of `drawn_hertz` for balls of radii ``(N,)`` [m], as one row where all balls are alike."""
     if not (ball_radius == ball_radius[0]).all():
         return drawn_hertz(scene, drawn, ball_radius)
     if drawn.profile.size or not (drawn.radius == groove_radii(scene)).all():
@@ -147,15 +163,33 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
 
 
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
-    """As `drawn_hertz`, ``(N, 4)``, computed once where all balls are alike. Not to be written to."""
+    """Return the Hertz constants ``(N, 4)`` of every contact with its actual radii, at the nominal contact angle.
+
+    As `drawn_hertz`, computed once where all balls are alike; not to be written to.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    """
     h, shape = distinct_hertz(scene, drawn, drawn.ball_radius), (drawn.ball_radius.size, 4)
     return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
 
 
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
-    """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
+    """Return the Hertz constants ``(N, 4)`` from the exact surfaces with all errors.
 
-    Raises ValueError where ball and groove conform, with the first such contact.
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    gamma
+        Contact angles ``(N, 4)`` [rad].
+
+    Raises
+    ------
+    UnfitKey
+        Ball and groove that conform; the text names the first such contact.
     """
     curvatures = relative_curvatures(scene, drawn, gamma)
     bad = np.argwhere(~(curvatures.min(axis=-1) > 0.0) | ~np.isfinite(curvatures).all(axis=-1))
@@ -171,12 +205,15 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
 
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
-    """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
+    """Return the relative principal curvatures ``(N, 4, 2)`` [1/m], across the groove first.
+
+    At contact angles ``(N, 4)`` [rad].
+    """
     return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
 def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
-    """Hertz constants ``(..., 4)`` of the sides' materials at relative principal curvatures ``(..., 4, 2)`` [1/m]."""
+    """Return the Hertz constants ``(..., 4)`` of the flanks' materials at relative curvatures ``(..., 4, 2)`` [1/m]."""
     ball = scene.balls.material
     bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
     modulus = np.array(
@@ -186,7 +223,7 @@ def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
 
 
 def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
-    """Hertz quantities of the screw's and the nut's side with the faults of Table B.1."""
+    """Return the Hertz constants of a flank of screw and nut with the errors of Lin's Table B.1."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
@@ -201,20 +238,29 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
 
 
 def _as_printed(scene: Scene) -> Array:
-    """Constants C of each side with the faults of Table B.1, ``(4,)`` [m/N^(2/3)]."""
+    """Return the constants C of each flank with the errors of Lin's Table B.1, ``(4,)`` [m/N^(2/3)]."""
     return np.repeat([side.C for side in printed_sides(scene)], 2)
 
 
 def error_free(scene: Scene) -> Scene:
-    """The scene with Hertz constants of error-free parts, as the sources' own models take them, or as printed."""
+    """Return the scene with Hertz constants of error-free parts, as the publications' models use them, or as printed."""
     if scene.ingredients.hertz == "as printed":
         return scene
     return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))
 
 
 def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
-    """Constant C of each ball and side before any update to the actual geometry, ``(..., N, 4)``; ball_radius: as for
-    `drawn_hertz`."""
+    """Return the Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] by the scene's ``hertz``.
+
+    Before any update to the solved contact angles.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    ball_radius
+        Radii ``(..., N)`` [m] in place of the drawn ones.
+    """
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
@@ -233,7 +279,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
 
 
 def _repeated(row: Array, shape: tuple[int, ...]) -> Array:
-    """Values ``(4,)`` of the sides, or ``(*shape, 4)``, for every ball."""
+    """Return values ``(4,)`` of the flanks, or ``(*shape, 4)``, for every ball."""
     values = np.empty((*shape, 4))
     values[...] = row
     return values

@@ -1,7 +1,7 @@
-"""Static load distribution with elastic bodies: the refined model, and every step between it and the source's.
+"""Static load distribution with elastic bodies: the refined model, and intermediate steps between it and Lin's.
 
-The same contact mechanics as `lowfi.statics.static`, but the flanks of screw and nut answer forces by a compliance matrix
-with a pluggable origin (`lowfi.compliance.bodies`, or a condensed 3D model read from a file).
+The same contact mechanics as `lowfi.statics.static`, but the flanks of screw and nut respond to forces by a compliance
+matrix with a pluggable origin (`lowfi.compliance.bodies`, or a condensed 3D model read from a file).
 
 Many members of a scene that differ only in the radii of their balls share one system (`ElasticMembers`): the bodies'
 compliance, the shaft and its supports are those of the scene; a member has its own approaches, Hertz constants and terms
@@ -28,7 +28,7 @@ from rollbench.lowfi.statics.problem import Problem, SolvedState, distances
 from rollbench.lowfi.statics.response import LARGEST, Flanks, flanks_of, one_pair, pair_data, response_of, spring_rows
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
-from rollbench.lowfi.statics.settle import ACCEPTED, SetFlanks, Words, least_residual, options_of
+from rollbench.lowfi.statics.settle import ACCEPTED, Description, SetFlanks, least_residual, options_of
 from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions, rigid_nodes, rows_of
 from rollbench.lowfi.statics.static import Build, Engine, OneSet, Solution, pick_engine, scale_of, solve_built, solve_sides
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
@@ -50,31 +50,36 @@ MARGIN = 0.2e-6
 
 @dataclass(kw_only=True)
 class Elastic(OneSet):
-    """Elastic bodies of a scene; assumed: statements about the bodies."""
+    """Scene with elastic bodies, ready for the kernels."""
 
     SOLVER = "solve_forces"
+    #: Bodies and balls as the kernels take them.
     given: BodySystem
+    #: Forces, free motions and contacts.
     state: BodyState
+    #: The screw's beam with its supports.
     shaft: Shaft
+    #: Compliance of the bodies at the flanks.
     bodies: Flanks
+    #: Assumptions about the bodies.
     assumed: tuple[str, ...]
 
     @property
     def pair(self) -> tuple[int, int] | None:
-        """Sides of the one diagonal that the closed form serves, screw's first; None where all four flanks take part."""
+        """Flanks of the only diagonal in use, the screw's first, for which a closed form serves; None for all four."""
         if self.given.bodies.second.size:
             return None
         a = 0 if self.problem.use[0] else 1
         return a, 3 - a
 
     def iterate(self, start: bool = True) -> Outcome:
-        """As `Prepared.iterate`, with the problem's Hertz constants."""
+        """Solve with the problem's Hertz constants, as `Prepared.iterate`."""
         if self.pair is not None:
             self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
         return super().iterate(start)
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Contacts at the state."""
+        """Return the contacts at the state."""
         problem, state, moved, pair = self.problem, self.state, self.shifts(), self.pair
         if pair is None:
             return (SetFlanks(problem, state.contact, state.inner[:, :2].copy(), moved),)
@@ -90,7 +95,7 @@ class Elastic(OneSet):
         return (SetFlanks(problem, contact, p, moved),)
 
     def forces(self) -> Array:
-        """Forces ``(N, 4, 2)`` [N] of the balls on all flanks."""
+        """Return the forces of the balls on all flanks ``(N, 4, 2)`` [N]."""
         pair, contact = self.pair, self.state.contact
         pushes = contact[..., 0, None] * contact[..., 1:3]
         if pair is None:
@@ -100,7 +105,7 @@ class Elastic(OneSet):
         return out
 
     def shifts(self) -> Array:
-        """Motions ``(N, 4, 2)`` [m] of all built flanks at the state."""
+        """Return the motions of all built flanks at the state ``(N, 4, 2)`` [m]."""
         screw, nut, v0, R = self.bodies.kept
         forces = self.forces()
         N, out = len(forces), np.zeros(forces.shape)
@@ -111,16 +116,16 @@ class Elastic(OneSet):
         return out
 
     def round_off(self) -> float:
-        """By the largest motions and the stiffest contact."""
+        """Return the residual that rounding leaves, by the largest motions and the stiffest contact."""
         problem, v0 = self.problem, self.given.bodies.v0
         stiff = float(contact_stiffness(self.state.contact[..., 0], problem.C.min()).max(initial=0.0))
         motion = float(np.abs(self.shifts()).max()) + float(np.abs(v0).max(initial=0.0))
         return least_residual(motion, stiff, self.scale, [problem])
 
     def clears(self) -> bool:
-        """Whether no ball comes within MARGIN of an omitted flank, as `lowfi.statics.selection.all_clear` has it.
+        """Return whether no ball comes within MARGIN of an omitted flank, see `lowfi.statics.selection.all_clear`.
 
-        A flank that was left out moves with its neighbour on the same ridge, up to their own elastic difference.
+        A flank that was left out moves with its neighbour on the same ridge, but for their relative elastic deformation.
         """
         problem, contact, p, shift = self.flanks()[0]
         for s in np.flatnonzero(~problem.use):
@@ -129,7 +134,7 @@ class Elastic(OneSet):
         return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
 
     def solved(self) -> SolvedState:
-        """The state with the motions of the nodes and the reactions, which the condensed system does not hold itself."""
+        """Return the state with the motions of the nodes and the reactions, which the condensed system does not contain."""
         problem, squeeze = self.problem, self.bodies.squeeze
         used = [s for s in range(2) if problem.use[s]]
         pushes = self.forces()[:, used].transpose(1, 0, 2).reshape(-1, 2)
@@ -146,34 +151,43 @@ class Elastic(OneSet):
         _, contact, centre, shifts = self.flanks()[0]
         return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
-    def words(self) -> Words:
-        """As `Prepared.words`: with what was done to keep the compliance positive."""
+    def description(self) -> Description:
+        """Return the description of the model, with what was done to make the compliance positive."""
         build, clipped = self.build, self.bodies.clipped
         assert isinstance(build, ElasticBuild)
         source = idealised(build.backend, build.scene) if build.condensed is None else (build.condensed.describe(),)
         size = self.state.phi.size + self.state.a.size
         cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
         assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
-        return Words(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
+        return Description(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticBuild(Build):
-    """As `Build`, with elastic bodies: backend: what answers the contact forces; condensed: compliance from a 3D model
-    instead; whole: see `body_compliance`."""
+    """Everything from which a scene's problem with elastic bodies is built."""
 
+    #: Model of the bodies' compliance.
     backend: Backend = REFINED
+    #: Compliance from a 3D model instead.
     condensed: Condensed | None = None
+    #: Computes the compliance of a whole body, see `body_compliance`.
     whole: WholeBody = whole_body
 
     @property
     def section(self) -> BeamSection | None:
-        """That of the backend."""
+        """Section of the screw by the backend; None: the scene's."""
         return grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None
 
     def ready(self, problem: Problem) -> Elastic:
-        """A problem, ready for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of
-        the bodies."""
+        """Return a problem ready for the kernels.
+
+        Raises
+        ------
+        UnfitKey
+            More than ``LARGEST`` balls.
+        ValueError
+            Bodies with impossible dimensions.
+        """
         N = self.layout.z.size
         if N > LARGEST:
             reason = f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin"
@@ -184,7 +198,7 @@ class ElasticBuild(Build):
         local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
         local[..., 0], local[..., 2] = flanks.e, flanks.h
         local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
-        if pair is not None:  # one diagonal alone: nothing to couple with
+        if pair is not None:  # only one diagonal: nothing to couple with
             local[..., 0] += 2.0 * ball.g**2
             rows = pair_data(problem, pair, local[..., 0], flanks.h)
         balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)
@@ -204,7 +218,7 @@ class ElasticBuild(Build):
         )
 
     def touched(self) -> str:
-        """As `Build.touched`."""
+        """Return the note that flanks left out may be touched."""
         return "two of the four sides may touch in the solution without them: solved again with all four"
 
 
@@ -219,11 +233,29 @@ def solve_elastic(
     member: int = 0,
     refine: int = 1,
 ) -> StaticResult:
-    """Contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
+    """Compute contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
 
-    backend: what answers the contact forces; condensed: compliance from a 3D model instead; name: of the model, for the
-    record; engine, everything, member, refine: as for `lowfi.statics.static.solve_static`. Raises ValueError for bodies
-    that the dimensions make impossible; a scene without equilibrium is named in ``status``.
+    Parameters
+    ----------
+    scene
+        The scene.
+    backend
+        Model of the bodies' compliance.
+    condensed
+        Compliance from a 3D model instead.
+    name
+        Of the model, for the record.
+    engine, everything, member, refine
+        As for `lowfi.statics.static.solve_static`.
+
+    Returns
+    -------
+        The result; for a scene without equilibrium its ``status`` gives the reason.
+
+    Raises
+    ------
+    ValueError
+        Bodies with impossible dimensions; as UnfitKey for more than ``LARGEST`` balls.
     """
     start = perf_counter()
     layout = ball_layout(scene)
@@ -236,19 +268,41 @@ def solve_elastic(
 
 
 class ElasticMembers:
-    """Members of a scene whose random errors are those of the balls' radii (`shared`)."""
+    """Members of a scene whose random errors are those of the balls' radii (`shared`), solved with one system."""
 
     def __init__(self, scene: Scene, backend: Backend, engine: ModuleType, like: ElasticMembers | None = None) -> None:
-        """Nothing is built yet. backend: what answers the contact forces; engine: kernels; like: the same members under
-        nearly the same loads, solved before, whose solutions these start from."""
+        """Make an empty collection; systems are built when they are needed.
+
+        Parameters
+        ----------
+        scene
+            The scene.
+        backend
+            Model of the bodies' compliance.
+        engine
+            Kernels.
+        like
+            The same members under nearly the same loads, solved before, whose solutions these start from.
+        """
         self.scene, self.backend, self.engine, self.like = scene, backend, engine, like
         self.layout = ball_layout(scene)
         self._systems: dict[bytes, _System | None] = {}
         self._states: dict[tuple[int, bytes], list[Array]] = {}  # of the last members by number and sides
 
     def solve(self, first: int, count: int) -> tuple[Array, Array, Array]:
-        """Loads ``(count, N, 4)`` [N], relative residuals and works ``(count,)`` [J], loads times the motions of their
-        stations, of members from ``first`` on; nan for those that have to be solved by themselves."""
+        """Solve some members.
+
+        Parameters
+        ----------
+        first, count
+            Number of the first member, and of members.
+
+        Returns
+        -------
+            Loads ``(count, N, 4)`` [N], relative residuals ``(count,)``, and works ``(count,)`` [J], the loads times the
+            motions
+            of their stations; nan for members that need a separate solve.
+        """
         drawn = specimens(self.scene, self.layout, first, count)
         offset, closure = distances(self.scene, drawn)
         nominal = specimen(without_draws(self.scene), self.layout)
@@ -266,7 +320,7 @@ class ElasticMembers:
         return loads, *numbers
 
     def _member(self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
-        """One member with some sides, as `_System.solve` takes it (``dims``) and gives it."""
+        """Solve one member with some flanks; arguments and result as for `_System.solve`."""
         system, key = self._system(use), (number, use.tobytes())
         if system is None:
             return None
@@ -276,8 +330,10 @@ class ElasticMembers:
         return solved
 
     def _system(self, use: Mask) -> _System | None:
-        """The system with some sides, or with all where they are touched, in the solution of member 0, whatever members are
-        asked for; None where it serves no other member."""
+        """Return the system with some flanks at the solution of member 0; None where it serves no other member.
+
+        With all flanks where those left out are touched.
+        """
         key = use.tobytes()
         if key not in self._systems:
             self._systems[key] = None
@@ -291,13 +347,13 @@ class ElasticMembers:
 
 
 def shared(scene: Scene) -> bool:
-    """Whether members of a scene differ only in the radii of their balls, and one pass of the solver finishes each."""
+    """Return whether members of a scene differ only in radii of their balls, and one pass of the solver finishes each."""
     alike = alike_in_shape(scene) and len(specimens(scene, ball_layout(scene), 0, 2).centre) == 1
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 
 
 class _System:
-    """Elastic bodies in the solution of one member, and what the others change in it."""
+    """Elastic bodies at the solution of one member, and what the others change."""
 
     def __init__(self, elastic: Elastic) -> None:
         self.elastic = elastic
@@ -309,9 +365,25 @@ class _System:
     def solve(
         self, radii: Array, offset: Array, closure: Array, C: Array, start: list[Array] | None
     ) -> tuple[Array, float, float] | None:
-        """Loads ``(N, 4)`` [N], relative residual and work [J] of a member: radii ``(N,)`` [m], `distances` and Hertz
-        constants ``(N, 4)``; None where it does not converge, or a flank that was left out may be touched. start: state
-        to start from, in place of the first member's."""
+        """Solve one member.
+
+        Parameters
+        ----------
+        radii
+            Of the balls ``(N,)`` [m].
+        offset, closure
+            `distances` of the member.
+        C
+            Hertz constants ``(N, 4)``.
+        start
+            State to start from, in place of the first member's.
+
+        Returns
+        -------
+            Loads ``(N, 4)`` [N], relative residual and work [J]; None where it does not converge, or a flank that was left
+            out may
+            be touched.
+        """
         self._place(radii, offset, closure, C)
         for array, first in zip(self.elastic.state, start or self.start, strict=True):
             array[:] = first
@@ -349,8 +421,11 @@ class _System:
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:
-    """Loads of the scene times the motions of their stations [J]: by the flanks' forces ``(2 c,)`` [N], side after side, by
-    the amplitudes ``(k,)`` of the free motions, and without either."""
+    """Return the loads of the scene times the motions of their stations [J].
+
+    By the flanks' forces ``(2 c,)`` [N], flank after flank, by the amplitudes ``(k,)`` of the free motions, and without
+    either.
+    """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()
     dof, rows = rows_of(problem, [s for s in range(2) if problem.use[s]])

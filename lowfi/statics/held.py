@@ -1,5 +1,7 @@
-"""What holds a screw: motions that neither a support nor a contact resists, found before anything is solved, and whether a
-load can be carried at all, by a linear program on contact forces that push.
+"""Motions of a screw that nothing resists, and whether its contacts can carry a load at all.
+
+Motions that neither a support nor a contact resists are found before anything is solved. Whether a load can be carried is
+decided by a linear program on compressive contact forces.
 
 By the theorem of the alternative (Farkas) either compressive forces at the nominal contacts and reactions of the supports
 balance the load, or a rigid motion of the screw, with some motion of the balls, opens every contact or leaves it unchanged
@@ -24,24 +26,25 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class Mechanism:
-    """What is free: ``driven`` by the loads (no equilibrium exists) or not; freedoms of the first node to hold.
+    """Rigid motions of the screw that nothing resists."""
 
-    no_torsion: the track has no lead, so no contact force twists the shaft, and no moment is applied about it; others:
-    freedoms that could be held instead of the pins (none where only those do).
-    """
-
+    #: Whether the loads drive one, so that there is no equilibrium.
     driven: bool
+    #: Description of the motion.
     text: str
+    #: Freedoms of the first node to fix.
     pins: tuple[int, ...] = ()
+    #: Whether the track has no lead, so that no contact force twists the shaft, and no moment about the axis acts.
     no_torsion: bool = False
+    #: Freedoms that could be fixed instead of the pins; empty where there are none.
     others: tuple[int, ...] = ()
 
 
 def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
-    """Rigid motions ``(6, k)`` that supports leave (of the first node), the balls' motions, and the loads' work.
+    """Return rigid motions ``(6, k)`` of the first node that supports leave, the balls' motions, and the loads' work.
 
-    The motion of the screw at each ball's centre stands for its flanks: there the motion along the helix is exactly
-    free, while the planar sections of the model would hold it by a false sin(alpha) (R_p - R_contact).
+    The motion of the screw at each ball's centre represents its flanks: there the motion along the helix is exactly
+    free, while the planar sections of the model would resist it by a false sin(alpha) (R_p - R_contact).
     """
     arm = problem.scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -60,13 +63,23 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
 
 
 def drives(work: Array, load: Array, arm: float) -> bool:
-    """Whether loads ``(n, 6)`` [N, N m] do work [N] on any of some motions of size one, rotations times the arm [m]."""
+    """Return whether loads do work on any of some motions of size one.
+
+    Parameters
+    ----------
+    work
+        Of the loads on the motions [N].
+    load
+        The loads ``(n, 6)`` [N, N m].
+    arm
+        Length that makes rotations comparable [m].
+    """
     total = float(np.abs(load[:, :3]).sum() + np.abs(load[:, 3:]).sum() / arm)
     return float(np.abs(work).max()) > 1e-9 * total > 0.0
 
 
 def free_motions(problem: Problem) -> Mechanism:
-    """Whether the screw can move without closing or sliding any contact, and whether the loads drive that motion."""
+    """Return the motions of the screw that no contact and no support resists, and whether the loads drive them."""
     track = problem.scene.track
     twist = float(np.abs(problem.load[:, 5]).sum()) if problem.basis is None else 0.0
     no_torsion = track.lead == 0.0 and twist == 0.0 and problem.nodes.size > 1
@@ -92,7 +105,7 @@ def free_motions(problem: Problem) -> Mechanism:
 
 
 def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
-    """Freedoms besides the pins that hold all free motions ``(6, k)`` as well; none where there are no such."""
+    """Return alternative freedoms that fix all free motions ``(6, k)``; empty where there are none."""
     scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
     rest = [k for k in range(6) if k not in pins]
     others = tuple(rest[k] for k in pivots(scaled[rest].T))
@@ -101,7 +114,7 @@ def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
 
 
 def _name(free: Array, lead: float, arm: float) -> str:
-    """Words for the free motion of the section at the nut's centre, ``(6, k)``."""
+    """Return a description of the free motion of the section at the nut's centre, ``(6, k)``."""
     scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
     if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
         return "screw motion along the helix" if lead > 0.0 else "rotation about the screw's axis"
@@ -114,10 +127,19 @@ PROVEN = 1e-7
 
 
 def opening_motion(problem: Problem) -> Array | None:
-    """Rigid motion ``(6,)`` of the screw about the nut's centre (rotations times the pitch radius) [m] that opens all
-    contacts at their nominal angles while the load does work; None where compressive forces balance the load.
+    """Return a rigid motion of the screw that opens all contacts while the load does work.
 
-    Raises ArithmeticError where the linear program finds neither.
+    Contacts at their nominal angles; a linear program.
+
+    Returns
+    -------
+        ``(6,)`` [m] about the nut's centre, rotations times the pitch radius; None where compressive forces balance the
+        load.
+
+    Raises
+    ------
+    ArithmeticError
+        The linear program finds neither.
     """
     scene, layout = problem.scene, problem.layout
     arm, z0 = scene.track.pitch_radius, scene.nut.position
@@ -141,10 +163,24 @@ def opening_motion(problem: Problem) -> Array | None:
 
 
 def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> Array:
-    """How the contacts on one side of N balls, at an angle [rad], approach ``(N, k + 2 balls)``.
+    """Return how the contacts on one flank of N balls approach by motions of the flank and of the balls.
 
-    By motions ``(N, 2, k)`` of the flank along x3 and z3, and by those of the centres of all ``balls``, of which they are
-    from ``first`` on.
+    Parameters
+    ----------
+    side
+        The flank.
+    angle
+        Contact angle [rad].
+    flank
+        Motions of the flank along x3 and z3, ``(N, 2, k)``.
+    first
+        Number of the set's first ball among all.
+    balls
+        Number of balls of all sets.
+
+    Returns
+    -------
+        ``(N, k + 2 balls)``.
     """
     N, direction = len(flank), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
     centres = np.zeros((N, balls, 2))
@@ -153,11 +189,25 @@ def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> A
 
 
 def opening(work: Array, approach: Any, held: Array) -> Array | None:
-    """Motions ``(k,)`` up to one by which loads do ``work`` ``(k,)`` while no contact's approach grows and nothing moves
-    what is ``held`` ``(h, k)``; None where compressive forces balance the loads.
+    """Return motions by which loads do work while no contact approaches and no fixed freedom moves.
 
-    approach: of all contacts by these motions and by the balls' centres, a matrix, dense or sparse. Raises
-    ArithmeticError where the linear program finds neither.
+    Parameters
+    ----------
+    work
+        Of the loads on the k motions ``(k,)``.
+    approach
+        Of all contacts by these motions and by the balls' centres: a matrix, dense or sparse.
+    held
+        Rows of the fixed freedoms ``(h, k)``.
+
+    Returns
+    -------
+        ``(k,)``, each at most one; None where compressive forces balance the loads.
+
+    Raises
+    ------
+    ArithmeticError
+        The linear program finds neither.
     """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, hstack
@@ -178,8 +228,17 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 
 
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
-    """Status sentence of a body that ran away: not held only where a linear program finds a ``motion`` that opens its
-    contacts; opens: words for that motion."""
+    """Return the status of a body that moved without limit: "not held" only where a linear program proves it.
+
+    Parameters
+    ----------
+    motion
+        Returns a motion that opens the body's contacts, or None.
+    body
+        Name of the body.
+    opens
+        Returns the text for that motion.
+    """
     try:
         opened = motion()
     except ArithmeticError as error:
@@ -191,8 +250,8 @@ def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Arr
     return Status("not converged", why)
 
 
-def words_of(motion: Array) -> str:
-    """Words for an opening motion of ``opening_motion``: its freedoms in order of size."""
+def describe_motion(motion: Array) -> str:
+    """Return a description of an opening motion: its freedoms in order of size."""
     order = np.argsort(-np.abs(motion))
     named = [f"{FREEDOMS[k]} {motion[k] / np.abs(motion).max():+.2g}" for k in order if abs(motion[k]) > 1e-3]
     return ", ".join(named)

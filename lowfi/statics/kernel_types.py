@@ -22,14 +22,14 @@ class BeamArrays(NamedTuple):
     fixed: Array
     #: Loads on the nodes (n, 6) [N, N m].
     load: Array
-    #: Constants (n - 1, 5) of the elements, see `lowfi.statics.kernel.beam.element_constants`, and their stiffness in
-    #: the lower band (6 n, half bandwidth + 1).
+    #: Constants (n - 1, 5) of the elements, see `lowfi.statics.kernel.beam.element_constants`.
     constants: Array
+    #: Stiffness of the elements in the lower band (6 n, half bandwidth + 1).
     band: Array
 
 
 class BeamContacts(NamedTuple):
-    """Balls between a screw that is a beam and a nut that stands."""
+    """Balls between a screw that is a beam and a fixed nut."""
 
     #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
     node: Array
@@ -50,7 +50,7 @@ class BeamContacts(NamedTuple):
 class RowState(NamedTuple):
     """Unknowns of a system whose unknowns are rows of motions, and the contacts there."""
 
-    #: Motions of the rows (r, 6) [m, rad]: n nodes of the shaft, then the bodies beside it.
+    #: Motions of the rows (r, 6) [m, rad]: n nodes of the shaft, then the other bodies.
     q: Array
     #: Deformations of the shaft's elements (n - 1, 6) [m, rad].
     d: Array
@@ -65,10 +65,13 @@ class RowState(NamedTuple):
 class MemberArrays(NamedTuple):
     """Specimens m of one screw: what takes the place of the same in `BeamContacts`; B is one long where all share it."""
 
-    #: (m, N, 2, 2, 6), (m, N, 4, 9), (m, N, 2), (m, N).
+    #: Lever arms (m, N, 2, 2, 6).
     B: Array
+    #: Contacts (m, N, 4, 9).
     geometry: Array
+    #: Interference of the diagonal pairs (m, N, 2) [m].
     closure: Array
+    #: Radii of the balls (m, N) [m].
     r_ball: Array
 
 
@@ -77,11 +80,13 @@ class MemberStates(NamedTuple):
 
     #: Contact forces (m, N, 4) [N].
     force: Array
-    #: How each ended (m,), and its relative residual (m,).
+    #: How each ended (m,), see `lowfi.statics.kernel.search`.
     status: Array
+    #: Relative residuals (m,).
     residual: Array
-    #: Motions of the nodes (m, n, 6) [m, rad], centres of the balls (m, N, 2) [m].
+    #: Motions of the nodes (m, n, 6) [m, rad].
     q: Array
+    #: Centres of the balls (m, N, 2) [m].
     p: Array
 
 
@@ -95,16 +100,19 @@ class Slopes(NamedTuple):
 
 
 class RowRoom(NamedTuple):
-    """Room for the iteration on rows of motions."""
+    """Work arrays for the iteration on rows of motions."""
 
+    #: Derivatives of the energy.
     slopes: Slopes
-    #: Stiffness of shaft and springs, and the factor of the whole, in a lower band or an envelope.
+    #: Stiffness of shaft and springs, in a lower band or an envelope.
     base: Array
+    #: Factor of the whole stiffness, stored alike.
     matrix: Array
     #: Step of the rows (r, 6) [m, rad].
     step: Array
-    #: Motions of the rows (r, 6) and deformations of the elements (n - 1, 6) where the step begins.
+    #: Motions of the rows (r, 6) where the step begins.
     q0: Array
+    #: Deformations of the elements (n - 1, 6) where the step begins.
     d0: Array
 
 
@@ -128,19 +136,22 @@ class Options(NamedTuple):
 
 
 class BeamSystem(NamedTuple):
-    """A screw and its balls."""
+    """Screw and its balls."""
 
+    #: Beam and loads.
     shaft: BeamArrays
+    #: Balls on it.
     contacts: BeamContacts
 
 
 class AxisArrays(NamedTuple):
-    """A shaft, bodies beside it, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
+    """Shaft, other bodies, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array
-    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4), and the constants (n - 1, 5) of `BeamArrays`.
+    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements (n - 1, 4).
     sections: Array
+    #: Constants (n - 1, 5) of the elements, as in `BeamArrays`.
     constants: Array
     #: Which freedoms of the rows are held (r, 6).
     fixed: Array
@@ -154,23 +165,26 @@ class AxisArrays(NamedTuple):
     springs: Array
     #: Place (r,) of each row in the order of elimination.
     place: Array
-    #: First column (6 r,) of each line of the matrix, in that order, and where it is stored (6 r + 1,).
+    #: First column (6 r,) of each line of the matrix, in the order of elimination.
     first: Array
+    #: Where each line is stored (6 r + 1,).
     start: Array
 
 
 class AxisBalls(NamedTuple):
     """Balls between flanks that move with rows of an `AxisArrays`, of all sets."""
 
-    #: First row (N, 4) whose motion moves a flank, -1 where it stands.
+    #: First row (N, 4) whose motion moves a flank, -1 where it is fixed.
     row: Array
     #: Motion of the flanks (N, 4, 2, m) along x3, z3 by that of their row, m = 6, or of that and the next one, m = 12.
     B: Array
     #: Prescribed motion of the flanks (N, 4, 2) [m].
     v0: Array
-    #: As in `BeamContacts`.
+    #: Contacts (N, 4, 9), as in `BeamContacts`.
     geometry: Array
+    #: Nominal interference (N, 2) of the diagonal pairs [m].
     closure: Array
+    #: Radii of the balls (N,) [m].
     r_ball: Array
     #: Deviation of the flanks' profile (N, 4, d) [m], ascending powers of the contact angle.
     profile: Array
@@ -181,32 +195,41 @@ class AxisBalls(NamedTuple):
 class AxisRollers(NamedTuple):
     """Slices of rollers between two raceways, each with the line contact of both: approach B q - drop, force by g and S."""
 
-    #: Rows (M, 2) of inner and outer ring, -1 where it stands.
+    #: Rows (M, 2) of inner and outer ring, -1 where it is fixed.
     row: Array
     #: Approach (M, 2, 6) by the motions of those rows.
     B: Array
-    #: Lost approach (M,) [m], width (M,) [m], g (M,) and S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
+    #: Lost approach (M,) [m].
     drop: Array
+    #: Widths of the slices (M,) [m].
     width: Array
+    #: g (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     g: Array
+    #: S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     s: Array
 
 
 class Progress(NamedTuple):
-    """How a Newton iteration gets on: least residual, lowest energy [J], iterations since either fell, searches that found
-    nothing."""
+    """Progress of a Newton iteration."""
 
+    #: Least residual.
     best: float
+    #: Lowest energy [J].
     lowest: float
+    #: Iterations since either fell.
     stalled: int
+    #: Searches that found nothing.
     stuck: int
 
 
 class AxisSystem(NamedTuple):
-    """A shaft with all its rolling elements."""
+    """Shaft with all its rolling elements."""
 
+    #: Shaft, other bodies and springs.
     shaft: AxisArrays
+    #: All balls.
     balls: AxisBalls
+    #: All slices of rollers.
     rollers: AxisRollers
 
 
@@ -215,10 +238,11 @@ Rows = BeamSystem | AxisSystem
 
 
 class Bodies(NamedTuple):
-    """How the flanks of all balls move: v = v0 + G phi + R a, G by forces phi on the flanks, R by free motions a."""
+    """Motions of the flanks of all balls, v = v0 + G phi + R a, by forces phi on the flanks and free motions a."""
 
-    #: G [m/N] of the flanks of the first and of the second body (4 N, 4 N), or of both together (2 N, 2 N) and nothing.
+    #: G [m/N] of the flanks of the first body (4 N, 4 N), or of both together (2 N, 2 N).
     first: Array
+    #: G [m/N] of the flanks of the second body, empty where ``first`` has both.
     second: Array
     #: Motions of the flanks (N, d, k) by the free motions, which are all in metres: rotations times an arm.
     R: Array
@@ -231,12 +255,15 @@ class Bodies(NamedTuple):
 class RollerContacts(NamedTuple):
     """Rollers between rings of elastic bodies, K slices each at most; see `lowfi.statics.kernel.rollers`."""
 
-    #: Places (M, K) of the slices over the roller's length, their widths (M, K) [m] (0: none) and lost approach (M, K) [m].
+    #: Positions (M, K) of the slices over the roller's length.
     place: Array
+    #: Widths of the slices (M, K) [m], 0 where there is none.
     width: Array
+    #: Lost approach (M, K) [m].
     drop: Array
-    #: g (M,) and S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
+    #: g (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     g: Array
+    #: S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     s: Array
 
 
@@ -283,20 +310,24 @@ class BodyState(NamedTuple):
 class ForceStep(NamedTuple):
     """Step of Newton's method on the forces."""
 
-    #: Of the forces on the flanks (N, d) [N], of the flanks (N, d) [m], of the free motions (k,) [m].
+    #: Of the forces on the flanks (N, d) [N].
     dphi: Array
+    #: Of the motions of the flanks (N, d) [m].
     dv: Array
+    #: Of the free motions (k,) [m].
     da: Array
 
 
 class SearchStart(NamedTuple):
     """Where a line search on the forces begins."""
 
-    #: Forces on the flanks (N, d) [N], free motions (k,) [m].
+    #: Forces on the flanks (N, d) [N].
     phi: Array
+    #: Free motions (k,) [m].
     a: Array
-    #: Motions of the flanks by the bodies, G phi, and all motions v (N, d) [m].
+    #: Motions of the flanks by the bodies, G phi (N, d) [m].
     g: Array
+    #: All motions of the flanks (N, d) [m].
     v: Array
 
 
@@ -305,15 +336,18 @@ class BallRows(NamedTuple):
 
     #: Rows (N, 6 or 2, d) [(N/m)^(1/2)].
     S: Array
-    #: How many rows a ball has, and how many there are before its first (N,).
+    #: Number of rows of each ball (N,).
     counts: Array
+    #: Number of rows before each ball's first (N,).
     starts: Array
 
 
 class BodySystem(NamedTuple):
     """Elastic bodies with all rolling elements."""
 
+    #: Compliance of the bodies.
     bodies: Bodies
+    #: All rolling elements.
     contacts: BallContacts
     #: Linear springs between opposite flanks in place of two contacts, to start with (N, w, d): rows sqrt(stiffness) x
     #: direction, zero where there is none.
@@ -321,27 +355,36 @@ class BodySystem(NamedTuple):
 
 
 class BodyRoom(NamedTuple):
-    """Room for the iteration on them."""
+    """Work arrays for the iteration on them."""
 
-    #: Forces of the balls on the flanks (N, d) [N], motions of the flanks by the bodies and in all (N, d) [m].
+    #: Forces of the balls on the flanks (N, d) [N].
     f: Array
+    #: Motions of the flanks by the bodies (N, d) [m].
     g: Array
+    #: All motions of the flanks (N, d) [m].
     v: Array
+    #: Newton step.
     step: ForceStep
+    #: Where the line search begins.
     begin: SearchStart
+    #: Square roots of the balls' stiffness.
     rows: BallRows
 
 
 class Trial(NamedTuple):
     """A trial of a line search, see `lowfi.statics.kernel.search`."""
 
-    #: Energy [J], slope [J] by the step length, and largest step length, of where the search begins.
+    #: Where the search begins [J].
     energy: float
+    #: By the step length, where the search begins [J].
     slope: float
+    #: Largest step length.
     limit: float
-    #: Longest length known to be too short, shortest known to be too long (zero: none yet), and the one to try.
+    #: Longest step length that is too short.
     low: float
+    #: Shortest step length that is too long; zero: none yet.
     high: float
+    #: Step length to try.
     t: float
     #: Trials before this one.
     tried: int
@@ -352,7 +395,9 @@ class Outcome(NamedTuple):
 
     #: See ``lowfi.statics.kernel.search``: converged, out of iterations, not held, singular.
     status: int
+    #: Number of iterations.
     iterations: int
+    #: Number of evaluations of the energy.
     evaluations: int
     #: Relative residual.
     residual: float

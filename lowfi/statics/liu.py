@@ -40,27 +40,38 @@ LEFT_OUT = (
 
 @dataclass(frozen=True)
 class Row:
-    """The balls of a scene as a chain. order (M,): their numbers from the loaded end on; errors (M,) [m]: what each is too
-    large, in that order; force [N]: on the screw; forward: 1 where it points towards larger z, else -1; at [m]: station of
-    the ball at the loaded end; beyond [m]: of the load; share: of the screw in the compliance; bar [N]: the screw's E A."""
+    """Balls of a scene as Liu's axial chain of M balls, ordered from the loaded end on."""
 
+    #: The chain.
     chain: Chain
+    #: Numbers of the balls in that order ``(M,)``.
     order: NDArray[np.int64]
+    #: Excess of each ball along the contact normal, in that order ``(M,)`` [m].
     errors: Array
+    #: Axial load on the screw [N].
     force: float
+    #: 1 where the load points towards larger z, else -1.
     forward: int
+    #: Station of the ball at the loaded end [m].
     at: float
+    #: Station of the load [m].
     beyond: float
+    #: Part of the screw in the chain's compliance.
     share: float
+    #: E A of the screw [N].
     bar: float
 
     def solved(self, force: float, *, compiled: bool = False) -> ChainState:
-        """The chain under a load above zero [N]."""
+        """Return the chain's state under a load above zero [N]."""
         return solve_chain(self.chain, self.errors, force, compiled=compiled)
 
     def stiffness(self, step: float = 0.0) -> float | None:
-        """Axial stiffness [N/m] at the load: the tangent at the loaded end, or by a step of load [N] as (19) to (22), from
-        the approach of the first loaded ball. None without load."""
+        """Return the axial stiffness at the load [N/m].
+
+        The tangent at the loaded end, or with a step of load [N] as Liu's (19) to (22), by the approach of the first loaded
+        ball.
+        None without load.
+        """
         if self.force == 0.0:
             return None
         first = self.solved(abs(self.force))
@@ -71,10 +82,22 @@ class Row:
 
 
 def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
-    """The balls of a scene as a chain, by a reading of the contact angle; Liu's is "implicit".
+    """Return the balls of a scene as Liu's chain.
 
-    Raises UnfitKey for what Liu's model does not know: preload, a screw held along its axis, axial loads that do not act
-    at one end of the balls.
+    Parameters
+    ----------
+    scene
+        The scene.
+    member
+        Number of the specimen, for a scene with random errors.
+    law
+        Interpretation of the equation of the contact angle; Liu's is ``"implicit"``.
+
+    Raises
+    ------
+    UnfitKey
+        What the model does not cover: preload, a screw fixed along its axis, axial loads that do not act at one end of the
+        balls.
     """
     layout = ball_layout(scene)
     force, beyond, low = _loaded_end(scene, layout.z)
@@ -102,7 +125,7 @@ def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
 
 
 def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
-    """Axial load [N], its station [m] (of several the nearest), and whether it acts below the balls at stations z [m]."""
+    """Return the axial load [N], its station [m] (of several the nearest), and whether it acts below the balls at z [m]."""
     if scene.errors.balls.oversize > 0.0 or scene.errors.lead_offset != 0.0:
         key = "errors.lead_offset" if scene.errors.lead_offset else "errors.balls.oversize"
         raise UnfitKey(key, "Liu's model knows no preload: a ball touches screw and nut once each; leave the preload out")
@@ -119,7 +142,7 @@ def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
 
 
 def describes(scene: Scene) -> bool:
-    """Whether the model has all that a scene gives, and nothing else acts on its screw than axial loads."""
+    """Return whether Liu's model covers a scene and only axial loads act on its screw."""
     try:
         _loaded_end(scene, ball_layout(scene).z)
     except UnfitKey:
@@ -128,11 +151,34 @@ def describes(scene: Scene) -> bool:
 
 
 def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled: bool = False) -> StaticResult:
-    """Contact loads by Liu's self-adjusting model; law: reading of the contact angle, Liu's unless given.
+    """Compute contact loads by Liu's self-adjusting model.
 
-    Motions are of the screw, the nut at rest at its loaded end; without load the screw stays at its nominal place. Raises
-    UnfitKey as `row_of`, ValueError where errors reach half the distance of the groove centres. Range: approaches small
-    against that distance, balls evenly spread along bars, so that no wall of the nut widens.
+    Range: approaches small against the distance of the groove centres, balls evenly spread along bars, so that no wall of
+    the
+    nut widens. Motions are of the screw, with the nut at rest at its loaded end; without load the screw is at its nominal
+    position.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    member
+        Number of the specimen, for a scene with random errors.
+    law
+        Interpretation of the equation of the contact angle; Liu's unless given.
+    compiled
+        Whether to use compiled kernels.
+
+    Raises
+    ------
+    UnfitKey
+        What the model does not cover, see `row_of`.
+    ValueError
+        Errors that reach half the distance of the groove centres.
+
+    References
+    ----------
+    Liu et al. (2025), section 2.
     """
     start = perf_counter()
     row, layout = row_of(scene, member=member, law=law), ball_layout(scene)
@@ -189,7 +235,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
 
 
 def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
-    """Sine (M,) of the contact angle of every loaded ball of a solved chain, that of the free one for others."""
+    """Return the sine of the contact angle of every loaded ball of a solved chain ``(M,)``; the free angle's for others."""
     cosine = np.full(errors.size, np.cos(chain.contact_angle))
     if chain.law != "constant":
         apart = chain.groove_distance - errors + contact_approach(state.load, chain.C)
@@ -199,13 +245,13 @@ def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
 
 
 def _screw_motion(row: Row, state: ChainState) -> Array:
-    """Motion (M,) [m] of the screw at the balls, in the sense of the load: the nut stands at the loaded end."""
+    """Return the motion of the screw at the balls in the load's direction ``(M,)`` [m]; the nut's loaded end is fixed."""
     lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
     return np.asarray(state.motion[0] - row.share * lost)
 
 
 def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[Array, Array]:
-    """Stations (k,) [m] of the shaft and its axial motion (k,) [m]: a bar up to the load, at rest beyond the balls."""
+    """Return stations of the shaft and its axial motion ``(k,)`` [m]: a bar up to the load, at rest beyond the balls."""
     ends = np.array([0.0, scene.screw.length, row.beyond])
     outside = ends[(ends < at_balls.min()) | (ends > at_balls.max())]
     near = np.abs(outside - at_balls[0]) <= np.abs(outside - at_balls[-1])
@@ -216,7 +262,7 @@ def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[
 
 
 def _balance(applied: float, carried: float) -> Equilibrium:
-    """Axial forces [N] on the screw: of the loads, and what its contacts carry."""
+    """Return the balance of axial forces on the screw [N]: of the loads, and what its contacts carry."""
     zero = np.zeros(3)
     pushed, held = np.array([0.0, 0.0, applied]), np.array([0.0, 0.0, -carried])
     return Equilibrium(pushed, zero, zero, zero, held, zero, abs(applied - carried) / max(abs(applied), 1e-300), 0.0)

@@ -1,6 +1,6 @@
-"""Mei's axial-only model (Mei et al. 2003, as Lin 2.4.1 uses it): bars for the screw, fixed contact directions.
+"""Mei's axial model (Mei et al. 2003, as Lin 2.4.1 uses it): bars for the screw, constant contact directions.
 
-The baseline of case study 1: it knows no bending, no twist and no change of contact angle, so an axial load gives
+The baseline of Lin's case study 1: it has no bending, no twist and no change of contact angle, so an axial load gives
 contact loads that fall steadily along the nut.
 """
 
@@ -50,7 +50,7 @@ class _Chain:
 
 
 def nut_bar(scene: Scene) -> float:
-    """E A [N] of the nut as a bar: a tube from the contacts with its groove outwards."""
+    """Return E A [N] of the nut as a bar: a tube from the contacts with its groove outwards."""
     bore = 2.0 * (scene.track.pitch_radius + scene.balls.radius * cos(scene.track.contact_angle))
     return tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
 
@@ -103,7 +103,7 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
 
 
 def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
-    """Normal forces ``(N, 2)`` of the pairs (SL, NR) and (SR, NL) and their tangents by the closure."""
+    """Return normal forces ``(N, 2)`` [N] of the pairs (SL, NR) and (SR, NL) and their tangents by the closure [N/m]."""
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
     delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
     return contact_force(delta, chain.C), contact_slope(delta, chain.C)
@@ -126,7 +126,7 @@ def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
 
 
 def _newton(chain: _Chain) -> tuple[Array, int, float]:
-    """Solution, iterations and relative residual; the same regularised Newton on a convex energy as the full model."""
+    """Return solution, iterations and relative residual of the regularised Newton iteration on the convex energy."""
     x = np.where(chain.fixed, chain.prescribed, 0.0)
     free = ~chain.fixed
     total = max(float(np.abs(chain.load).sum()), 1e-300)
@@ -165,11 +165,33 @@ def _newton(chain: _Chain) -> tuple[Array, int, float]:
 
 
 def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> StaticResult:
-    """Contact loads of the axial-only model.
+    """Compute contact loads by the axial model.
 
-    elastic_nut: the nut as a bar clamped at its left face (Mei's own model) instead of rigid (as in ``lin``).
-    Lateral loads, moments and lateral supports are left out and named; an axial load that nothing can carry is
-    reported in ``status``.
+    Lateral loads, moments and lateral supports are left out and named.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    member
+        Number of the specimen, for a scene with random errors.
+    elastic_nut
+        Whether the nut is a bar clamped at its left face, as in Mei's model; otherwise rigid, as in ``lin``.
+
+    Returns
+    -------
+        The result; an axial load that nothing can carry is reported in ``status``.
+
+    References
+    ----------
+    Mei, Tsutsumi, Tao and Sun (2003); Lin (2019), 2.4.1.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> result = solve_mei(rollbench.read("lin-case1"))
+    >>> result.status, bool(np.all(np.diff(result.load[:, 0]) <= 0.0) or np.all(np.diff(result.load[:, 0]) >= 0.0))
+    ('converged', True)
     """
     start = perf_counter()
     layout = ball_layout(scene)

@@ -1,9 +1,9 @@
-"""Contact loads by themselves: of a scene with its balls at any place, and of the nominal screw.
+"""Contact loads without a full result record: of balls at any positions, and the number of contacts of the nominal screw.
 
-How many contacts the nominal screw loads is what the mean contact load of a scene is shared out by. The nominal screw is
+How many contacts the nominal screw loads is what the mean contact load of a scene is divided by. The nominal screw is
 the scene with its preload (oversize of all balls, lead offset), supports and loads, and without all other errors of balls
-and grooves. Its contacts are those that the source's model (`lin`) finds loaded: one number for a scene, whatever model,
-mesh or drawn specimen the loads are of.
+and grooves. Its contacts are those that Lin's model (`lin`) finds loaded: one number for a scene, whatever model, mesh or
+drawn specimen the loads are of.
 """
 
 from __future__ import annotations
@@ -29,21 +29,25 @@ from rollbench.meshes.parts import BallErrors, Errors, Scene
 
 @dataclass(frozen=True)
 class ContactLoads:
-    """Contact forces (N, 4) [N], contact angles (N, 4) [rad], nan without contact, Hertz constants (N, 4), and status."""
+    """Contact loads of N balls."""
 
+    #: Contact forces ``(N, 4)`` [N].
     load: Array
+    #: ``(N, 4)`` [rad]; nan without contact.
     contact_angle: Array
+    #: Hertz constants ``(N, 4)`` [m/N^(2/3)].
     hertz_C: Array
+    #: How the solution ended.
     status: str
 
     @property
     def converged(self) -> bool:
-        """Whether forces are in balance."""
+        """Whether the loads may be used."""
         return self.status == "converged"
 
 
 def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto") -> ContactLoads:
-    """Contact loads of balls with errors ``drawn`` at places ``layout``: ``solve_static``."""
+    """Return the contact loads of balls with errors ``drawn`` at positions ``layout`` by `solve_static`'s model."""
     known = distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
     return _loads(solve_sides(Build(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known)))
@@ -57,7 +61,10 @@ def elastic_loads(
     backend: Backend = REFINED,
     whole: WholeBody = whole_body,
 ) -> ContactLoads:
-    """The same with elastic bodies, ``solve_elastic``; whole: see `body_compliance`."""
+    """Return contact loads of balls with errors ``drawn`` at positions ``layout`` with elastic bodies (`solve_elastic`).
+
+    whole: computes the compliance of a whole body, see `body_compliance`.
+    """
     use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
     return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
@@ -70,19 +77,24 @@ def _loads(solved: Solution | Unheld) -> ContactLoads:
     problem, contact, _, _ = solved.system.flanks()[0]
     force = contact[..., 0].copy()
     angle = np.where(force > 0.0, contact_angles(contact[..., 1:3]), np.nan)
-    return ContactLoads(force, angle, problem.C.copy(), solved.verdict())
+    return ContactLoads(force, angle, problem.C.copy(), solved.status)
 
 
 def nominal(scene: Scene) -> Scene:
-    """The scene without errors but for its preload, and without words, on which no number depends."""
+    """Return the scene with its preload but without other errors, and without names, on which no number depends."""
     errors = Errors(balls=BallErrors(scene.errors.balls.oversize), lead_offset=scene.errors.lead_offset)
     return replace(scene, name="", title="", assumed=(), errors=errors)
 
 
 def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
-    """Number of contacts that the nominal screw loads; 0 where it loads none or has no equilibrium.
+    """Return the number of contacts that the nominal screw loads; 0 where it loads none or has no equilibrium.
 
-    solved: a converged result of the scene, which says so itself where it is of `lin` and the scene has no other errors.
+    Parameters
+    ----------
+    scene
+        The scene.
+    solved
+        A converged result of the scene, whose contacts are counted where it is of `lin` and the scene has no other errors.
     """
     bare = nominal(scene)
     if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):
@@ -95,6 +107,6 @@ def _contacts(scene: Scene) -> int:
     layout = ball_layout(scene)
     try:
         result = beam_loads(scene, specimen(scene, layout), layout)
-    except ValueError:  # what makes the scene itself impossible is said by its own solution
+    except ValueError:  # an impossible scene is reported by its solution
         return 0
     return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

@@ -1,5 +1,4 @@
-"""From the description of the parts to the arrays that the kernels solve on, and supports that contradict each other on a
-rigid screw."""
+"""Arrays of a static problem from its parts, and supports that contradict each other on a rigid screw."""
 
 from __future__ import annotations
 
@@ -22,41 +21,51 @@ SIGNS = np.array(SIDE_SIGNS)
 
 @dataclass(frozen=True)
 class Problem:
-    """Arrays of one static problem; shapes with n nodes, N balls, m = 6 or 12 freedoms per flank.
+    """Arrays of one static problem with n nodes, N balls and m = 6 or 12 freedoms per flank."""
 
-    nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
-    screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,).
-    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None; pins: freedoms of the first node
-    (columns of the basis) that are held because nothing drives or resists them; ``sections``: of every element where they
-    differ.
-    """
-
+    #: The scene.
     scene: Scene
+    #: Positions of the balls.
     layout: BallLayout
+    #: Parts with their errors.
     drawn: Specimen
+    #: Stations of the beam's nodes ``(n,)`` [m].
     nodes: Array
+    #: Section of the screw.
     section: BeamSection
+    #: Fixed freedoms ``(n, 6)``.
     fixed: NDArray[np.bool_]
+    #: Their values ``(n, 6)`` [m, rad].
     prescribed: Array
+    #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
+    #: First node that moves each screw flank of a ball ``(N, 2)``.
     node: NDArray[np.int64]
+    #: Motion of those flanks in the section plane by the nodes' motions ``(N, 2, 2, m)``.
     B: Array
+    #: Contacts as the kernels take them ``(N, 4, 9)``, see ``kernel.ball``.
     geometry: Array
+    #: Nominal interference of the diagonal pairs of flanks ``(N, 2)`` [m].
     closure: Array
+    #: Flanks that are built ``(4,)``.
     use: NDArray[np.bool_]
+    #: Number of beam elements left out.
     left_out_elements: int
+    #: For a rigid screw, motions by the free and fixed coordinates ``(6, 6)``; else None.
     basis: Array | None = None
+    #: Freedoms of the first node (columns of the basis) that are fixed because nothing drives or resists them.
     pins: tuple[int, ...] = ()
+    #: Section of every element, where they differ.
     sections: tuple[BeamSection, ...] | None = None
 
     @property
     def C(self) -> Array:
-        """Hertz constants of each ball and side, ``(N, 4)`` [m/N^(2/3)]: a view, updated in place."""
+        """Hertz constants of each ball and flank ``(N, 4)`` [m/N^(2/3)], a view that is updated in place."""
         return self.geometry[:, :, 4]
 
     @property
     def unknowns(self) -> int:
-        """Free motions of the screw; centres and contact angles of the balls are eliminated."""
+        """Number of free motions of the screw; centres and contact angles of the balls are eliminated."""
         return int(np.count_nonzero(~self.fixed))
 
     @property
@@ -73,30 +82,42 @@ class Problem:
 
 @dataclass(frozen=True)
 class SolvedState:
-    """Motions, contacts and reactions at the end of any model's solve, for ``n`` nodes and ``N`` balls.
+    """Motions, contacts and reactions at the end of a solve, with n nodes and N balls."""
 
-    motion: of the nodes ``(n, 6)`` [m, rad]; centre: shifts of the balls in their sections ``(N, 2)`` [m]; force: of the
-    contacts ``(N, 4)`` [N]; normal: unit vectors from ball to groove in the section ``(N, 4, 2)``; reactions: of the
-    supports on the nodes ``(n, 6)`` [N, N m] (zero for a rigid screw, whose supports take what is left); shifts: motions
-    of the flanks in the section ``(N, 4, 2)`` [m], None where all flanks are exact arcs and nothing asks for them;
-    scale: largest force met [N].
-    """
-
+    #: The problem.
     problem: Problem
+    #: Of the nodes ``(n, 6)`` [m, rad].
     motion: Array
+    #: Shifts of the balls in their sections ``(N, 2)`` [m].
     centre: Array
+    #: Contact forces ``(N, 4)`` [N].
     force: Array
+    #: Unit vectors from ball to groove in the section ``(N, 4, 2)``.
     normal: Array
+    #: Of the supports on the nodes ``(n, 6)`` [N, N m]; zero for a rigid screw, whose reactions follow from the balance.
     reactions: Array
+    #: Motions of the flanks in the section ``(N, 4, 2)`` [m]; None where all flanks are circular arcs.
     shifts: Array | None
+    #: Largest force met [N].
     scale: float
 
 
 def pack_geometry(
     scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_], known: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array]:
-    """Geometry ``(N, 4, 9)`` and pair closures ``(N, 2)`` of the kernels (see ``kernel.ball``) for a specimen; known: its
-    ``distances``, where they have been computed."""
+    """Return the contacts ``(N, 4, 9)`` and pair closures ``(N, 2)`` [m] as the kernels take them (see ``kernel.ball``).
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    C
+        Hertz constants ``(N, 4)`` or ``(4,)`` [m/N^(2/3)].
+    use
+        Flanks that are built ``(4,)``.
+    known
+        `distances` of the parts, where they have been computed.
+    """
     offset, closure = known or distances(scene, drawn)
     n = offset.shape[0]
     rows = np.empty((n, 4, 9))
@@ -109,9 +130,21 @@ def pack_geometry(
 
 
 def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
-    """Offsets ``(..., N, 4, 4)`` (w, its size, nominal approach) and pair closures ``(..., N, 2)`` [m] of specimens.
+    """Return the distances of ball centres and groove centres, and the interference of diagonal pairs of flanks.
 
-    Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
+    Built from differences, so that a nominal contact has an approach of zero to round-off of its errors.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    drawn
+        Its parts with their errors, of one specimen or many.
+
+    Returns
+    -------
+        Vectors from groove to ball centre, their length and the nominal approach ``(..., N, 4, 4)`` [m], and pair closures
+        ``(..., N, 2)`` [m], positive for interference.
     """
     x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], groove_radii(scene)
     size, nominal = _length(x, z), _length(*nominal_groove_centres(scene).T)
@@ -127,26 +160,31 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 
 
 def tightest(problem: Problem) -> float:
-    """Interference [m] of the tightest ball of a problem; none where it is round-off of the lengths that make it."""
+    """Return the interference of the tightest ball [m]; zero where it is round-off of the lengths that make it."""
     closed = float(problem.closure.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0
 
 
 def round_off_approach(problem: Problem) -> float:
-    """Approach [m] that is round-off of the lengths that make it."""
+    """Return the approach [m] that is round-off of the lengths that make it."""
     return 16.0 * float(np.finfo(float).eps) * problem.scene.balls.radius
 
 
 def _length(x: Array, z: Array) -> Array:
-    """By operations that round in one way everywhere; numpy's hypot rounds by where an array lies in memory."""
+    """Return length of vectors by operations that round alike everywhere (numpy's hypot depends on memory alignment)."""
     return np.asarray(np.sqrt(x * x + z * z))
 
 
 def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
-    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(..., N, 2, 6)``; u, theta at ``origin_z``.
+    """Return rows e . (u + theta x r) that give the motion of the flank's loaded point from u, theta at ``origin_z``.
 
-    That point is the groove's centre of curvature, on every line of action of the arc (plus ``arms`` (N, 4, 2) where
-    the profile is no arc), or, frozen, the nominal contact point.
+    That point is the groove's centre of curvature, which lies on every line of action of the arc (plus ``arms`` ``(N, 4,
+    2)``
+    where the profile is no arc), or, with frozen arms, the nominal contact point.
+
+    Returns
+    -------
+        ``(..., N, 2, 6)``, for both axes e of each ball's section.
     """
     scene, drawn, layout, arms = parts
     if scene.ingredients.arm == "nominal":
@@ -160,8 +198,12 @@ def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: in
 
 
 def wrench_rows(layout: BallLayout, r: Array) -> Array:
-    """Rows (e, r x e), ``(..., N, 2, 6)``, of both axes e of each ball's section at points r ``(..., N, 3)`` [m]: motions
-    there by those of the body about its origin."""
+    """Return rows (e, r x e) for both axes e of each ball's section at points r ``(..., N, 3)`` [m].
+
+    Returns
+    -------
+        ``(..., N, 2, 6)``: motions there by those of the body about its origin.
+    """
     rows = np.empty((*r.shape[:-1], 2, 6))
     rows[..., 0, :3], rows[..., 1, :3] = layout.radial, layout.binormal
     for k in range(3):
@@ -171,7 +213,7 @@ def wrench_rows(layout: BallLayout, r: Array) -> Array:
 
 
 def lever_arms(problem: Problem, centre: Array) -> Array:
-    """``Problem.B`` of many specimens, ``(k, N, 2, 2, m)``, from the centres ``(k, N, 4, 2)`` [m] of their grooves."""
+    """Return ``Problem.B`` of k specimens ``(k, N, 2, 2, m)`` from the centres of their grooves ``(k, N, 4, 2)`` [m]."""
     parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
     B = np.zeros((len(centre), *problem.B.shape))
     stations = contact_stations(problem.scene, problem.layout)
@@ -187,7 +229,7 @@ def lever_arms(problem: Problem, centre: Array) -> Array:
 
 
 def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
-    """Held freedoms, their values, and loads of the nodes, ``(n, 6)`` each. Raises ValueError for one held twice."""
+    """Return fixed freedoms, their values, and loads of the nodes, ``(n, 6)`` each; ValueError for one fixed twice."""
     fixed = np.zeros((nodes.size, 6), dtype=bool)
     prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
     for support in scene.supports:
@@ -217,9 +259,29 @@ def build(
     section: BeamSection | None = None,
     known: tuple[Array, Array] | None = None,
 ) -> Problem:
-    """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
+    """Return the arrays of the static problem.
 
-    arms: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8); known: see ``pack_geometry``.
+    Parameters
+    ----------
+    scene, drawn, layout
+        The scene, its parts with their errors, positions of the balls.
+    use
+        Flanks to build ``(4,)``.
+    everything
+        Whether the shaft without influence is built too.
+    refine
+        Elements that each beam element is split into.
+    arms
+        Additional lever arms ``(N, 4, 2)`` [m], see `flank_rows`.
+    section
+        Section of the screw in place of the scene's (Lin C.8).
+    known
+        `distances` of the parts, where they have been computed.
+
+    Raises
+    ------
+    ValueError
+        Supports that contradict each other.
     """
     parts = (scene, drawn, layout, arms)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, known)
@@ -266,9 +328,9 @@ def _rigid(
     closure: Array,
     section: BeamSection,
 ) -> Problem:
-    """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion.
+    """Return the problem of a rigid screw, its motion taken at the nut's centre.
 
-    Raises ValueError where the supports contradict each other.
+    Supports are linear constraints on that motion; ValueError where they contradict each other.
     """
     scene, drawn, layout, _ = parts
     z0 = scene.nut.position
@@ -276,7 +338,7 @@ def _rigid(
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     clash = contradiction(scene)
     if clash is not None:
-        raise ValueError(clash.words(scene))
+        raise ValueError(clash.message(scene))
     a, values, _ = rigid_rows(scene)
     load = np.zeros(6)
     for x in scene.loads:
@@ -306,23 +368,29 @@ AGREES = 1e-9
 
 @dataclass(frozen=True)
 class Held:
-    """One freedom held by a support: number of the support in the scene (from 0), freedom, its value [m or rad]."""
+    """One freedom fixed by a support."""
 
+    #: Number of the support in the scene, from 0.
     support: int
+    #: Name of the freedom.
     freedom: str
+    #: Its value [m or rad].
     value: float
 
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A held freedom that others, ``by``, already hold at another value, ``implied`` [m or rad], on a rigid screw."""
+    """Freedom of a rigid screw that other supports already fix at another value."""
 
+    #: The freedom and its value.
     held: Held
+    #: Value that the others give it [m or rad].
     implied: float
+    #: Those other freedoms.
     by: tuple[Held, ...]
 
-    def words(self, scene: Scene) -> str:
-        """The contradiction in one sentence, with stations in mm."""
+    def message(self, scene: Scene) -> str:
+        """Return the contradiction as one sentence, with stations in mm."""
         names = ", ".join(f"{x.freedom} at {_station(scene, x)}" for x in self.by)
         contradicted = f"{self.held.freedom} at {_station(scene, self.held)}"
         return (
@@ -336,14 +404,18 @@ def _station(scene: Scene, held: Held) -> str:
 
 
 def show(held: Held) -> str:
-    """Value of a held freedom with its unit: um or mrad."""
+    """Return the value of a fixed freedom as text with its unit, um or mrad."""
     return f"{1e6 * held.value:.6g} um" if held.freedom in FREEDOMS[:3] else f"{1e3 * held.value:.6g} mrad"
 
 
 def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
-    """Constraints of the supports on a rigid screw: rows ``(k, 6)`` on its motion at the nut's centre, values ``(k,)``.
+    """Return the constraints of the supports on a rigid screw.
 
-    Rotations count as lengths at the pitch radius, in rows (of motions scaled so) and values [m].
+    Returns
+    -------
+        Rows ``(k, 6)`` on its motion at the nut's centre, values ``(k,)``, and the fixed freedoms. Rotations count as
+        lengths
+        at the pitch radius in rows and values [m].
     """
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -357,7 +429,7 @@ def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
 
 
 def contradiction(scene: Scene) -> Contradiction | None:
-    """The first held freedom that the ones before it hold at another value if the screw is rigid; None where all agree."""
+    """Return the first fixed freedom that earlier ones fix at another value if the screw is rigid; None where all agree."""
     rows, values, held = rigid_rows(scene)
     size = float(np.abs(values).max(initial=0.0))
     if size == 0.0:

@@ -1,8 +1,7 @@
-"""How a scene's shaft and bodies answer at the contacts, and the flanks of a problem as the kernels take them: compliance,
-motions by loads, springs to start with.
+"""Compliance of a scene's shaft and bodies at the contacts, and the flanks of a problem as the kernels take them.
 
-Responses do not depend on the loads and the radii of the balls. They are kept for the problems that share them: load cases,
-samples of a sweep, a scene with and without its loads.
+Responses do not depend on the loads and the radii of the balls. They are cached for the problems that share them: load
+cases, samples of a sweep, a scene with and without its loads.
 """
 
 from __future__ import annotations
@@ -52,34 +51,48 @@ LENT = 0.25
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:
-    """Places of (ball, side, axis) in arrays that go side after side, ``(N * sides * 2,)``."""
+    """Return the indices of (ball, flank, axis) in arrays ordered flank after flank, ``(N * sides * 2,)``."""
     return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
 
 
 def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
-    """Compliance ``(4 N, 4 N)`` of both flanks of a body by that of its ``used`` ones (2,), zero elsewhere."""
+    """Return compliance ``(4 N, 4 N)`` of both flanks of a body from that of its ``used`` ones ``(2,)``, zero elsewhere."""
     full, on = np.zeros((4 * N, 4 * N)), np.tile(np.repeat(used, 2), N)
     full[np.ix_(on, on)] = G
     return full
 
 
 def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, float]:
-    """G ``(2 n, 2 n)`` without negative eigenvalues, which would make the energy concave; what it was lent along the
-    contacts' ``normals`` ``(n, 2)`` to that end ``(n,)`` [m/N], and the largest negative one cut away for all that [m/N].
+    """Return a compliance without negative eigenvalues, which would make the energy concave.
 
-    Beside a held face a body adds less than nothing to a contact's motion. Where that is no more than `LENT` of the
-    ``tangent`` compliance of a contact [m/N], its own law has it less what it lent, and nothing is lost.
+    Near a fixed face a body adds less than nothing to a contact's motion. Where that is no more than `LENT` of the
+    ``tangent``
+    compliance of a contact [m/N], it is moved into the contact's law, which loses it, and the sum is exact.
+
+    Parameters
+    ----------
+    G
+        Compliance ``(2 n, 2 n)`` [m/N].
+    normals
+        Of the contacts ``(n, 2)``.
+    tangent
+        Tangent compliance of a contact [m/N].
+
+    Returns
+    -------
+        G without negative eigenvalues, what was added along the contacts' normals to that end ``(n,)`` [m/N], and the
+        largest
+        negative eigenvalue that was removed nonetheless [m/N].
     """
     mended, lent, cut = Compliance(G, normals).positive(tangent)
     return mended.G, lent, cut
 
 
 class Compliance:
-    """A compliance ``G`` ``(2 n, 2 n)`` [m/N] between contacts of ``normals`` ``(n, 2)``, and what is found of it once;
-    neither is to be written to."""
+    """Compliance between contacts, with what is computed from it only once; not to be written to."""
 
     def __init__(self, G: Array, normals: Array) -> None:
-        """Nothing is found yet."""
+        """Store a compliance G ``(2 n, 2 n)`` [m/N] between contacts of ``normals`` ``(n, 2)``."""
         self.G, self.normals = np.ascontiguousarray(G), normals
 
     @cached_property
@@ -89,19 +102,28 @@ class Compliance:
 
     @cached_property
     def lacks(self) -> Array:
-        """Compliance that it lacks along the normals ``(n,)`` [m/N], by its negative eigenvalues."""
+        """Compliance missing along the normals ``(n,)`` [m/N], by the negative eigenvalues."""
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
         missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
         return np.asarray(np.abs(missing).sum(axis=1))
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
-        """`lending` all that it lacks."""
+        """Result of `lending` all that is missing."""
         return self.lending(self.lacks)
 
     def lending(self, lent: Array) -> tuple[Compliance, float]:
-        """Itself with what it is lent along the normals ``(n,)`` [m/N], and without what is negative for all that; the
-        largest of this [m/N]."""
+        """Return the compliance with additions along the normals, and without what stays negative.
+
+        Parameters
+        ----------
+        lent
+            Additions ``(n,)`` [m/N].
+
+        Returns
+        -------
+            The compliance, and the largest negative eigenvalue that was removed [m/N].
+        """
         contact, G = np.arange(lent.size), self.G.copy()
         across = self.normals[:, :, None] * self.normals[:, None, :]
         G.reshape(lent.size, 2, lent.size, 2)[contact, :, contact] += lent[:, None, None] * across
@@ -111,7 +133,7 @@ class Compliance:
         return Compliance(G - cut, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
-        """`positive`."""
+        """Return the compliance without negative eigenvalues, as the function `positive`."""
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
         lent = np.minimum(self.lacks, LENT * tangent)
@@ -132,18 +154,18 @@ def _is_positive(G: Array) -> bool:
 
 
 def normals_of(geometry: Array) -> Array:
-    """Unit vectors of contacts ``(..., 2)`` from the geometry of flanks (`lowfi.statics.kernel.ball`)."""
+    """Return unit vectors of contacts ``(..., 2)`` from the geometry of flanks (`lowfi.statics.kernel.ball`)."""
     return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
 
 
 def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
-    """Semi-axes [m] of a contact under a force [N], across the groove and along it."""
+    """Return the semi-axes of a contact under a force [N], across the groove and along it [m]."""
     constants, grow = error_free_hertz(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
 def one_pair(problem: Problem) -> tuple[int, int] | None:
-    """The diagonal pair in use, screw's side first, where it is the only one and the flanks are arcs."""
+    """Return the only diagonal pair of flanks in use, the screw's first; None where there are two or flanks are no arcs."""
     if problem.drawn.profile.shape[1] or np.all(problem.use):
         return None
     a = 0 if problem.use[0] else 1
@@ -156,29 +178,36 @@ NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 
 @dataclass(frozen=True)
 class Response:
-    """How shaft and bodies answer, whatever the loads, the prescribed displacements and the radii of the balls.
+    """Compliance of shaft and bodies, whatever the loads, the prescribed displacements and the radii of the balls.
 
-    shaft: under some loads; bodies: compliance [m/N] of screw and nut on their built sides, ball by ball; solved: of both
-    together for one pair, or of each on all its sides; R ``(N, 2, 2, k)``: motion of the screw's flanks by the free ones;
-    squeeze: under those loads. Beside Hertz a contact of each side has e [m/N] at a force of 1 N, slope ``(4,)`` of it by
-    the logarithm of the contact's size, and h ``(4,)`` [m/N^(4/3)] apart from what the slope makes; ball: at 1 N.
+    Besides Hertz's law the approach of a contact has a linear term e and a term h F^(4/3), for N balls and k free motions.
     """
 
+    #: Beam of the screw under some loads.
     shaft: Shaft
+    #: Compliance of screw and nut on their built flanks, ball by ball [m/N].
     bodies: tuple[Array, Array]
+    #: Compliance of both together for one pair of flanks, or of each on all its flanks.
     solved: tuple[Compliance, ...]
+    #: Motion of the screw's flanks by the free motions ``(N, 2, 2, k)``.
     R: Array
+    #: Coupling of contact and section forces of the shaft under those loads; None without it.
     squeeze: Squeeze | None
+    #: Compliance of the balls at 1 N.
     ball: BallCompliance
+    #: Linear compliance of each flank's contacts at a force of 1 N ``(4,)`` [m/N].
     e: Array
+    #: ``(4,)`` [m/N^(4/3)], apart from what the slope contributes.
     h: Array
+    #: Derivative of e by the logarithm of the contact's size ``(4,)`` [m/N].
     slope: Array
+    #: Assumptions about the bodies.
     assumed: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """A response that is asked for, by all that it depends on (``key``)."""
+    """Requested response; equal requests have the same ``key``."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)
@@ -189,8 +218,10 @@ class _Asked:
 def response_of(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
-    """The response of a problem for a backend, not to be written to; whole: see `body_compliance`. Of balls that travel
-    none is kept: their places do not come again."""
+    """Return the response of a problem for a backend, not to be written to.
+
+    Not cached for balls that travel, whose positions do not recur. whole: see `body_compliance`.
+    """
     if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)
     layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
@@ -202,13 +233,14 @@ def response_of(
 
 @lru_cache(maxsize=4)
 def kept_response(asked: _Asked) -> Response:
-    """The response that is asked for; at most four are kept."""
+    """Return the requested response from a cache of the last four."""
     return _response(asked.problem, asked.layout, asked.backend, None, whole_body)
 
 
 def _response(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
+    """Return the response, which is not in the cache."""
     scene, shaft, N = problem.scene, shaft_of(problem), layout.z.size
     axes = typical_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
@@ -252,7 +284,7 @@ def _response(
 
 
 def forget() -> None:
-    """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
+    """Clear the caches of bodies, so that the next solve is timed with its set-up."""
     forget_bodies()
     kept_response.cache_clear()
 
@@ -263,34 +295,46 @@ LARGEST = 1000
 
 @dataclass(frozen=True)
 class Flanks:
-    """How the flanks of all balls move, ball by ball: four flanks each (d = 8 motions), or one pair's relative motion (2).
+    """Motions of the flanks of all N balls by forces: four flanks each (d = 8 motions), or a pair's relative motion (2)."""
 
-    e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] besides Hertz; clipped: largest negative compliance cut away
-    over a contact's own. kept: what the flanks' motions are found from again: compliance of screw and of nut on the
-    built sides, v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks;
-    squeeze: what is in them of the shaft's section forces, where it carries anything above the contacts. slope ``(4,)``
-    [m/N]: what e gains by the logarithm of the cube root of the typical force, which h has over that root; lent [m/N]: the
-    most that a contact lent to the bodies (`positive`).
-    """
-
+    #: Compliance as the kernels take it.
     bodies: Bodies
+    #: Linear compliance besides Hertz ``(N, 4)`` [m/N].
     e: Array
+    #: Factor of F^(4/3) besides Hertz ``(N, 4)`` [m/N^(4/3)].
     h: Array
+    #: Largest negative compliance that was removed, over a contact's.
     clipped: float
+    #: What the flanks' motions are computed from again: compliance of screw and nut on the built flanks, v0 ``(N, 2, 2)``
+    #: and R ``(N, 2, 2, k)`` of the screw's flanks.
     kept: tuple[Array, Array, Array, Array]
+    #: Derivative of e by the logarithm of the cube root of the typical force ``(4,)`` [m/N], which h has over that root.
     slope: Array
+    #: Largest compliance moved from a contact's law to the bodies [m/N], see `positive`.
     lent: float
+    #: Coupling with the shaft's section forces, where it carries load beyond the contacts.
     squeeze: Squeeze | None = None
 
 
 def contact_compliance(problem: Problem, force: float) -> float:
-    """Tangent compliance [m/N] of a contact under a force [N]."""
+    """Return the tangent compliance of a contact [m/N] under a force [N]."""
     return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
 
 
 def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) -> Flanks:
-    """Motions of all flanks of a problem, with what balls add to the contacts' laws; force [N]: at which small terms are
-    taken that depend on a contact's size; shaft: under the problem's loads."""
+    """Return the motions of all flanks of a problem, with what the balls add to the contacts' laws.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    force
+        Typical force [N], at which small terms are taken that depend on a contact's size.
+    shaft
+        The beam under the problem's loads.
+    response
+        Compliance of shaft and bodies.
+    """
     N, squeeze = len(problem.C), response.squeeze
     size, tangent = float(np.cbrt(force)), contact_compliance(problem, force)
     sides = [s for s in (0, 1) if problem.use[s]]
@@ -322,7 +366,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
-    """Rows of `lowfi.statics.kernel.elastic.pair_balls`, ``(N, 7)``."""
+    """Return the rows of `lowfi.statics.kernel.elastic.pair_balls`, ``(N, 7)``."""
     a, b = pair
     geometry = problem.geometry
     D = geometry[:, b, :2] - geometry[:, a, :2]
@@ -332,7 +376,7 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
-    """Linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``."""
+    """Return linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``, for first iteration."""
     w = normals_of(problem.geometry)
     root = np.sqrt(stiffness)
     if pair is not None:

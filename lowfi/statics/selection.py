@@ -1,4 +1,4 @@
-"""What a scene does not need: sides that cannot touch, shaft without influence, absent torsion and errors."""
+"""Parts of a scene that need not be built: flanks that cannot touch, shaft without influence, torsion and absent errors."""
 
 from __future__ import annotations
 
@@ -21,16 +21,23 @@ from rollbench.meshes.section import MERGE, contact_stations
 
 
 def all_sides(scene: Scene) -> Mask:
-    """Sides (4,) that a scene has: all, or of grooves of one arc one on either body."""
+    """Return the flanks that a scene has ``(4,)``: all, or one on either body for grooves of one arc."""
     return np.isin(np.arange(4), sides_of_arc(scene) or range(4))
 
 
 def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:
-    """Sides (4,) worth building: a diagonal pair is left out when no ball is tight in it and the axial load opens it.
+    """Return the flanks worth building ``(4,)``.
 
-    A guess: after the solution every ball is tested against all four flanks, and the pair is built if one touches.
-    The energy is convex, so a pair that carries nothing at the solution of the smaller problem changes nothing. known: the
-    specimen's ``distances``, where they have been computed.
+    A diagonal pair is left out when no ball is tight in it and the axial load opens it. That is a guess: after the solution
+    every ball is tested against all four flanks, and the pair is built if one touches. The energy is convex, so a pair that
+    carries nothing at the solution of the smaller problem changes nothing.
+
+    Parameters
+    ----------
+    scene, drawn
+        The scene and its parts with their errors.
+    known
+        `distances` of the parts, where they have been computed.
     """
     use = all_sides(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -48,8 +55,10 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
 
 
 def flank_motions(problem: Problem, motion: Array) -> Array:
-    """Motion of both screw flanks of every ball in its section, ``(N, 2, 2)`` [m], built or not, from that of the nodes
-    ``(n, 6)``."""
+    """Return the motion of both screw flanks of every ball in its section ``(N, 2, 2)`` [m], whether they are built or not.
+
+    motion: of the nodes ``(n, 6)`` [m, rad].
+    """
     layout, flat = problem.layout, motion.ravel()
     m = problem.B.shape[3]
     out = np.zeros((layout.z.size, 2, 2))
@@ -65,8 +74,23 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
 
 
 def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motions: Array) -> Array:
-    """Motion ``(N, 2)`` [m] in each ball's section of a groove's centre ``(N, 2)`` [m] that moves rigidly with the shaft's
-    section at its station ``(N,)`` [m], whose motion is ``(N, 6)``."""
+    """Return the motion in each ball's section of a groove's centre that moves rigidly with the shaft's section.
+
+    Parameters
+    ----------
+    layout
+        Positions of the balls.
+    centre
+        Groove's centre in the section ``(N, 2)`` [m].
+    stations
+        Station of the shaft's section ``(N,)`` [m].
+    motions
+        Its motion ``(N, 6)`` [m, rad].
+
+    Returns
+    -------
+        ``(N, 2)`` [m].
+    """
     r = layout.centre + centre[:, :1] * layout.radial + centre[:, 1:] * layout.binormal
     r[:, 2] -= stations
     u = motions[:, :3] + np.cross(motions[:, 3:], r)
@@ -74,8 +98,10 @@ def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motio
 
 
 def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
-    """Motion of all flanks of every ball, ``(N, 4, 2)`` [m], those of the rigid nut zero; None where all flanks are exact
-    arcs, whose contacts do not ask for it. motion: of the nodes ``(n, 6)``."""
+    """Return the motion of all flanks of every ball ``(N, 4, 2)`` [m], with a fixed nut.
+
+    None where all flanks are circular arcs, whose contacts do not need it. motion: of the nodes ``(n, 6)`` [m, rad].
+    """
     if not problem.drawn.profile.shape[1]:
         return None
     moved = flank_motions(problem, motion)
@@ -83,8 +109,17 @@ def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
 
 
 def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
-    """Distance of each ball from each of its four arcs ``(k, N, 4)`` [m], negative where it would be pressed; centres
-    ``(k, N, 2)``, shift ``(k, N, 4, 2)`` [m], geometry ``(k, N, 4, 9)`` as in ``kernel.ball``."""
+    """Return the distance of each ball from each of its four arcs ``(k, N, 4)`` [m], negative for interference.
+
+    Parameters
+    ----------
+    centres
+        Of the balls ``(k, N, 2)`` [m].
+    shift
+        Motion of the flanks ``(k, N, 4, 2)`` [m].
+    geometry
+        Contacts ``(k, N, 4, 9)``, see ``kernel.ball``.
+    """
     x, z = (centres[:, :, None, k] - shift[..., k] for k in range(2))
     wx, wz = geometry[..., 0], geometry[..., 1]
     ax, az = wx + x, wz + z
@@ -95,10 +130,21 @@ def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
 def all_clear(
     centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
-    """In which of k solutions no ball comes nearer than ``margin`` [m] to a flank that was left out, ``(k,)``.
+    """Return in which of k solutions no ball comes near a flank that was left out, ``(k,)``.
 
-    A ball with load must clear the flanks that are not in ``use`` (4,) where it is; a ball without load must find one
-    place, of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)``; for the rest see ``gaps``.
+    A loaded ball must clear the flanks that are not in ``use`` where it is; an unloaded ball must find one position, of two
+    tried, where it clears all four. Both are sufficient.
+
+    Parameters
+    ----------
+    centres, shift, geometry
+        As for `gaps`.
+    loads
+        Contact forces ``(k, N, 4)`` [N].
+    use
+        Flanks that are built ``(4,)``.
+    margin
+        Clearance that is asked for [m].
     """
     left_out = np.flatnonzero(~use)
     loaded = _extreme(np.maximum, loads) > 0.0
@@ -117,7 +163,7 @@ def all_clear(
 
 
 def _extreme(of_two: np.ufunc, values: Array) -> Array:
-    """Smallest or largest along the last axis: side by side, which is faster than along a short axis."""
+    """Return the smallest or largest along the last axis, pairwise, which is faster than a reduction along a short axis."""
     out: Array = values[..., 0]
     for s in range(1, values.shape[-1]):
         out = of_two(out, values[..., s])
@@ -125,9 +171,20 @@ def _extreme(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions.
+    """Return the flanks on which any ball carries load when all four are offered to it at the solution's motions, ``(4,)``.
 
-    engine: kernels; motion ``(n, 6)`` of the nodes, centres ``(N, 2)`` of the balls [m], force ``(N, 4)`` [N].
+    Parameters
+    ----------
+    engine
+        Kernels.
+    problem
+        The problem.
+    motion
+        Of the nodes ``(n, 6)`` [m, rad].
+    centres
+        Of the balls ``(N, 2)`` [m].
+    force
+        Contact forces ``(N, 4)`` [N].
     """
     if np.array_equal(problem.use, all_sides(problem.scene)):
         return np.asarray((force > 0.0).any(axis=0))
@@ -150,7 +207,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
 
 
 def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
-    """Sentences: what was left out of the system and why."""
+    """Return sentences on what was left out of the system and why."""
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
     if idle and is_one_arc(problem.scene):

@@ -1,5 +1,7 @@
-"""What follows the contacts of a solved state, and is solved with again until it settles: Hertz' constants at the actual
-contact angle, and lever arms on uneven flanks. The same for one set and several, whatever solves them."""
+"""Outer iteration of the static models: Hertz constants at the actual contact angle, lever arms on uneven flanks.
+
+Both depend on the solved state, which is solved again until they no longer change; the same for one set and several.
+"""
 
 from __future__ import annotations
 
@@ -36,16 +38,16 @@ HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
 class Scale(NamedTuple):
-    """Scales of the forces and stiffnesses of a problem.
+    """Scales of the forces and stiffnesses of a problem."""
 
-    force [N]: of a typical loaded contact, from loads, interference, or else an approach of a micrometre; stiffness [N/m]:
-    its secant; floor [N]: the least that residuals are measured by: the largest load, moments over the arm, or the force by
-    which the tightest ball is pressed without load; none [N]: of a contact that counts as none.
-    """
-
+    #: Of a typical loaded contact [N], from loads, interference, or else an approach of a micrometre.
     force: float
+    #: Secant stiffness of a contact under that force [N/m].
     stiffness: float
+    #: Least force [N] that residuals are measured by: the largest load, moments over the arm, or the force of the tightest
+    #: ball without load.
     floor: float
+    #: Force [N] below which a contact counts as unloaded.
     none: float
 
     @property
@@ -55,8 +57,19 @@ class Scale(NamedTuple):
 
 
 def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
-    """How the solvers iterate on systems of a scale; arm [m]: makes forces of moments; furthest [m]: radius of the largest
-    ball."""
+    """Return the options of the solvers.
+
+    Parameters
+    ----------
+    scale
+        Scales of the problem.
+    arm
+        Length that makes forces of moments [m].
+    furthest
+        Radius of the largest ball [m].
+    tolerance
+        Relative residual to reach.
+    """
     return Options(
         tolerance=tolerance,
         most=MAX_ITERATIONS,
@@ -68,37 +81,48 @@ def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOL
     )
 
 
-class Words(NamedTuple):
-    """What a model says of a solution: its formulation and number of unknowns, what it assumes and leaves out."""
+class Description(NamedTuple):
+    """Description of a model for the record of its solution."""
 
+    #: What is solved.
     formulation: str
+    #: Number of unknowns.
     unknowns: int
+    #: Assumptions.
     assumed: tuple[str, ...]
+    #: What is left out.
     left_out: tuple[str, ...] = ()
 
 
 class SetFlanks(NamedTuple):
-    """A set's problem with the contacts (N, 4, 5) of its balls as the kernels leave them, their centres (N, 2), and the
-    motions (N, 4, 2) of all flanks [m]."""
+    """Contacts of one set of N balls at a state."""
 
+    #: The set's problem.
     problem: Problem
+    #: Contacts as the kernels leave them ``(N, 4, 5)``, see ``kernel.ball``.
     contact: Array
+    #: Shifts of the balls' centres ``(N, 2)`` [m].
     centre: Array
+    #: Motions of all flanks ``(N, 4, 2)`` [m].
     shift: Array
 
 
 @dataclass(kw_only=True)
 class Prepared(ABC):
-    """Sets of balls ready for the kernels: what these solve, the state that they fill, how they iterate; scale: the largest
-    force met in the last run [N]."""
+    """Sets of balls ready for the kernels."""
 
-    #: Kernel that solves such a system.
+    #: Name of the kernel that solves such a system.
     SOLVER: ClassVar[str]
 
+    #: Kernels.
     engine: ModuleType
+    #: System as the kernel takes it.
     given: Any
+    #: State that the kernel changes.
     state: Any
+    #: Options of the iteration.
     options: Options
+    #: Largest force met in the last run [N].
     scale: float = 0.0
 
     def iterate(self, start: bool = True) -> Outcome:
@@ -114,22 +138,22 @@ class Prepared(ABC):
 
     @abstractmethod
     def flanks(self) -> Sequence[SetFlanks]:
-        """Contacts of each set at the state."""
+        """Return the contacts of each set at the state."""
 
     @abstractmethod
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """The same at the state with lever arms that are longer by (N, 4, 2) [m] for each set."""
+        """Return the system at the state with lever arms that are longer by ``(N, 4, 2)`` [m] for each set."""
 
     @abstractmethod
     def round_off(self) -> float:
-        """Relative residual that double precision cannot get below (`least_residual`)."""
+        """Return the relative residual that double precision cannot get below (`least_residual`)."""
 
     @abstractmethod
-    def words(self) -> Words:
-        """What the model says of the solution."""
+    def description(self) -> Description:
+        """Return the description of the model for the record."""
 
     def at_state(self, of: Prepared) -> Self:
-        """Itself at the state of another."""
+        """Return the system itself with the state of another."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
@@ -139,18 +163,24 @@ P = TypeVar("P", bound=Prepared)
 
 
 def contact_angles(normal: Array) -> Array:
-    """Contact angle gamma of each contact [rad] from the normals (ball to groove), ``(..., 4, 2)`` -> ``(..., 4)``."""
+    """Return the contact angles ``(..., 4)`` [rad] of normals from ball to groove ``(..., 4, 2)``."""
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
 def lost(outcome: Outcome) -> bool:
-    """Whether a run found no state that changed constants or lever arms could start from."""
+    """Return whether a run found no state from which changed constants or lever arms could start."""
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
 def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
-    """Solve from the start, and follow the contacts: by Hertz' constants where the scene has them "actual", by lever arms
-    on uneven flanks (``profile``); the system then, and its outcome."""
+    """Solve from the start and update Hertz constants and lever arms until they settle.
+
+    Hertz constants where the scene has them "actual", lever arms on uneven flanks (``profile``).
+
+    Returns
+    -------
+        The system at its last state, and the outcome.
+    """
     outcome = system.iterate()
     if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
         outcome = follow_hertz(system, outcome)
@@ -160,16 +190,39 @@ def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
 
 
 def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
-    """Relative residual that double precision cannot get below: eps times the lengths [m] whose difference makes the
-    approach of contacts of such a stiffness [N/m], over the largest force met ``scale`` [N], times 8. Lengths are motions,
-    and in problems with uneven flanks the ball's radius next to them."""
+    """Return the relative residual that double precision cannot get below.
+
+    Eight times eps times the lengths whose difference makes the approach, times the stiffness, over the largest force.
+
+    Parameters
+    ----------
+    motions
+        Largest motion [m]; in problems with uneven flanks the ball's radius is added.
+    stiffness
+        Of the contacts [N/m].
+    scale
+        Largest force met [N].
+    problems
+        The sets.
+    """
     radius = max((p.scene.balls.radius for p in problems if p.drawn.profile.shape[1]), default=0.0)
     return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 
 
-def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
-    """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: status
-    by a linear program of a body that moves without limit; far: the state is so far away that ``unheld`` judges it too."""
+def status_of(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
+    """Return the status of a solver's outcome.
+
+    Parameters
+    ----------
+    outcome
+        Of the solver.
+    bound
+        Relative residual that double precision cannot get below.
+    unheld
+        Returns the status of a body that moves without limit, by a linear program.
+    far
+        Whether the state is so far away that ``unheld`` decides about it too.
+    """
     good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
     if good and not far:
         return Status("converged")
@@ -186,19 +239,35 @@ def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: b
 
 
 def report_of(
-    outcome: Outcome, system: Prepared, words: Words, elements: int, times: tuple[float, float], notes: tuple[str, ...]
+    outcome: Outcome,
+    system: Prepared,
+    description: Description,
+    elements: int,
+    times: tuple[float, float],
+    notes: tuple[str, ...],
 ) -> SolverReport:
-    """How the solution of a system came about. elements: of the beam; times: when it began, and when its system was ready
-    (`time.perf_counter`)."""
+    """Return the record of effort and accuracy of a solve.
+
+    Parameters
+    ----------
+    outcome, system, description
+        Of the solver.
+    elements
+        Number of beam elements.
+    times
+        When the solve began and when its system was ready (`time.perf_counter`) [s].
+    notes
+        What happened during the solve.
+    """
     return SolverReport(
         iterations=outcome.iterations,
         evaluations=outcome.evaluations,
         residual=outcome.residual,
         seconds=perf_counter() - times[0],
-        unknowns=words.unknowns,
+        unknowns=description.unknowns,
         elements=elements,
         engine="compiled" if jit.is_compiled(system.engine.__name__) else "interpreted",
-        formulation=words.formulation,
+        formulation=description.formulation,
         round_off_bound=system.round_off(),
         setup_seconds=times[1] - times[0],
         notes=notes,
@@ -206,7 +275,7 @@ def report_of(
 
 
 def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
-    """The outcome with Hertz' constants at the actual geometry."""
+    """Solve again with Hertz constants at the actual contact angles until they settle."""
     for _ in range(HERTZ_RUNS):
         if lost(outcome):
             break
@@ -224,8 +293,10 @@ def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
 
 
 def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
-    """The system with flanks that turn about their centre of curvature at the contact, which an uneven profile shifts, and
-    its outcome: solved again with moved lever arms until they settle (the shift is of the size of the profile error)."""
+    """Solve again with lever arms to the flanks' centres of curvature at the contacts until they settle.
+
+    An uneven profile shifts that centre, by about the size of the profile error.
+    """
     before = [np.zeros((*p.C.shape, 2)) for p in system.problems]
     for _ in range(ARM_RUNS):
         if lost(outcome):
@@ -240,12 +311,17 @@ def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
 
 
 def uneven(problem: Problem) -> bool:
-    """Whether lever arms follow a set's profiles."""
+    """Return whether lever arms depend on a set's profiles."""
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
 def centre_shift(s: SetFlanks) -> Array:
-    """From the groove's centre to the profile's centre of curvature at each loaded contact (N, 4, 2) [m]; zero for arcs."""
+    """Return the shift from the groove's centre to the profile's centre of curvature at each loaded contact.
+
+    Returns
+    -------
+        ``(N, 4, 2)`` [m]; zero for circular arcs.
+    """
     force, normal = s.contact[..., 0], s.contact[..., 1:3]
     if not uneven(s.problem):
         return np.zeros(normal.shape)
@@ -256,5 +332,5 @@ def centre_shift(s: SetFlanks) -> Array:
 
 
 def after(first: Outcome, then: Outcome) -> Outcome:
-    """The later outcome with the iterations and evaluations of both."""
+    """Return the later outcome with the iterations and evaluations of both."""
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

@@ -1,23 +1,26 @@
-"""The screw as a beam with its supports and loads, condensed to the motions of the flanks: exact for the beam. And what its
-section forces do to the contacts beyond a beam's rigid sections, and the contacts to it (`Squeeze`).
+"""Screw as a beam with supports and loads, condensed to the motions of the flanks, and coupled to their deformation.
+
+The condensation is exact for the beam. `Squeeze` is what the shaft's section forces do to the contacts beyond a beam's
+rigid sections, and the contacts to the shaft.
 
 A stretch of shaft between its cut ends is a body on which contact forces f and the wrench F of all that lies above it act;
-the rest is equilibrium. Held at its low end it has the complementary energy
+the rest is equilibrium. Fixed at its low end it has the complementary energy
 
-    f . G f / 2 + f . D^T F + F . H F / 2
+    f . G f / 2 + f . D^T F + F . H F / 2                                                                              (1)
 
 beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.between`, Saint-Venant's
 contraction under tension and bending and the warping under shear among them. The beam has the wrench F = S q from the
 motions q of its nodes. As F is the derivative of the energy by the jump d = D f + H F that the stretch adds at its cut, the
-beam with these jumps answers loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
+beam with these jumps responds to loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
 p = L^T f
 
-    F = (I + B H)^-1 (A - B D) f,   A = S K^-1 L^T,   B = k - S K^-1 S^T,
+    F = (I + B H)^-1 (A - B D) f,   A = S K^-1 L^T,   B = k - S K^-1 S^T,                                              (2)
 
-B being the stiffness of the supported shaft against a jump: none where it is held once. Contacts move by L q + G f + D^T F.
-The energy of a body does not know at which end it is held, so that neither does the answer, however many stretches there
-are. Each contact's jump lies at its station: sections between it and the cut move by it too, and a load on one of them is
-felt by the contacts below. Supports between the contacts of one set are taken as if they were below them.
+B being the stiffness of the supported shaft against a jump: zero where it is statically determinate. Contacts move by
+L q + G f + D^T F. The energy of a body does not depend on the end at which it is fixed, so that neither does the result,
+however many stretches there are. Each contact's jump lies at its station: sections between it and the cut move by it too,
+and a load on one of them is felt by the contacts below. Supports between the contacts of one set are taken as if they were
+below them.
 """
 
 from __future__ import annotations
@@ -46,26 +49,29 @@ CHUNK = 512
 
 @dataclass
 class Shaft:
-    """Beam of a problem with its supports, and pins where these leave rigid motions.
+    """Beam of a problem with its supports, and pins where these leave k rigid motions."""
 
-    motions ``(6, k)``: those rigid motions about node ``pin`` by amplitudes in metres, rotations times the pitch radius:
-    the solver adds one stiffness to all of them; work ``(k,)`` [N]: of the loads on them.
-    """
-
+    #: The problem.
     problem: Problem
+    #: Those rigid motions of node ``pin`` by amplitudes in metres, rotations times the pitch radius ``(6, k)``.
     motions: Array
+    #: Work of the loads on them ``(k,)`` [N].
     work: Array
+    #: Number of the node nearest to the nut.
     pin: int
+    #: Freedoms that are neither fixed nor pinned ``(6 n,)``.
     free: NDArray[np.bool_]
+    #: Factor of the stiffness.
     factor: tuple[Array, Array] = field(repr=False)
+    #: Stiffness in the lower band ``(12, 6 n)``.
     band: Array = field(repr=False)
 
     def under(self, problem: Problem) -> Shaft:
-        """The same shaft under the loads and prescribed displacements of another problem."""
+        """Return the same shaft under the loads and prescribed displacements of another problem."""
         return replace(self, problem=problem, work=_work(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
-        """Motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, held freedoms at zero."""
+        """Return the motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, fixed freedoms at zero."""
         out = np.where(self.free[:, None], loads, 0.0)
         if self.free.any():
             substitute_blocks(self.factor, out)
@@ -73,11 +79,11 @@ class Shaft:
 
     @cached_property
     def by_loads(self) -> tuple[Array, Array]:
-        """`free_state`, found once."""
+        """Result of `free_state`, computed once."""
         return free_state(self)
 
     def times(self, q: Array) -> Array:
-        """Stiffness times motions ``(6 n,)``: the nodal forces they take."""
+        """Return the stiffness times motions ``(6 n,)``: the nodal forces that they need."""
         out = self.band[0] * q
         for k in range(1, self.band.shape[0]):
             out[k:] += self.band[k, : q.size - k] * q[: q.size - k]
@@ -86,7 +92,7 @@ class Shaft:
 
 
 def unheld(problem: Problem) -> Array:
-    """Rigid motions ``(6, k)`` of the node nearest the nut that no support holds."""
+    """Return the rigid motions ``(6, k)`` of the node nearest the nut that no support prevents."""
     scale, z = in_metres(problem), problem.nodes
     origin = z[pin_node(problem)]
     rows = rigid_transport(z - origin)[problem.fixed] * scale
@@ -98,17 +104,17 @@ def unheld(problem: Problem) -> Array:
 
 
 def in_metres(problem: Problem) -> Array:
-    """Motions ``(6,)`` [m, rad] of a node by one metre of each freedom: rotations over the pitch radius."""
+    """Return the motions ``(6,)`` [m, rad] of a node by one metre of each freedom: rotations over the pitch radius."""
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
 
 def pin_node(problem: Problem) -> int:
-    """Node nearest to the nut's centre."""
+    """Return the number of the node nearest to the nut's centre."""
     return int(np.abs(problem.nodes - problem.scene.nut.position).argmin())
 
 
 def shaft_of(problem: Problem) -> Shaft:
-    """Stiffness of the beam, factored. A rigid screw has no stiffness: its free motions are all there is."""
+    """Return the factored stiffness of the beam; a rigid screw has only its free motions."""
     if problem.basis is not None:
         motions = np.diag(in_metres(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
@@ -131,7 +137,7 @@ def shaft_of(problem: Problem) -> Shaft:
 
 
 def _work(problem: Problem, motions: Array, pin: int) -> Array:
-    """Work ``(k,)`` of the loads on free rigid motions ``(6, k)``."""
+    """Return the work ``(k,)`` [N] of the loads on free rigid motions ``(6, k)``."""
     if problem.basis is not None:
         return np.asarray(problem.load[0] @ motions)
     at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
@@ -139,7 +145,7 @@ def _work(problem: Problem, motions: Array, pin: int) -> Array:
 
 
 def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
-    """Factor of a lower band ``(6 n, 12)`` (`kernel.matrices`) with freedoms that are not free held by a unit diagonal."""
+    """Return factor of a lower band ``(6 n, 12)`` (`kernel.matrices`), with a unit diagonal at freedoms not free."""
     kept = band.copy()
     for k in range(1, band.shape[1]):
         kept[: len(free) - k, k] *= free[: len(free) - k] & free[k:]
@@ -150,15 +156,14 @@ def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
 
 
 def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array]:
-    """Freedoms ``(c, m)`` and rows ``(c, 2, m)`` of the flanks of the used sides, side after side."""
+    """Return the freedoms ``(c, m)`` and rows ``(c, 2, m)`` of the flanks in use, flank after flank."""
     m = problem.B.shape[3]
     dof = [6 * problem.node[:, s, None] + np.arange(m) for s in used]
     return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in used])
 
 
 def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
-    """Compliance ``(2 c, 2 c)`` of the used flanks through the beam, and their motion by the free rigid motions
-    ``(2 c, k)``."""
+    """Return compliance of the flanks in use through the beam ``(2 c, 2 c)`` [m/N], and their free motions ``(2 c, k)``."""
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
     count = rows.shape[0]
@@ -177,7 +182,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
 
 
 def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
-    """Motion ``(2 c,)`` [m] of the used flanks by loads and prescribed displacements."""
+    """Return the motion ``(2 c,)`` [m] of the flanks in use by loads and prescribed displacements."""
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
     if problem.basis is not None:
@@ -186,8 +191,11 @@ def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
 
 
 def free_state(shaft: Shaft) -> tuple[Array, Array]:
-    """Nodal motions ``(6 n,)`` by loads and prescribed displacements: the rigid one that these displacements are, or zero
-    where they strain the beam, and what is beyond it. Round-off of a rigid motion that was solved for would strain it."""
+    """Return the nodal motions ``(6 n,)`` by loads and prescribed displacements, as a rigid part and the rest.
+
+    The rigid part is the motion that the prescribed displacements are, or zero where they strain the beam: round-off of a
+    rigid motion that was solved for would strain it.
+    """
     problem, held = shaft.problem, shaft.problem.fixed
     prescribed = np.where(held, shaft.problem.prescribed, 0.0)
     moved, loads = np.zeros_like(prescribed), problem.load.ravel()
@@ -202,14 +210,23 @@ def free_state(shaft: Shaft) -> tuple[Array, Array]:
 
 
 def rigid_nodes(shaft: Shaft) -> Array:
-    """Nodal motions ``(6 n, k)`` by the free rigid motions."""
+    """Return the nodal motions ``(6 n, k)`` by the free rigid motions."""
     z = shaft.problem.nodes
     return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
 
 
 def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
-    """Nodal motions ``(n, 6)`` by nodal loads ``(6 n,)`` in addition to the scene's and the amplitudes ``(k,)`` of the free
-    motions."""
+    """Return the nodal motions ``(n, 6)`` by additional nodal loads and free motions.
+
+    Parameters
+    ----------
+    shaft
+        The shaft.
+    loads
+        Nodal loads ``(6 n,)`` in addition to the scene's [N, N m].
+    amplitudes
+        Of the free motions ``(k,)`` [m].
+    """
     problem = shaft.problem
     if problem.basis is not None:
         return np.asarray(np.where(problem.fixed, problem.prescribed, 0.0) + shaft.motions @ amplitudes)
@@ -219,12 +236,12 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
-    """Forces and moments ``(n, 6)`` [N, N m] that the beam takes at its nodes when it moves as `node_motions` says."""
+    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes for the motion of `node_motions`."""
     return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
 def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:
-    """Nodal loads ``(6 n,)`` of the flanks' forces ``(c, 2)`` [N]."""
+    """Return the nodal loads ``(6 n,)`` of the flanks' forces ``(c, 2)`` [N]."""
     dof, rows = rows_of(problem, used)
     out = np.zeros(6 * problem.nodes.size)
     np.add.at(out, dof, np.einsum("cak,ca->ck", rows, forces))
@@ -236,34 +253,45 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Shaft under one set. flanks ``(m,)``: places of its contacts' motions among those of all; stations ``(m,)`` [m]; feel
-    ``(m, 6)``, at_cut ``(6, 6)``: D^T and H by the wrench at the cut, the node above its contacts."""
+    """Shaft under one set, with m motions of its contacts."""
 
+    #: Indices of its contacts' motions among those of all ``(m,)``.
     flanks: Ints
+    #: Of the contacts ``(m,)`` [m].
     stations: Array
+    #: D^T of (1) by the wrench at the cut ``(m, 6)``.
     feel: Array
+    #: H of (1) by the wrench at the cut ``(6, 6)``.
     at_cut: Array
+    #: Number of the node above its contacts.
     cut: int
 
 
 @dataclass(frozen=True)
 class Inside:
-    """Motions of a shaft's n nodes by jumps at the contacts of its stretches, which lie on c flanks: of the nodes from
-    these to the cuts, and beyond a cut that carries no wrench."""
+    """Motions of a shaft's nodes within its stretches by jumps at the contacts.
 
+    Of the nodes from the contacts to the cuts, and beyond a cut that carries no wrench.
+    """
+
+    #: The problem.
     problem: Problem
+    #: The stretches.
     stretches: Sequence[Stretch]
+    #: Number c of flanks.
     flanks: int
 
     def _moves(self, x: Stretch) -> tuple[Array, Ints]:
-        """Motions ``(m, 6, 6)`` of the nodes below the end of a stretch by a jump at its cut, and the first node above each
-        of its flanks."""
+        """Return the motions ``(m, 6, 6)`` of the nodes below the end of a stretch by a jump at its cut, and first nodes.
+
+        The first node above each of its flanks.
+        """
         nodes = self.problem.nodes
         z = nodes[: x.cut + 1] if loaded_beyond(self.problem, x.cut) else nodes
         return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
 
     def by_flanks(self, pushes: Array) -> Array:
-        """Motions ``(6 n,)`` of the nodes by the flanks' forces ``(2 c,)`` [N]."""
+        """Return the motions ``(6 n,)`` of the nodes by the flanks' forces ``(2 c,)`` [N]."""
         out = np.zeros((self.problem.nodes.size, 6))
         for x in self.stretches:
             moves, first = self._moves(x)
@@ -273,7 +301,7 @@ class Inside:
         return out.ravel()
 
     def by_loads(self, loads: Array) -> Array:
-        """Motions ``(2 c, k)`` of the flanks by loads ``(6 n, k)`` on the nodes: reciprocal to `by_flanks`."""
+        """Return the motions ``(2 c, k)`` of the flanks by loads ``(6 n, k)`` on the nodes: reciprocal to `by_flanks`."""
         out, nodal = np.zeros((2 * self.flanks, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
         for x in self.stretches:
             moves, first = self._moves(x)
@@ -285,43 +313,52 @@ class Inside:
 
 @dataclass(frozen=True)
 class Squeeze:
-    """Stretches on a shaft of n nodes, W = 6 motions of each cut that carries a wrench, c flanks.
+    """Coupling of contact forces and section forces of a shaft of n nodes with c flanks, by (2).
 
-    added ``(2 c, 2 c)`` [m/N]: to the compliance of the flanks and the stretches' own; moved ``(2 c,)`` [m]: by the scene's
-    loads and prescribed displacements; wrenches ``(W, 6 n)``: S; feel ``(2 c, W)`` and nodes ``(6 n, W)``: motions of the
-    flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads; inside:
-    what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about. Of these, moved and
-    only depend on the loads (`under`): bent ``(W, W)`` makes jumps of wrenches.
+    W = 6 wrench components for each cut that carries a wrench. Only ``moved`` and ``given`` depend on the loads (`under`).
     """
 
+    #: Added to the compliance of the flanks ``(2 c, 2 c)`` [m/N].
     added: Array
+    #: Motion of the flanks by the scene's loads and prescribed displacements ``(2 c,)`` [m].
     moved: Array
+    #: S ``(W, 6 n)``.
     wrenches: Array
+    #: Motions of the flanks by S q ``(2 c, W)``.
     feel: Array
+    #: Motions of the nodes by S q ``(6 n, W)``.
     nodes: Array
+    #: d by the flanks' forces ``(W, 2 c)``.
     jumps: Array
+    #: d by loads ``(W,)``.
     given: Array
+    #: Motion of the nodes by the flanks' forces that the beam's nodal loads do not produce.
     inside: Inside
+    #: Jumps by wrenches ``(W, W)``.
     bent: Array
 
     def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> Squeeze:
-        """The same under the loads and prescribed displacements of a shaft; thermal ``(W,)`` [N, N m]: wrenches at the cuts
-        that are among its loads and no strain of the stretches."""
+        """Return the coupling under the loads and prescribed displacements of a shaft.
+
+        thermal ``(W,)`` [N, N m]: wrenches at the cuts that are among its loads and do not strain the stretches.
+        """
         wrench = self.wrenches @ shaft.by_loads[1] - thermal
         moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
         return replace(self, moved=moved, given=self.bent @ wrench)
 
     def node_loads(self, pushes: Array) -> Array:
-        """Nodal loads ``(6 n,)`` that stand for the jumps, by the flanks' forces ``(2 c,)`` [N]."""
+        """Return the nodal loads ``(6 n,)`` equivalent to the jumps, by the flanks' forces ``(2 c,)`` [N]."""
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
     def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
-        """Motions ``(n, 6)`` of the nodes with what the flanks' forces add inside, where not held."""
+        """Return motions ``(n, 6)`` of the nodes with what the flanks' forces add within the stretches, where not fixed."""
         return np.where(fixed, motion, motion + (self.inside.by_flanks(pushes.ravel())).reshape(-1, 6))
 
     def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
-        """Motions of the flanks ``(2 c, k)``, and of the nodes ``(6 n, k)`` beside these, by nodal loads ``(6 n, k)`` under
-        which the beam by itself moves by ``motions``."""
+        """Return the added motions of the flanks ``(2 c, k)`` and of the nodes ``(6 n, k)`` by nodal loads ``(6 n, k)``.
+
+        motions: of the beam under these loads without the coupling.
+        """
         wrench = self.wrenches @ motions
         return np.asarray(self.feel @ wrench + self.inside.by_loads(loads)), np.asarray(self.nodes @ wrench)
 
@@ -329,8 +366,10 @@ class Squeeze:
 def stretch_of(
     problem: Problem, scene: Scene, layout: BallLayout, backend: Backend, used: Sequence[int], balls: slice
 ) -> Stretch | None:
-    """Stretch under the balls ``balls`` of a problem, which are those of ``scene``; used: the sides that are built. None
-    where the shaft is rigid there."""
+    """Return the stretch under some balls of a problem, those of ``scene``; None where the shaft is rigid there.
+
+    used: the flanks that are built.
+    """
     response = None if problem.basis is not None else end_response(scene, layout, backend)
     if response is None or not used:
         return None
@@ -344,14 +383,16 @@ def stretch_of(
 
 
 def loaded_beyond(problem: Problem, cut: int) -> bool:
-    """Whether the beam carries anything beyond a node: support, load or contact."""
+    """Return whether the beam carries anything beyond a node: support, load or contact."""
     beyond = slice(cut + 1, None)
     return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.node > cut).any())
 
 
 def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
-    """k ``(6, 6)`` and S ``(6, 12)`` of the element above a node: the wrench on what is below, by a jump there and by the
-    motions of both its nodes; its EA [N]."""
+    """Return k ``(6, 6)`` and S ``(6, 12)`` of the element above a node, and its EA [N].
+
+    The wrench on what is below, by a jump there and by the motions of both its nodes.
+    """
     section = problem.section if problem.sections is None else problem.sections[cut]
     length = float(problem.nodes[cut + 1] - problem.nodes[cut])
     constants = element_constants(length, np.array([section.EA, section.EI, section.GJ, section.kGA]))
@@ -363,9 +404,9 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
 
 
 def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0) -> Squeeze | None:
-    """What stretches add to a shaft and its flanks of the sides ``used``; None without stretches.
+    """Return what stretches add to a shaft and its flanks in use; None without stretches.
 
-    strain: thermal, of the free shaft, which is among the problem's loads.
+    strain: thermal strain of the free shaft, which is among the problem's loads.
     """
     if not stretches:
         return None

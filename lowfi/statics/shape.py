@@ -1,4 +1,4 @@
-"""Shape functions of the Timoshenko element (Lin C.1, C.2, with the transpose of 2.20 mended)."""
+"""Shape functions of the Timoshenko element (Lin C.1, C.2, with the transpose in 2.20 corrected)."""
 
 from __future__ import annotations
 
@@ -10,15 +10,27 @@ from rollbench.meshes.section import BeamSection
 
 
 def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
-    """Phi = 12 E I / (kappa G A L^2)."""
+    """Return Phi = 12 E I/(kappa G A L^2) of an element of a length [m]."""
     return 12.0 * section.EI / (section.kGA * length**2)
 
 
 def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
-    """First nodes ``(k,)`` and matrices ``(k, 6, 12)`` giving the motions at stations z ``(k,)`` [m] from the two nodes
-    around each.
+    """Return the matrices that give the motions at stations from those of the two nodes around each.
 
     Beyond the end nodes the shaft is free and moves rigidly with the last one.
+
+    Parameters
+    ----------
+    z
+        Stations ``(k,)`` [m].
+    nodes
+        Stations of the nodes ``(n,)`` [m].
+    section
+        Section of the shaft.
+
+    Returns
+    -------
+        First node of each station ``(k,)`` and matrices ``(k, 6, 12)``.
     """
     last = nodes.size - 1
     j = np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1).astype(np.int64)
@@ -33,15 +45,25 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
 
 
 def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> Array:
-    """Motions ``(k, 6)`` at stations z ``(k,)`` [m] from those of the nodes ``(n, 6)``."""
+    """Return the motions ``(k, 6)`` at stations z ``(k,)`` [m] from those of the nodes ``(n, 6)``."""
     j, m = motion_matrices(z, nodes, section)
     return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
 def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
-    """Motions ``(n, 6)`` of nodes ``(n,)`` [m] that have the ``prescribed`` values where they are ``fixed``, each freedom
-    interpolated along the shaft; and how each element deforms by them ``(n - 1, 6)``: its end against its start, moved
-    rigidly."""
+    """Return motions of the nodes that have the prescribed values, and the elements' deformations by them.
+
+    Parameters
+    ----------
+    nodes
+        Stations ``(n,)`` [m].
+    fixed, prescribed
+        Fixed freedoms and their values ``(n, 6)``; each freedom is interpolated along the shaft.
+
+    Returns
+    -------
+        Motions ``(n, 6)``, and motion of each element's end against its rigidly moved start ``(n - 1, 6)``.
+    """
     q = np.zeros((nodes.size, 6))
     if not prescribed.any():
         return q, q[1:].copy()
@@ -53,8 +75,12 @@ def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[A
 
 
 def rigid_transport(reach: float | Array) -> Array:
-    """Motion at a station from that of another ``reach`` ``(...)`` [m] before it, rigidly: u + theta x reach e_z,
-    ``(..., 6, 6)``."""
+    """Return the matrix of the rigid motion of a station that is ``reach`` [m] beyond another, u + theta x reach e_z.
+
+    Returns
+    -------
+        ``(..., 6, 6)`` for ``reach`` of the shape ``(...)``.
+    """
     t = np.zeros((*np.shape(reach), 6, 6))
     t[...] = np.eye(6)
     t[..., 0, 4] = reach
@@ -63,9 +89,28 @@ def rigid_transport(reach: float | Array) -> Array:
 
 
 def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
-    """Motions at xi in [0, 1] from those of both nodes, or the derivative of that order (0, 1, 2) by xi: ``(n, 6, 12)``.
+    """Return the shape functions of elements, or their derivatives by xi.
 
-    xi, length [m]: ``(n,)``. Exact for an element loaded at its nodes only.
+    Exact for an element loaded at its nodes only.
+
+    Parameters
+    ----------
+    xi
+        Position in the element, 0 to 1 ``(n,)``.
+    length
+        Of the elements ``(n,)`` [m].
+    section
+        Section of the shaft.
+    order
+        Of the derivative, 0 to 2.
+
+    Returns
+    -------
+        Motions at xi by those of both nodes ``(n, 6, 12)``.
+
+    References
+    ----------
+    Lin (2019), C.1 and C.2.
     """
     phi = np.asarray(shear_ratio(length, section))
     k = 1.0 / (1.0 + phi)
@@ -103,14 +148,16 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
 
 
 def principal(rows: Array) -> tuple[Array, Array]:
-    """Singular values and all right singular vectors ``(k, k)`` of ``(m, k)`` rows, of which there may be many: a QR leaves
-    no more of them than there are columns, and nothing grows as their square."""
+    """Return the singular values and all right singular vectors ``(k, k)`` of rows ``(m, k)``.
+
+    By a QR decomposition first, so that the cost does not grow with the square of the number of rows.
+    """
     _, size, vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     return np.asarray(size), np.asarray(vt)
 
 
 def unresisted(rows: Array) -> Array:
-    """Combinations ``(c, k)`` of k motions that ``rows`` ``(m, k)``, each of a size about one, do not feel."""
+    """Return the combinations ``(c, k)`` of k motions on which ``rows`` ``(m, k)``, each of a size about one, vanish."""
     if not rows.size:
         return np.eye(rows.shape[1])
     size, vt = principal(rows)
@@ -118,8 +165,7 @@ def unresisted(rows: Array) -> Array:
 
 
 def pivots(rows: Array) -> list[int]:
-    """As many columns of rows ``(k, m)`` as these have rank, each the one with most beyond those before it: as QR with
-    column pivoting takes them."""
+    """Return as many columns of rows ``(k, m)`` as their rank, as a QR decomposition with column pivoting chooses them."""
     remainder, chosen = rows.copy(), []
     for _ in range(min(rows.shape)):
         sizes = (remainder * remainder).sum(axis=0)

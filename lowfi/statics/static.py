@@ -1,4 +1,4 @@
-"""Static load distribution by the convex energy: the source's model (Lin chapter 2) with its misprints mended."""
+"""Static load distribution by a convex energy: Lin's model (2019, chapter 2) with its misprints corrected."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ from rollbench.lowfi.statics.selection import (
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
     TOLERANCE,
+    Description,
     Prepared,
     Scale,
     SetFlanks,
-    Words,
     least_residual,
     lost,
     options_of,
     report_of,
     settled,
-    verdict,
+    status_of,
 )
 from rollbench.lowfi.statics.shape import lifted
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
@@ -60,7 +60,17 @@ PIN_SHOWN = 1e-9
 
 
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
-    """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
+    """Return the kernels to use: interpreted for one small solve, compiled for large or many ones.
+
+    Parameters
+    ----------
+    engine
+        ``"interpreted"``, ``"compiled"``, or ``"auto"``.
+    balls
+        Number of balls.
+    uneven
+        Whether flanks deviate from circular arcs, with which a contact costs an iteration.
+    """
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
     many = balls > most and (uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS))
     fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or many))
@@ -68,10 +78,11 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 
 
 def scale_of(problem: Problem) -> Scale:
-    """The scale of a problem.
+    """Return the scales of forces and stiffnesses of a problem.
 
-    A contact that counts as none has the round-off of a typical force. Where only motions are given, which may meet no
-    resistance in the end, the typical one says little, and forces on their way to nothing must get there.
+    A contact that counts as unloaded has the round-off of a typical force. Where only motions are prescribed, which may
+    meet no
+    resistance in the end, the typical force says little, and forces that tend to zero must be followed there.
     """
     arm, load = problem.scene.track.pitch_radius, np.abs(problem.load)
     pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
@@ -86,64 +97,68 @@ def scale_of(problem: Problem) -> Scale:
 
 @dataclass(kw_only=True)
 class OneSet(Prepared):
-    """A problem ready for the kernels; build: makes it again with other lever arms."""
+    """Problem of one set of balls, ready for the kernels."""
 
+    #: The problem.
     problem: Problem
+    #: Makes it again with other lever arms.
     build: Build
 
     @property
     def problems(self) -> Sequence[Problem]:
-        """The one problem."""
+        """The problem, as a sequence of one."""
         return (self.problem,)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """As `Prepared.with_arms`."""
+        """Return the system with longer lever arms, as `Prepared.with_arms`."""
         longer: Any = self.build.ready(self.build.problem(arms[0]))
         longer.problem.C[:] = self.problem.C
         return longer.at_state(self)  # type: ignore[no-any-return]
 
     @abstractmethod
     def clears(self) -> bool:
-        """Whether no ball touches a side that was left out, at the solution."""
+        """Return whether no ball touches a flank that was left out, at the solution."""
 
     @abstractmethod
     def solved(self) -> SolvedState:
-        """State in the kernels' arrays, with the reactions."""
+        """Return the solved state with the reactions."""
 
 
 @dataclass(kw_only=True)
 class Beam(OneSet):
-    """A screw as a beam, or rigid, its nut rigid."""
+    """Screw as a beam, or rigid, in a rigid nut."""
 
     SOLVER = "solve_beam"
+    #: Beam and balls as the kernels take them.
     given: BeamSystem
+    #: Motions, deformations and contacts.
     state: RowState
 
     @property
     def force(self) -> Array:
-        """Contact forces, ``(N, 4)`` [N]."""
+        """Contact forces ``(N, 4)`` [N]."""
         return np.asarray(self.state.contact[..., 0])
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Contacts at the state."""
+        """Return the contacts at the state."""
         moved = np.zeros((len(self.state.p), 4, 2))
         moved[:, :2] = flank_motions(self.problem, self.state.q)
         return (SetFlanks(self.problem, self.state.contact, self.state.p, moved),)
 
     def clears(self) -> bool:
-        """By all four flanks offered to every ball."""
+        """Return whether no omitted flank touches, by offering all four flanks to every ball."""
         touched = touched_sides(self.engine, self.problem, self.state.q, self.state.p, self.force)
         return not np.any(touched & ~self.problem.use)
 
     def round_off(self) -> float:
-        """By the largest motion and the largest stiffness of a node's flanks, summed."""
+        """Return the residual that rounding leaves, by the largest motion and the stiffest node's flanks together."""
         problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
         stiff = contact_stiffness(self.force[:, :2], problem.C[:, :2])
         most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
         return least_residual(motion, most, self.scale, [problem])
 
     def solved(self) -> SolvedState:
-        """Reactions: the gradient at the held freedoms."""
+        """Return the solved state; the reactions are the energy's gradient at the fixed freedoms."""
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.basis is None:
@@ -151,13 +166,13 @@ class Beam(OneSet):
         held = np.where(problem.fixed, gradient, 0.0)
         return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), self.scale)
 
-    def words(self) -> Words:
-        """As `Prepared.words`."""
-        return Words("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
+    def description(self) -> Description:
+        """As `Prepared.description`."""
+        return Description("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: Build | None = None) -> Beam:
-    """Arrays for the kernels, with a start that meets the prescribed displacements."""
+    """Return a problem ready for the kernels, with a start that has the prescribed displacements."""
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
     count, scale, drawn = problem.C.shape[0], scale_of(problem), problem.drawn
@@ -180,20 +195,26 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
 
 @dataclass(frozen=True)
 class Build:
-    """What builds a scene's problem, and builds it again with other sides or lever arms.
+    """Everything from which a scene's problem is built, and built again with other flanks or lever arms."""
 
-    use: the sides (4,); everything, refine: see `solve_static`; known: the specimen's ``distances``, where they have been
-    computed; held: freedoms of the nodes and their values, ``(n, 6)`` each, and which of the first node are pins.
-    """
-
+    #: The scene.
     scene: Scene
+    #: Its parts with their errors.
     drawn: Specimen
+    #: Positions of the balls.
     layout: BallLayout
+    #: Flanks to build ``(4,)``.
     use: Mask
+    #: Kernels.
     engine: ModuleType
+    #: Whether nothing is left out, see `solve_static`.
     everything: bool = False
+    #: Elements that each beam element is split into.
     refine: int = 1
+    #: `distances` of the parts, where they have been computed.
     known: tuple[Array, Array] | None = None
+    #: Fixed freedoms of the nodes and their values ``(n, 6)`` each, and which freedoms of the first node are pins; None: as
+    #: the scene has them.
     held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
 
     @property
@@ -202,7 +223,7 @@ class Build:
         return None
 
     def problem(self, arms: Array | None = None) -> Problem:
-        """The problem; arms: see `lowfi.statics.problem.build`."""
+        """Return the problem; arms: see `lowfi.statics.problem.build`."""
         parts = self.scene, self.drawn, self.layout, self.use
         how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "known": self.known}
         found = build(*parts, arms=arms, section=self.section, **how)
@@ -210,49 +231,57 @@ class Build:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def holding(self, pinned: Problem) -> Self:
-        """The same with the freedoms held that a problem holds."""
+        """Return a copy that fixes the same freedoms as a problem."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSet:
-        """A problem, ready for the kernels."""
+        """Return a problem ready for the kernels."""
         return prepare(problem, self.engine, build=self)
 
     def touched(self) -> str:
-        """A sentence: the sides that are left out touch."""
+        """Return the note that the flanks left out are touched."""
         names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
         return f"sides {names} touch in the solution without them: solved again with all four"
 
 
 class Solution(NamedTuple):
-    """A scene at the outcome of its solver, what built it, its unheld motions, notes on its sides, and when it was prepared
-    (`time.perf_counter`)."""
+    """Scene at the outcome of its solver."""
 
+    #: The system at its last state.
     system: OneSet
+    #: Of the solver.
     outcome: Outcome
+    #: What built the system.
     build: Build
+    #: Free motions of the screw.
     mechanism: Mechanism
+    #: On the flanks that were left out.
     notes: tuple[str, ...]
+    #: When the system was ready (`time.perf_counter`) [s].
     prepared_at: float
 
-    def verdict(self) -> Status:
-        """Status sentence."""
-        return verdict(self.outcome, self.system.round_off(), partial(unheld, self.system.problem))
+    @property
+    def status(self) -> Status:
+        """Return the status of the solution."""
+        return status_of(self.outcome, self.system.round_off(), partial(unheld, self.system.problem))
 
 
 class Unheld(NamedTuple):
-    """A problem whose load drives motions that nothing holds."""
+    """Problem whose load drives a motion that nothing resists."""
 
+    #: The problem.
     problem: Problem
+    #: The driven motion.
     mechanism: Mechanism
 
     @property
     def status(self) -> Status:
-        """Status sentence."""
+        """Status of the problem."""
         return Status("not held", self.mechanism.text)
 
 
 def solve_sides(build: Build) -> Solution | Unheld:
-    """Solve with the sides that ``build`` has, and again with all four where a ball touches the others."""
+    """Solve with the flanks of ``build``, and again with all four where a ball touches one of the others."""
     notes: tuple[str, ...] = ()
     while True:
         problem = build.problem()
@@ -278,11 +307,46 @@ def solve_static(
     refine: int = 1,
     discretisation: bool = False,
 ) -> StaticResult:
-    """Contact loads, contact angles and shaft motion of a scene in static equilibrium (Lin 2.23-2.25).
+    """Compute contact loads, contact angles and shaft motion of a scene in static equilibrium, by Lin's model.
 
-    engine: interpreted, compiled, or chosen by size; everything: leave nothing out; member: which specimen of a scene
-    with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error. Never
-    raises for a scene without equilibrium: ``status`` names the reason.
+    The screw is a Timoshenko beam, or rigid, the nut rigid; every contact follows Hertz. The equilibrium is the minimum of
+    a
+    convex energy.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    engine
+        Kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, by size.
+    everything
+        Whether to leave nothing out: flanks that cannot touch, shaft without influence.
+    member
+        Number of the specimen, for a scene with random errors.
+    refine
+        Elements that each beam element is split into.
+    discretisation
+        Whether to estimate the error of the beam's discretisation too.
+
+    Returns
+    -------
+        The result; for a scene without equilibrium its ``status`` gives the reason.
+
+    Raises
+    ------
+    UnfitKey
+        Keys of the scene that contradict each other or that the model cannot represent.
+
+    References
+    ----------
+    Lin (2019), 2.23 to 2.25.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> result = solve_static(rollbench.read("lin-case1"))
+    >>> result.status, result.load.shape, round(float(result.load.max()), 1)
+    ('converged', (32, 4), 243.4)
     """
     start = perf_counter()
     layout = ball_layout(scene)
@@ -298,18 +362,28 @@ def solve_static(
 
 
 def solve_built(build: Build, name: str, start: float) -> StaticResult:
-    """Result of a model, by its name, for what is built; start: when it began (`time.perf_counter`)."""
+    """Solve a model for what is built.
+
+    Parameters
+    ----------
+    build
+        What the problem is built from.
+    name
+        Of the model, for the record.
+    start
+        When the solve began (`time.perf_counter`) [s].
+    """
     solved = solve_sides(build)
     if isinstance(solved, Unheld):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
-    problem, status = system.problem, solved.verdict()
+    problem, status = system.problem, solved.status
     if outcome.status in NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
-    words = system.words()
-    report = report_of(outcome, system, words, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
-    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *words.left_out)
-    result = assemble_result(system.solved(), name, status, report, left_out, words.assumed)
+    description = system.description()
+    report = report_of(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
+    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *description.left_out)
+    result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
 
     def otherwise() -> Array | None:
         again = pin(solved.build.problem(), mechanism, True)
@@ -320,8 +394,17 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
 
 
 def with_other_pin(result: StaticResult, mechanism: Mechanism, otherwise: Callable[[], Array | None]) -> StaticResult:
-    """The result, with a note on how much the choice of the pin moves its loads where the pin takes any; otherwise: finds
-    the loads ``(N, 4)`` [N] with the other one, None where there are none."""
+    """Return the result with a note on how much the choice of the pin changes the loads, where the pin carries any.
+
+    Parameters
+    ----------
+    result
+        The result.
+    mechanism
+        Free motions, with the freedoms that could be pinned instead.
+    otherwise
+        Finds the loads ``(N, 4)`` [N] with the other pins; None where there are none.
+    """
     balance = result.equilibrium
     if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.others:
         return result
@@ -337,9 +420,10 @@ def with_other_pin(result: StaticResult, mechanism: Mechanism, otherwise: Callab
 
 
 def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
-    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft.
+    """Return the problem with pins at motions that nothing resists and nothing drives.
 
-    other: by the freedoms that the mechanism names besides its pins.
+    Torsion is fixed too where no contact can twist the shaft. other: pin the freedoms that the mechanism names as
+    alternative.
     """
     chosen = mechanism.others if other else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:
@@ -356,18 +440,26 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 
 def unheld(problem: Problem) -> Status:
-    """Status sentence of a screw that ran away: not held only where a linear program proves it."""
-    from rollbench.lowfi.statics.held import opening_motion, ran_away, words_of
+    """Return the status of a screw that moved without limit: "not held" only where a linear program proves it."""
+    from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
-    return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(words_of(motion)))
+    return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion)))
 
 
 def with_discretisation(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
-    """Add the beam's discretisation error: largest change of a contact load [N].
+    """Return the result with the beam's discretisation error, the largest change of a contact load [N].
 
-    A nodal partition is compared with the same one at half the element length, any other with the nodal one; solve: finds
-    the result of a scene, or of its elements ``refine`` times split.
+    A nodal partition is compared with the same one at half the element length, any other with the nodal one.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    result
+        Its result.
+    solve
+        Computes the result of a scene, with ``refine`` for split elements.
     """
     if scene.ingredients.screw == "rigid":
         return replace(result, solver=replace(result.solver, discretisation=0.0))

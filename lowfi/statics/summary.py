@@ -1,4 +1,4 @@
-"""From the kernels' arrays to a result record: contact points, equilibrium, centreline."""
+"""Result record from the solver's arrays: contact points, equilibrium, centreline."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MODEL_ASSUMPTIONS = (
 
 #: Distance of the stations that the centreline is given at, besides the nodes [m].
 STATION = 10e-3
-#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
+#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what is there for a rigid one.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
 #: Balance of screw and balls, over the largest force or moment, beyond which nothing counts as converged.
 BALANCE = 1e-6
@@ -42,14 +42,14 @@ ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
 
 
 def model_assumptions(scene: Scene) -> tuple[str, ...]:
-    """Statements that hold for a run of the source's model on this scene."""
+    """Return the assumptions of Lin's model for a scene."""
     if scene.ingredients.screw != "rigid":
         return MODEL_ASSUMPTIONS
     return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
 def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
-    """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
+    """Return stations over the whole screw ``(k,)`` [m], nodes included, and the motions there ``(k, 6)`` [m, rad]."""
     length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
     if problem.basis is not None:
         stations, motion = stations_of(length, nodes), problem.basis @ q.ravel()
@@ -61,20 +61,20 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
 
 
 def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
-    """Stations [m] of the centreline of a screw with nodes there."""
+    """Return the stations [m] of the centreline of a screw with nodes at given stations."""
     steps = np.arange(0.0, length + 0.5 * STATION, STATION)
     return np.array([z for z in sorted({*steps.tolist(), *nodes, length}) if z <= length])
 
 
 @lru_cache(maxsize=8)
 def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tuple[Array, NDArray[np.int64], Array]:
-    """`stations_of`, and `motion_matrices` there: kept for all solutions on the same nodes."""
+    """Return `stations_of` and `motion_matrices` there, cached for all solutions on the same nodes."""
     stations = stations_of(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
-    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball."""
+    """Return contact points on the undeformed flanks [m] and directions of the forces on the ball, ``(N, 4, 3)`` each."""
     problem, normal = solved.problem, solved.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -88,8 +88,17 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 
 
 def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
-    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points, and what a
-    pin takes that no support of the scene can; and of every ball, by its contact forces only."""
+    """Return the global balance of the screw and the balance of every ball.
+
+    Applied loads, support reactions, contact forces at their contact points, and what a pin carries that no support can.
+
+    Parameters
+    ----------
+    solved
+        The solved state.
+    points, on_ball
+        `contact_geometry` of it.
+    """
     problem, force, nodal = solved.problem, solved.force, solved.reactions
     scene, pins = problem.scene, np.isin(np.arange(6), problem.pins)
     on_screw = -on_ball[:, :2] * force[:, :2, None]
@@ -119,8 +128,17 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
 
 
 def reactions_of(solved: SolvedState, reaction: Array) -> Array:
-    """Force and moment ``(s, 6)`` [N, N m] of every support on the screw, at its station; reaction: of all, ``(6,)`` about
-    the origin. What statics does not divide among the supports of a rigid screw is divided into the least forces."""
+    """Return force and moment of every support on the screw, at its station ``(s, 6)`` [N, N m].
+
+    Where statics does not determine the reactions of a rigid screw, they are the least ones.
+
+    Parameters
+    ----------
+    solved
+        The solved state.
+    reaction
+        Of all supports about the origin ``(6,)`` [N, N m].
+    """
     problem, supports = solved.problem, solved.problem.scene.supports
     if problem.basis is None:
         return nodal_reactions(problem.nodes, supports, solved.reactions)
@@ -133,7 +151,7 @@ def reactions_of(solved: SolvedState, reaction: Array) -> Array:
 
 
 def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> Array:
-    """Force and moment ``(s, 6)`` of every support on the shaft by those on its nodes ``(n, 6)`` [N, N m]."""
+    """Return force and moment of every support on the shaft ``(s, 6)`` from those on its nodes ``(n, 6)`` [N, N m]."""
     out = np.zeros((len(supports), 6))
     for i, support in enumerate(supports):
         freedoms = [FREEDOMS.index(name) for name, _ in support.fixed]
@@ -142,26 +160,36 @@ def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> A
 
 
 def about_origin(stations: Array, wrenches: Array) -> Array:
-    """Sum (6,) about the origin of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis."""
+    """Return sum about origin ``(6,)`` of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis."""
     return np.asarray(np.einsum("nij,ni->j", rigid_transport(stations), wrenches))
 
 
 def wrench_of(loads: Sequence[Load]) -> Array:
-    """Sum (6,) of loads about the origin [N, N m]."""
+    """Return the sum of loads about the origin ``(6,)`` [N, N m]."""
     wrenches = np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6)
     return about_origin(np.array([x.at for x in loads]), wrenches)
 
 
 def net_forces(force: Array, normal: Array) -> Array:
-    """Net contact force (N,) [N] on each ball, of its contacts' forces (N, 4) [N] and normals (N, 4, 2)."""
+    """Return the net contact force on each ball ``(N,)`` [N] from forces ``(N, 4)`` [N] and normals ``(N, 4, 2)``."""
     return np.asarray(np.linalg.norm((force[..., None] * normal).sum(axis=1), axis=1))
 
 
 def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[float, float], net: Array) -> Equilibrium:
-    """Balance of a body by its loads, reactions, contact forces and what pins take, (6,) each about the origin [N, N m].
+    """Return the balance of a body by its loads, reactions, contact forces and pins.
 
-    size [N]: the largest force met, arm [m]: makes a moment of it; noise: force and moment that double precision leaves [N,
-    N m]; net (N,): net force on every ball [N].
+    Parameters
+    ----------
+    sums
+        Those four, ``(6,)`` each about the origin [N, N m].
+    size
+        Largest force met [N].
+    arm
+        Length that makes a moment of it [m].
+    noise
+        Force and moment that double precision leaves [N, N m].
+    net
+        Net force on every ball ``(N,)`` [N].
     """
     applied, reaction, contact, pin = sums
     size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), size * arm)
@@ -186,8 +214,17 @@ def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[floa
 
 
 def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
-    """Force [N] and moment [N m] that the last digit of the motions (n, 6) makes in the stiffest elements of a beam,
-    lengths (e,) [m]; sections (e, 4) or (1, 4): EA, EI, GJ, kGA."""
+    """Return the force [N] and moment [N m] that the last digit of the motions makes in a beam's stiffest elements.
+
+    Parameters
+    ----------
+    lengths
+        Of the elements ``(e,)`` [m].
+    sections
+        EA, EI, GJ, kGA of the elements ``(e, 4)`` or ``(1, 4)``.
+    motion
+        Of the nodes ``(n, 6)`` [m, rad].
+    """
     if not lengths.size:
         return 0.0, 0.0
     EA, EI, GJ, kGA = (float((column / lengths).max()) for column in sections.T)
@@ -198,9 +235,19 @@ def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, fl
 
 
 def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> Status:
-    """The status, or what is out of balance where the sums over the whole body and every ball contradict it; frozen:
-    lever arms are those of the nominal contact points, so that moments about the true ones do not balance; ball: words for
-    the worst one, where its number is not enough."""
+    """Return the status, or "not converged" where the sums over the whole body or a ball are out of balance.
+
+    Parameters
+    ----------
+    status
+        Status by the solver.
+    balance
+        The sums.
+    frozen
+        Whether lever arms are those of the nominal contact points, so that moments about the true ones do not balance.
+    body, ball
+        Names of the body and, where its number is not enough, of the worst ball.
+    """
     if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
         return status
     if balance.ball_residual == balance.largest:
@@ -210,7 +257,7 @@ def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the 
 
 
 def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
-    """The status; of what did not converge with the warning that its contact pattern is not unique, if it has that one."""
+    """Return the status; where it did not converge and the contact pattern is not unique, with that reason."""
     places = [w for w in warnings if w.kind == "profile"]
     if status.kind != "not converged" or not places:
         return status
@@ -220,8 +267,19 @@ def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
 def contacts_of(
     solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, both_ways: bool = False
 ) -> StaticResult:
-    """Contacts of a finished solve as a record, with stations ``(k,)`` [m] and motions ``(k, 6)`` [m, rad] of the
-    centreline; both_ways: the one arc of each groove reaches to either side of its bottom."""
+    """Return the contacts of a finished solve as a record.
+
+    Parameters
+    ----------
+    solved
+        The solved state.
+    z, motion
+        Stations ``(k,)`` [m] and motions ``(k, 6)`` [m, rad] of the centreline.
+    report
+        Effort and accuracy.
+    both_ways
+        Whether the one arc of each groove extends to either side of its bottom.
+    """
     problem, force = solved.problem, solved.force
     raw = contact_angles(solved.normal)
     points, on_ball = contact_geometry(solved)
@@ -256,8 +314,23 @@ def assemble_result(
     *,
     own_arms: bool = False,
 ) -> StaticResult:
-    """Result record of a finished solve; idealised: statements that hold for every run of the model on such a scene;
-    own_arms: its lever arms and directions are not those of the contacts, so that sums over these do not balance."""
+    """Return the result record of a finished solve.
+
+    Parameters
+    ----------
+    solved
+        The solved state.
+    model
+        Name of the model.
+    status
+        Status by the solver.
+    report
+        Effort and accuracy.
+    left_out, idealised
+        What is left out; assumptions of the model.
+    own_arms
+        Whether the model's lever arms and directions are not those of the contacts, so that sums over these do not balance.
+    """
     problem = solved.problem
     result = contacts_of(solved, *centreline(problem, solved.motion), report)
     balance = equilibrium(solved, result.contact_point, result.force_direction)
@@ -271,7 +344,7 @@ def assemble_result(
 
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:
-    """Result record of a scene that has no equilibrium: no loads, and the reason."""
+    """Return the result record of a scene that has no equilibrium: no loads, and the reason."""
     report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
     assumed = (*problem.scene.assumed, *model_assumptions(problem.scene))
     n, layout = problem.layout.z.size, problem.layout

@@ -1,13 +1,13 @@
-"""Tangent stiffness of a solved scene at one section of the screw, against the held nut.
+"""Tangent stiffness of a solved scene at one section of the screw, against the fixed nut.
 
 The supports of the screw are taken away and its section at the station is clamped. Small motions d (6) of the clamp move
-the flanks by Rz d; with the stiffness S^T S of all balls and G the compliance of the bodies, the screw clamped there,
+the flanks by R_z d; with the stiffness S^T S of all balls and G the compliance of the bodies, the screw clamped there,
 
-    K = (S Rz)^T (I + S G S^T)^-1 (S Rz),
+    K = (S R_z)^T (I + S G S^T)^-1 (S R_z),                                                                            (1)
 
 the forces and moments (6) at the clamp per motion: symmetric, not negative, and next to zero along the helix, which no
 frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.held`). A machine model
-takes it between the screw's node and the nut's, and adds its own shaft and bearings.
+takes it between the screw's node and the nut's, and adds its shaft and bearings.
 """
 
 from __future__ import annotations
@@ -36,15 +36,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tangent:
-    """Stiffness ``(6, 6)`` at a station [m] of the screw, freedoms ux, uy, uz, rx, ry, rz: N/m, N/rad, N m/rad; nan where
-    status is not ``"converged"``, and for freedoms that the model does not know."""
+    """Tangent stiffness at a section of the screw."""
 
+    #: Station of the section [m].
     station: float
+    #: ``(6, 6)``, freedoms ux, uy, uz, rx, ry, rz [N/m, N/rad, N m/rad]; nan without convergence, and for freedoms that a
+    #: model does not have.
     matrix: Array
+    #: How the solution ended.
     status: str
 
     def rigidity(self, freedom: str) -> float:
-        """Force (moment) per motion of one freedom, rz at rest and all others free; zero without resistance."""
+        """Return force (moment) per motion of one freedom, with rz fixed and all others free; zero without resistance."""
         known = ~np.isnan(np.diag(self.matrix))
         free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
         arm = self._arm()
@@ -67,10 +70,27 @@ class Tangent:
 def tangent_stiffness(
     scene: Scene, station: float, *, backend: Backend = REFINED, condensed: Condensed | None = None, member: int = 0
 ) -> Tangent:
-    """Tangent stiffness at a station [m] of the screw, at the equilibrium of the scene.
+    """Return the tangent stiffness at a station of the screw in the equilibrium of a scene, by (1).
 
-    Takes the change of Hertz's constants with the contact angle and of the lever arms of uneven profiles as none. Raises
-    ValueError for a station off the screw, and as `lowfi.statics.elastic.solve_elastic`.
+    The change of Hertz constants with the contact angle and of the lever arms of uneven profiles is neglected.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    station
+        [m].
+    backend
+        Model of the bodies' compliance.
+    condensed
+        Compliance from a 3D model instead.
+    member
+        Number of the specimen, for a scene with random errors.
+
+    Raises
+    ------
+    ValueError
+        A station off the screw, or bodies with impossible dimensions.
     """
     if not 0.0 <= station <= scene.screw.length:
         raise ValueError(f"the screw reaches from 0 to {1e3 * scene.screw.length:g} mm")
@@ -80,7 +100,7 @@ def tangent_stiffness(
     use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
     parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
     solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
-    status = solved.status if isinstance(solved, Unheld) else solved.verdict()
+    status = solved.status
     if isinstance(solved, Unheld) or status != "converged":
         return Tangent(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
@@ -89,7 +109,7 @@ def tangent_stiffness(
 
 
 def _condensed(solved: Any, clamped: Any, station: float) -> Array:
-    """K from the balls of the solved system and the bodies of the clamped one."""
+    """Return K of (1) from the balls of the solved system and the bodies of the clamped one."""
     N, d = solved.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
     ball_rows(solved.given.contacts, solved.state.contact, rows, counts)
@@ -112,8 +132,12 @@ def _condensed(solved: Any, clamped: Any, station: float) -> Array:
 
 
 def flanks_by_clamp(problem: Problem, station: float) -> Array:
-    """Motions of the screw's flanks ``(4 N, 6)``, ball after ball (SL x3, z3, SR x3, z3), by those of a section at
-    ``station`` [m] that carries the screw along rigidly."""
+    """Return the motions of the screw's flanks by those of a section at ``station`` [m] that moves the screw rigidly.
+
+    Returns
+    -------
+        R_z ``(4 N, 6)``, ball after ball (SL x3, z3, SR x3, z3).
+    """
     dof, rows = rows_of(problem, [0, 1])
     nodes = np.concatenate([rigid_transport(float(z - station)) for z in problem.nodes])
     if problem.basis is not None:

@@ -1,4 +1,4 @@
-"""Where a solution leaves the range in which the static models hold: one sentence for each."""
+"""Warnings of solutions that leave the range in which the static models are valid."""
 
 from __future__ import annotations
 
@@ -37,8 +37,17 @@ OVERLAP = 1e-9
 
 
 def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
-    """All warnings of a solved state. gamma ``(N, 4)`` [rad]: contact angles; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad]
-    of the centreline."""
+    """Return all warnings of a solved state.
+
+    Parameters
+    ----------
+    solved
+        The solved state.
+    gamma
+        Contact angles ``(N, 4)`` [rad].
+    z, motion
+        Stations ``(k,)`` [m] and motions ``(k, 6)`` [m, rad] of the centreline.
+    """
     problem, force = solved.problem, solved.force
     constants = own_hertz(problem.scene, problem.drawn)
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
@@ -55,8 +64,11 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
 
 
 def groove_range(scene: Scene) -> tuple[Array, Array]:
-    """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: from the apex between two arcs to the land; of
-    one arc from one land to the other, whose shoulders are equally high: a scene gives one diameter for both."""
+    """Return the smallest and largest contact angle of each flank's arc, ``(4,)`` each [rad].
+
+    From the apex between two arcs to the land; for one arc from one land to the other, with shoulders of equal height, as a
+    scene gives one diameter for both.
+    """
     screw, nut = groove_section(scene), nut_groove_range(scene)
     if is_one_arc(scene):
         return np.repeat([-screw.gamma_2, -nut[1]], 2), np.repeat([screw.gamma_2, nut[1]], 2)
@@ -65,12 +77,12 @@ def groove_range(scene: Scene) -> tuple[Array, Array]:
 
 
 def ends_of_arc(scene: Scene) -> str:
-    """Words for what a groove's arc ends at."""
+    """Return the names of what a groove's arc ends at."""
     return "land edge" if is_one_arc(scene) else "apex or land edge"
 
 
 def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
-    """Contacts beyond the arc or whose ellipse is, balls that move far."""
+    """Return warnings of contacts or ellipses beyond the arc, and of balls that move far."""
     notes: list[str] = []
     loaded = force > 0.0
     low, high = groove_range(problem.scene)
@@ -96,8 +108,11 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
 
 
 def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
-    """Balls whose contacts with both flanks of a groove lie within one ellipse, angles ``(N, 4)`` [rad] apart by their sum:
-    the flanks' arcs are one circle there, and two springs stand for one contact."""
+    """Return a warning of balls whose contacts with both flanks of a groove lie within one ellipse.
+
+    The angles ``(N, 4)`` [rad] are apart by their sum. The flanks' arcs are one circle there, and two springs represent one
+    contact.
+    """
     half = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.radius
     pairs = force.reshape(-1, 2, 2)
     double = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
@@ -119,8 +134,17 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]
 
 
 def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
-    """Contacts that are large against their ball or roller; semi_axis: of the ellipses, half-width of the strips, any shape
-    [m], radius: of the ball or roller [m]."""
+    """Return a warning of contacts that are large against their ball or roller.
+
+    Parameters
+    ----------
+    semi_axis
+        Of the ellipses, or half-width of line contacts [m], any shape.
+    radius
+        Of the ball or roller [m].
+    element
+        Which of the two.
+    """
     most = float(semi_axis.max(initial=0.0)) / radius
     if most <= LARGE:
         return []
@@ -130,8 +154,18 @@ def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") ->
 
 
 def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
-    """Contacts that are too large for Hertz's half space or leave a dent; pressure [Pa], semi_axis [m]: of the contacts of
-    each ball ``(N, 4)``, or of each roller with its races ``(N, 2)``; radius: of the element [m]."""
+    """Return warnings of contacts that are too large for Hertz's half space or leave a permanent indentation.
+
+    Parameters
+    ----------
+    pressure, semi_axis
+        Largest pressure [Pa] and semi-axis [m] of the contacts of each ball ``(N, 4)``, or of each roller with its races
+        ``(N, 2)``.
+    radius
+        Of the ball or roller [m].
+    element
+        Which of the two.
+    """
     allow = DENT_PRESSURE if element == "ball" else ROLLER_DENT_PRESSURE
     notes, beyond = size_warnings(semi_axis, radius, element), pressure > allow
     if beyond.any():
@@ -147,7 +181,7 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: 
 
 
 def _wedged(problem: Problem, shift: Array) -> list[Warned]:
-    """Neighbouring balls that overlap at the solution, by their shifts in their sections."""
+    """Return a warning of neighbouring balls that overlap at the solution, by their shifts in their sections."""
     layout, radius = problem.layout, problem.drawn.ball_radius
     centre = layout.centre + shift[:, :1] * layout.radial + shift[:, 1:] * layout.binormal
     if not np.isfinite(centre).all():
@@ -169,11 +203,12 @@ def _wedged(problem: Problem, shift: Array) -> list[Warned]:
 
 
 def profile_warning(solved: SolvedState) -> list[Warned]:
-    """Whether an uneven profile lets a ball touch a flank in more places than one, or in none that balances.
+    """Return a warning where an uneven profile lets a ball touch a flank at several positions, or at none that balances.
 
-    The profile's centre of curvature lies beside the groove's by its slope rho' [m]: where that is of the size of the
-    distance of the ball's centre from there, there may be several places. The profile is a polynomial of the angle from
-    -180 to 180 deg: where it ends it jumps, and a ball that is pressed onto the jump balances on neither side of it.
+    The profile's centre of curvature lies off the groove's centre by its slope rho' [m]: where that is of the size of the
+    distance of the ball's centre from there, there may be several contact positions. The profile is a polynomial of the
+    angle
+    from -180 to 180 deg: where it ends it jumps, and a ball that is pressed onto the jump balances on neither side of it.
     """
     profile = solved.problem.drawn.profile
     if not profile.shape[1] or solved.shifts is None:
@@ -203,10 +238,10 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
 
 
 def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[Warned]:
-    """Whether the screw tilts so far at the balls that what small rotations neglect shows in the contacts.
+    """Return a warning where the screw tilts so far at the balls that neglected second-order terms show in the contacts.
 
     A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
-    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
+    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the centreline.
     """
     approach = float(contact_approach(force, problem.C).max(initial=0.0))
     low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
@@ -218,7 +253,19 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
 
 
 def tilted(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[Warned]:
-    """`tilt_warning` of a tilt [rad] of the shaft at elements on a pitch radius [m], largest contact approach [m]."""
+    """Return the warning of `tilt_warning`.
+
+    Parameters
+    ----------
+    tilt
+        Of the shaft at the elements [rad].
+    radius
+        Pitch radius [m].
+    approach
+        Largest contact approach [m].
+    element
+        Ball or roller.
+    """
     beyond = 0.5 * radius * tilt**2
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
@@ -231,8 +278,10 @@ def tilted(tilt: float, radius: float, approach: float, element: Element = "ball
 
 
 def rotation_warning(z: Array, motion: Array) -> list[Warned]:
-    """Whether a section of the shaft turns beyond what a linear beam holds for; z ``(k,)`` [m] and motion ``(k, 6)`` of the
-    centreline."""
+    """Return a warning where a section of the shaft rotates beyond the range of a linear beam.
+
+    z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the centreline.
+    """
     size = np.abs(motion[:, 3:]).max(axis=1)
     if not size.size or not float(size.max()) > SMALL_ROTATION:
         return []

@@ -15,7 +15,7 @@ from rollbench.compare.scenes.scene_file import load
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.held import opening_motion, words_of
+from rollbench.lowfi.statics.held import describe_motion, opening_motion
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.static import solve_static, unheld
 from rollbench.lowfi.statics.tangent import tangent_stiffness
@@ -60,7 +60,7 @@ def test_a_load_that_opens_every_contact_is_proven():
     pulled = replace(alone, loads=(Load(scene.nut.position, (-5.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
     motion = opening_motion(problem_of(pulled))
     assert motion[0] < 0.0
-    assert "ux" in words_of(motion)
+    assert "ux" in describe_motion(motion)
     assert unheld(problem_of(pulled)).startswith("not held: the load opens every contact")
     pushed = replace(alone, loads=(Load(scene.nut.position, (5.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
     assert opening_motion(problem_of(pushed)) is None

@@ -1,1 +1,1 @@
-"""The source's own formulations of friction, as printed."""
+"""Lin's formulations of friction, as printed."""

@@ -1,6 +1,6 @@
-"""The source's method for balls that may touch, at given loads, kept for comparison: a root (Lin 3.25-3.31, 3.75-3.77).
+"""Lin's method for balls that may touch, at given loads, for comparison: a root (Lin 3.25-3.31, 3.75-3.77).
 
-First every ball by itself; neighbours in reach that close in then count as touching; each group of touching balls is one
+First every ball separately; neighbours in reach that approach then count as touching; each group of touching balls is one
 system of equations: force balance of all, equal velocities of neighbours, with the ball-to-ball forces as unknowns.
 
 Balls in a linear bearing (Lin 3.3.1, 3.3.2) are chains too: a root at given loads.
@@ -32,17 +32,19 @@ SHARPNESS = 100.0
 
 @dataclass(frozen=True)
 class Neighbours:
-    """How balls in touch act on each other, n unknowns of motion a ball, the first of them along the track.
+    """How balls in touch act on each other, with n unknowns of motion a ball, the first of them along the track."""
 
-    first, second (2, n): sliding of each ball's surface at the contact by its motion [m]; closing: closing velocity per
-    difference of the first unknowns; mu; units (n,): surface speed per unknown; nominal (n,): motion to start from.
-    """
-
+    #: Sliding of the first ball's surface at the contact by its motion ``(2, n)`` [m].
     first: Array
+    #: Likewise of the second ball.
     second: Array
+    #: Closing velocity per difference of the first unknowns.
     closing: float
+    #: Coefficient of friction.
     mu: float
+    #: Surface speed per unknown ``(n,)``.
     units: Array
+    #: Motion to start from ``(n,)``.
     nominal: Array
 
     @property
@@ -53,11 +55,15 @@ class Neighbours:
 
 @dataclass(frozen=True)
 class Balls:
-    """N balls in order at given loads: contacts (4 N,), maps (N, 4, 3, n), drives (N, 4, 3), and how neighbours act."""
+    """N balls in order at given loads."""
 
+    #: Contacts ``(4 N,)``.
     at: Contacts
+    #: Motion of the contacts by the unknowns ``(N, 4, 3, n)``.
     maps: Array
+    #: Motion of the contacts without them ``(N, 4, 3)``.
     drives: Array
+    #: How neighbours act on each other.
     pair: Neighbours
 
     @property
@@ -71,7 +77,7 @@ class Balls:
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> Balls:
-        """Some of the balls."""
+        """Return some of the balls."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
         return Balls(at, self.maps[chosen], self.drives[chosen], self.pair)
@@ -79,35 +85,42 @@ class Balls:
 
 @dataclass(frozen=True)
 class Balance:
-    """Generalised forces (N, n) out of balance [W per unknown]; friction on the balls: force (N, 4, 2) along the
-    contacts' x and z, moment (N, 4); losses (N, 4) at the grooves and (N-1,) between balls [W]; rub (N-1, 2): direction
-    in which ball k slides on ball k + 1.
-    """
+    """Forces and losses of N balls in given motions."""
 
+    #: Generalised forces out of balance ``(N, n)`` [W per unknown].
     left: Array
+    #: Friction on the balls along the contacts' x and z ``(N, 4, 2)`` [N].
     force: Array
+    #: ``(N, 4)`` [N m].
     moment: Array
+    #: ``(N, 4)`` [W].
     groove_loss: Array
+    #: ``(N-1,)`` [W].
     ball_loss: Array
+    #: Direction in which ball k slides on ball k + 1 ``(N-1, 2)``.
     rub: Array
 
 
 @dataclass(frozen=True)
 class SourceMotion:
-    """Motions q (N, n) of the balls, free (N, n): before contact; ball_force (N-1,) [N]; losses (N, 4), (N-1,) [W].
+    """Motion of N balls by Lin's method."""
 
-    left: largest force out of balance over the friction bound; calls of the balance; status: "exact", "failed" (no
-    root), or "overlapping": a root whose neighbours close in nevertheless or pull at each other, since what touches was
-    decided before (Lin 3.31).
-    """
-
+    #: Motions ``(N, n)``.
     q: Array
+    #: Motions before contact ``(N, n)``.
     free: Array
+    #: ``(N-1,)`` [N].
     ball_force: Array
+    #: ``(N, 4)`` [W].
     groove_loss: Array
+    #: ``(N-1,)`` [W].
     ball_loss: Array
+    #: Largest force out of balance over the friction bound.
     left: float
+    #: Of the balance.
     calls: int
+    #: ``"exact"``, ``"failed"`` (no root), or ``"overlapping"``: a root whose neighbours approach nevertheless or pull at
+    #: each other, since what touches was decided before (Lin 3.31).
     status: Status
 
     @property
@@ -117,9 +130,11 @@ class SourceMotion:
 
 
 def balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
-    """Balance of N balls in motions q (N, n) under friction ``law`` and forces (N-1,) [N] of ball k on ball k + 1.
+    """Return balance of N balls in motions q ``(N, n)`` under a friction law and forces ``(N-1,)`` [N] of ball k on k + 1.
 
-    Lin 3.25 with 3.26-3.29, and 3.69 with 3.73-3.75.
+    References
+    ----------
+    Lin (2019), 3.25 with 3.26 to 3.29, and 3.69 with 3.73 to 3.75.
     """
     n, pair = balls.count, balls.pair
     motion = balls.drives + (balls.maps @ q[:, None, :, None])[..., 0]
@@ -141,13 +156,13 @@ def balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
 
 
 def blocks(touching: Mask) -> list[slice]:
-    """Groups of balls that touch, from marks (N-1,); a single ball is a group too."""
+    """Return groups of balls that touch, from marks ``(N-1,)``; a single ball is a group too."""
     ends = [0, *(np.flatnonzero(~touching) + 1).tolist(), touching.size + 1]
     return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[Array, Array, float, int]:
-    """Motions, forces, what is left (see ``ACCEPTED``) and calls of a group of N touching balls, from a start.
+    """Return motions, forces, residual (see ``ACCEPTED``) and calls of a group of touching balls, from a start.
 
     MINPACK's hybrid method with a Jacobian by differences, as Matlab's fsolve, on scaled equations.
     """
@@ -170,7 +185,10 @@ def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[
 
 
 def roots(balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]) -> tuple[Array, Array, float, int]:
-    """Motions (N, n), forces (N-1,), worst left and calls, for given contacts (N-1,), from motions and forces."""
+    """Return motions ``(N, n)``, forces ``(N-1,)``, worst residual and calls, for given contacts ``(N-1,)``.
+
+    start: motions and forces.
+    """
     q, force = start[0].copy(), np.zeros(balls.count - 1)
     worst, calls = 0.0, 0
     for group in blocks(touching):
@@ -181,7 +199,7 @@ def roots(balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]) ->
 
 
 def closing_in(pair: Neighbours, q: Array, tolerance: float = 0.0) -> Mask:
-    """Which neighbours (N-1,) are not leaving each other in motions q (N, n); tolerance: over the nominal speed."""
+    """Return which neighbours ``(N-1,)`` are not leaving each other in motions q; tolerance: over the nominal speed."""
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
 
@@ -189,11 +207,24 @@ def closing_in(pair: Neighbours, q: Array, tolerance: float = 0.0) -> Mask:
 def solve_by_root(
     balls: Balls, law: Law, reach: Mask, start: Array | None = None, touching: tuple[Array, Array] | None = None
 ) -> SourceMotion:
-    """Motion and ball-to-ball forces as the source finds them; reach (N-1,): neighbours near enough to touch.
+    """Return motion and ball-to-ball forces as Lin finds them.
 
-    start (N, n): motions from which the balls alone are searched, nominal rolling where None; touching: motions and
-    forces (N-1,) [N] from which those in contact are, the balls alone and no force where None. The text leaves both
-    starts open. A law without a root, such as Coulomb's where a contact rests, leaves "failed".
+    A law without a root, such as Coulomb's where a contact rests, leaves "failed".
+
+    Parameters
+    ----------
+    balls
+        The balls.
+    law
+        Friction law.
+    reach
+        Whether neighbours are near enough to touch ``(N-1,)``.
+    start
+        Motions ``(N, n)`` from which separate balls are searched, nominal rolling where None; the text leaves it open.
+    touching
+        Motions and forces ``(N-1,)`` [N] from which those in contact are searched, separate balls and no force where None;
+        the
+        text leaves it open.
     """
     pair = balls.pair
     none = np.zeros(balls.count - 1)
@@ -211,7 +242,7 @@ def solve_by_root(
 
 
 def neighbours(bearing: LinearBearing) -> Neighbours:
-    """Balls of a linear bearing in touch (Lin 3.26-3.29); unknowns v, omega_x, omega_y."""
+    """Return the interaction of balls of a linear bearing in touch (Lin 3.26-3.29); unknowns v, omega_x, omega_y."""
     r, v = bearing.ball_radius, bearing.speed
     turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])
     nominal = np.array([0.5 * v, 0.5 * v / (r * np.cos(bearing.contact_angle)), 0.0])
@@ -219,7 +250,7 @@ def neighbours(bearing: LinearBearing) -> Neighbours:
 
 
 def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
-    """N balls with contact angles [rad] and normal loads [N], both (N, 4), in the order BL, BR, TR, TL.
+    """Return N balls with contact angles [rad] and normal loads [N], both ``(N, 4)``, in the order BL, BR, TR, TL.
 
     Contact motions by Lin 3.22-3.24. Raises ValueError for loads that are negative.
     """
@@ -237,7 +268,7 @@ def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
 
 
 def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> Law:
-    """Sigmoid of Lin 3.20 with k_S = ``sharpness`` and the nominal spin v tan(beta) / (2 R_B); None: Coulomb.
+    """Return sigmoid of Lin 3.20 with k_S = ``sharpness`` and the nominal spin v tan(beta)/(2 R_B); None: Coulomb's law.
 
     The reference is an assumption: 3.25 prints no sigmoid, and the rotary bearing's (difference of the rings' spins)
     is zero between grooves that do not turn.
@@ -250,9 +281,9 @@ def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> L
 def solve_linear_by_root(
     bearing: LinearBearing, angles: Array, loads: Array, reach: Mask | bool = True, law: Law | None = None
 ) -> SourceMotion:
-    """Balls in a linear bearing as the source solves them (Lin 3.25-3.31); law: Coulomb's, as 3.25 prints it, if None.
+    """Return balls in a linear bearing as Lin solves them (3.25-3.31); law: Coulomb's, as 3.25 prints it, if None.
 
-    angles [rad], loads [N]: (N, 4); reach (N-1,): neighbours near enough to touch.
+    angles [rad], loads [N]: ``(N, 4)``; reach ``(N-1,)``: whether neighbours are near enough to touch.
     """
     balls = linear_balls(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(reach, dtype=bool), (balls.count - 1,))
@@ -262,7 +293,7 @@ def solve_linear_by_root(
 def linear_pair_by_root(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, law: Law | None = None
 ) -> SourceMotion:
-    """Case study of Lin 3.3.4 by the source's method: theta [rad], side force ratio rho, N_y [N] on each ball, in reach.
+    """Return Lin's case study 3.3.4 by his method: theta [rad], side force ratio rho, N_y [N] on each ball, in reach.
 
     Loads in equilibrium at the given angles, in closed form as in the linear pair here.
     """

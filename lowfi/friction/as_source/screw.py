@@ -1,22 +1,22 @@
-"""The source's method for a ball screw, kept for comparison: roots for loads, for balls and for a run (Lin 3.4).
+"""Lin's method for a ball screw, for comparison: roots for loads, for balls and for a run (Lin 3.4).
 
 Loads and motion of balls are one root (Lin 3.4.1, 3.4.2).
 
-Unknowns of a ball, as above Lin 3.71: place in the groove section (2), contact angles gamma (4), motion (4); of two
-that touch: the force between them. First the loads without friction and the screw's place, which then stays.
+Unknowns of a ball, as above Lin 3.71: position in the groove section (2), contact angles gamma (4), motion (4); of two
+that touch: the force between them. First the loads without friction and the screw's position, which then stays.
 
 Contact loads without friction are a root.
 
-Unknowns: place of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
+Unknowns: position of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
 beam is rigid that is chapter 2's state (Lin 2.11-2.25), searched by the hybrid method.
 
 A whole ball screw in time is a root for every touching group (Lin 3.4.4).
 
-Each step: loads as a root, every ball's motion alone, then the groups of those that are within reach and close in
-(Lin 3.77); places move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.
+Each step: loads as a root, every ball's motion separately, then the groups of those that are within reach and approach
+(Lin 3.77); positions move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.
 
 To count failures the root is sought from several starts, rolling and at random about our solution. Every search yields what
-it found, None where the source finds no loads to begin with.
+it found, None where Lin's method finds no loads to begin with.
 """
 
 from __future__ import annotations
@@ -57,17 +57,20 @@ from rollbench.meshes.arrays import Array, Mask
 
 @dataclass(frozen=True)
 class Places:
-    """Where N balls are: place (N, 2) along x3, z3 [m], contact angles gamma (N, 4) [rad], screw (m,) [m]."""
+    """Positions of N balls and the screw."""
 
+    #: Along x3, z3 ``(N, 2)`` [m].
     ball: Array
+    #: Contact angles ``(N, 4)`` [rad].
     gamma: Array
+    #: ``(m,)`` [m].
     screw: Array
 
 
 def contact_forces(cell: Cell, at: Places) -> tuple[Array, Array, Array]:
-    """Contact forces (N, 4) [N], misalignment n . t (N, 4) of groove and line of centres, normals (N, 4, 2).
+    """Return contact forces ``(N, 4)`` [N], misalignment n . t of groove and line of centres, and normals ``(N, 4, 2)``.
 
-    Contact conditions of chapter 2: the groove's tangent at gamma is normal to the line of centres.
+    Contact conditions of Lin's chapter 2: the groove's tangent at gamma is normal to the line of centres.
     """
     g, c, s = cell.groove, np.cos(at.gamma), np.sin(at.gamma)
     screw = (cell.section @ at.screw + cell.offset)[:, None, :]
@@ -79,15 +82,15 @@ def contact_forces(cell: Cell, at: Places) -> tuple[Array, Array, Array]:
 
 
 def load_scale(cell: Cell) -> tuple[float, float]:
-    """Force [N] of a ball's share of the load and its approach [m]: what the equations are scaled by."""
+    """Return the force of a ball's share of the load [N] and its approach [m], by which the equations are scaled."""
     share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
     return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
 
 
 def first_place(cell: Cell) -> Places:
-    """Start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
+    """Return start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
 
-    The text's nominal state has no stiffness without preload; this is the start that ``rings.settle_cell`` takes.
+    The text's nominal state has no stiffness without preload; this is the start of ``rings.settle_cell``.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))
@@ -96,9 +99,9 @@ def first_place(cell: Cell) -> Places:
 
 
 def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
-    """Loads of a cell of N balls as a root of 6 N + m equations; from ``first_place`` where start is None.
+    """Return the loads of a cell of N balls as a root of 6 N + m equations; from `first_place` where start is None.
 
-    left [N]: largest force out of balance; steps: calls; ``converged`` is False where no root is found.
+    ``left`` [N]: largest force out of balance; ``steps``: calls; ``converged`` is False where no root is found.
     """
     n = cell.angle.shape[0]
     scale, size = load_scale(cell)
@@ -123,15 +126,18 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
 
 
 def neighbours(groove: ScrewGroove) -> Neighbours:
-    """Balls of a screw in touch, on the exact helix; unknowns omega_B, omega_x, omega_y, omega_z (mends 3.73-3.75)."""
+    """Return the interaction of balls of a screw in touch, on the exact helix.
+
+    Unknowns omega_B, omega_x, omega_y, omega_z; corrects Lin 3.73-3.75.
+    """
     p, r = groove.pair, groove.ball_radius
     return Neighbours(p.first, p.second, p.closing, groove.between, np.array([groove.radius, r, r, r]), rolling(groove))
 
 
 def rolling(groove: ScrewGroove) -> Array:
-    """Motion (4,) [rad/s] of a ball that slides least at four contacts at the nominal angle: where searches begin.
+    """Return the motion ``(4,)`` [rad/s] of a ball that slides least at four contacts at the nominal angle.
 
-    An assumption: the text names no start.
+    Where searches begin; an assumption, as the text names no start.
     """
     maps, drives = groove.maps(groove.normals(np.full(4, groove.contact_angle)))
     units = np.array([groove.radius, *[groove.ball_radius] * 3])
@@ -140,38 +146,45 @@ def rolling(groove: ScrewGroove) -> Array:
 
 
 def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
-    """N balls at given contact forces [N] and angles [rad], both (N, 4), in the order SL, SR, NL, NR."""
+    """Return N balls at given contact forces [N] and angles [rad], both ``(N, 4)``, in the order SL, SR, NL, NR."""
     maps, drives = groove.maps(groove.normals(angle))
     return Balls(screw_contacts(groove, force), maps, drives, neighbours(groove))
 
 
 @dataclass(frozen=True)
 class SourceState:
-    """N balls with their loads: places, contact forces (N, 4) [N], motions (N, 4) [rad/s], forces between (N-1,) [N].
+    """N balls with their loads by Lin's method."""
 
-    left: largest residual of the scaled equations; calls of them.
-    """
-
+    #: Positions.
     at: Places
+    #: Contact forces ``(N, 4)`` [N].
     force: Array
+    #: Motions ``(N, 4)`` [rad/s].
     q: Array
+    #: ``(N-1,)`` [N].
     ball_force: Array
+    #: Largest residual of the scaled equations.
     left: float
+    #: Of the equations.
     calls: int
 
 
 @dataclass(frozen=True)
 class SourceScrew:
-    """Balls of a screw by the source's method: loads without friction, then contact forces (N, 4) [N] with it, motion."""
+    """Balls of a screw by Lin's method."""
 
+    #: Loads without friction.
     load: Settled
+    #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
+    #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
+    #: The motion.
     motion: SourceMotion
 
 
 def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
-    """N touching balls with their loads as one root; the screw stays where ``start`` has it (Lin 3.71, 3.75-3.77).
+    """Return N touching balls with their loads as one root, with the screw as in ``start`` (Lin 3.71, 3.75-3.77).
 
     scale [N]: sum of a ball's contact forces, by which the equations are scaled.
     """
@@ -206,7 +219,7 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
 
 
 def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
-    """All N balls, group by group, for given contacts (N-1,)."""
+    """Return all N balls, group by group, for given contacts ``(N-1,)``."""
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
@@ -230,14 +243,14 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
 
 
 def state_of(result: PairResult, touching: bool) -> SourceState:
-    """A solution of the chain solver, balls in contact or not, as a start."""
+    """Return a solution of the chain solver, balls in contact or not, as a start."""
     solution = result.touching if touching else result.free
     at = Places(solution.load.ball, solution.load.angle, np.zeros(0))
     return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
 def at_given_loads(cell: Cell, load: Settled, law: Law) -> SourceState:
-    """Balls alone at loads without friction, searched from rolling: the start where no other is given."""
+    """Return separate balls at loads without friction, searched from rolling: the start where no other is given."""
     n, pair = cell.angle.shape[0], neighbours(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
     q, _, left, calls = roots(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
@@ -247,11 +260,22 @@ def at_given_loads(cell: Cell, load: Settled, law: Law) -> SourceState:
 def coupled_by_root(
     cell: Cell, load: Settled, reach: Mask, law: Law, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
-    """N balls whose friction changes their loads; load: without friction; reach (N-1,): neighbours near enough.
+    """Return N balls whose friction changes their loads, by Lin's method.
 
-    start: where the balls alone are searched from, their motion at the loads without friction where None; touching:
-    the same for balls in contact, the balls alone where None. The text names no starts. Groups of balls that touch are
-    those that close in when alone (Lin 3.76, 3.77).
+    Groups of balls that touch are those that approach each other when separate (Lin 3.76, 3.77).
+
+    Parameters
+    ----------
+    cell, load
+        The balls, and their loads without friction.
+    reach
+        Whether neighbours are near enough to touch ``(N-1,)``.
+    law
+        Friction law.
+    start
+        Where separate balls are searched from; their motion at the loads without friction where None.
+    touching
+        Where balls in contact are searched from; the separate balls where None. The text names no starts.
     """
     held, pair = hold_screw(cell, load), neighbours(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
@@ -274,11 +298,17 @@ def coupled_by_root(
 def screw_pair_by_root(
     pair: Pair, law: Law | None = None, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
-    """Two balls of a screw in reach (Lin 3.4.3) by the source's method; law: its sigmoid with SHARPNESS where None.
+    """Return two balls of a screw in reach (Lin 3.4.3) by Lin's method; law: his sigmoid with SHARPNESS where None.
 
     Loads by root finding first; the motion at these where the pair's coupling is "none", else both together, from
-    starts as in ``coupled_by_root``. Raises ValueError for coupling "ball and screw", which the source has not, and
-    RuntimeError where no loads are found.
+    starts as in `coupled_by_root`.
+
+    Raises
+    ------
+    ValueError
+        The coupling "ball and screw", which Lin does not have.
+    RuntimeError
+        No loads are found.
     """
     if pair.coupling == "ball and screw":
         raise ValueError('the source holds the screw where it is without friction: coupling "none" or "ball"')
@@ -300,29 +330,31 @@ def screw_pair_by_root(
 
 @dataclass(frozen=True)
 class SourceRun:
-    """T steps, N balls; ball k pushes ball k + 1, the last one the first.
+    """Run in time by Lin's method: T steps, N balls; ball k pushes ball k + 1, the last one the first."""
 
-    nut_angle (T,) [rad]; gap (T, N) [rad] at the end of each step, negative for overlap; ball_force (T, N) [N]; omega
-    (T, N) [rad/s]; groove_torque, ball_torque (T,) [N m]; status: of each step's motion, "failed" also where no loads
-    were found: then the speeds of the step before go on.
-    """
-
+    #: ``(T,)`` [rad].
     nut_angle: Array
+    #: At the end of each step ``(T, N)`` [rad], negative for overlap.
     gap: Array
+    #: ``(T, N)`` [N].
     ball_force: Array
+    #: ``(T, N)`` [rad/s].
     omega: Array
+    #: ``(T,)`` [N m].
     groove_torque: Array
+    #: ``(T,)`` [N m].
     ball_torque: Array
+    #: Of each step's motion; ``"failed"`` also where no loads were found: then the speeds of the step before go on.
     status: tuple[str, ...]
 
     @property
     def failures(self) -> int:
-        """Steps without a root."""
+        """Number of steps without a root."""
         return self.status.count("failed")
 
     @property
     def overlapping(self) -> int:
-        """Steps with a root whose neighbours in reach close in nevertheless or pull."""
+        """Number of steps with a root whose neighbours in reach approach nevertheless or pull."""
         return self.status.count("overlapping")
 
     @property
@@ -333,19 +365,27 @@ class SourceRun:
 
 @dataclass
 class _Before:
-    """What the step before leaves: places, motions alone and in contact (N, 4), forces (N,)."""
+    """State of the step before: positions, motions of separate and touching balls ``(N, 4)``, forces ``(N,)``."""
 
+    #: Positions.
     at: Places
+    #: Motions of separate balls.
     free: Array
+    #: Motions in contact.
     q: Array
+    #: Ball-to-ball forces [N].
     force: Array
 
 
 def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
-    """The first ``steps`` of a run (all where None) from evenly spread balls, under the source's sigmoid.
+    """Return the first ``steps`` of a run (all where None) from evenly spread balls, under Lin's sigmoid.
 
-    Starts of each search: the step before, rolling at first; the text names none. Raises ValueError for what the
-    comparison leaves out: balls in a return tube, loads coupled with friction.
+    Starts of each search: the step before, rolling at first; the text names none.
+
+    Raises
+    ------
+    ValueError
+        Balls in a return tube, or loads coupled with friction, which the comparison leaves out.
     """
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
@@ -379,7 +419,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
 def _step(
     run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _Before | None
 ) -> tuple[SourceMotion, NDArray[np.intp]]:
-    """Motion of the balls and their order, which begins after a neighbour out of reach: the ring is cut there.
+    """Return the motion of the balls and their order, which begins after a neighbour out of reach, where the ring is cut.
 
     Raises RuntimeError where all neighbours touch.
     """
@@ -396,9 +436,9 @@ def _step(
 
 
 def shaken(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
-    """Motions (N, n), each unknown off by up to ``off`` of itself, at least of 1 % of the ball's largest surface speed.
+    """Return motions ``(N, n)``, each unknown off by up to ``off`` of itself, at least of 1 % of the largest surface speed.
 
-    units (n,): surface speed per unknown.
+    units ``(n,)``: surface speed per unknown.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
@@ -408,7 +448,10 @@ def shaken(q: Array, units: Array, rng: np.random.Generator, off: float) -> Arra
 def from_linear_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """Balls of a linear bearing, all in reach: angles [rad], loads [N], (N, 4); forces at random up to doubled."""
+    """Yield solutions for balls of a linear bearing, all in reach, from random starts; forces at random up to doubled.
+
+    angles [rad], loads [N]: ``(N, 4)``.
+    """
     apart, together = (solve_linear_chain(prepare(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
     law = linear_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
@@ -421,14 +464,14 @@ def from_linear_starts(
 
 
 def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
-    """The source's law; at rest, where its reference is zero, with a spin of 1 rad/s."""
+    """Return Lin's law; at rest, where its reference is zero, with a spin of 1 rad/s."""
     return source_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
 
 
 def from_pair_starts(
     pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
-    """A pair of a screw with its loads; places as in our solution ``solved``."""
+    """Yield solutions for a pair of a screw with its loads from random starts; positions as in our solution ``solved``."""
     free, touching, units = state_of(solved, False), state_of(solved, True), neighbours(pair.groove).units
     starts: list[tuple[SourceState | None, SourceState | None]] = [(None, None)]
     for _ in range(count):
@@ -445,10 +488,11 @@ def from_pair_starts(
 def from_screw_starts(
     chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """An open chain of a screw at given loads; angle (N, 4) [rad]: its contact angles; solved: our solution.
+    """Yield solutions for an open chain of a screw at given loads from random starts.
 
-    Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in the
-    source's.
+    Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in Lin's.
+
+    angle ``(N, 4)`` [rad]: its contact angles; solved: our solution.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)

@@ -14,26 +14,37 @@ class DissipationTerms(NamedTuple):
     By the sliding velocity (vx, vz) [m/s], the spin [rad/s] and the regularising speed [m/s].
     """
 
+    #: D [m/s].
     value: float
+    #: dD/dvx.
     by_vx: float
+    #: dD/dvz.
     by_vz: float
+    #: dD/dspin [m].
     by_spin: float
+    #: dD/dspeed.
     by_speed: float
+    #: Second derivative by vx and vx [s/m].
     xx: float
+    #: By vx and vz [s/m].
     xz: float
+    #: By vz and vz [s/m].
     zz: float
+    #: By vx and spin [s].
     x_spin: float
+    #: By vz and spin [s].
     z_spin: float
+    #: By spin and spin [m s].
     spin_spin: float
 
 
 class CellArrays(NamedTuple):
-    """N balls pressed between the grooves of two rigid bodies: the inner one moves by u (m,), the outer one stands.
+    """N balls pressed between the grooves of two rigid bodies: the inner one moves by u (m,), the outer one is fixed.
 
     In the plane of each ball's section, axes x and z; contacts 0 and 1 are on the inner body, 2 and 3 on the outer one.
     """
 
-    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m], where the contacts' interference is told.
+    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m], at which the contacts' interference is given.
     start: Array
     #: Interference (N, 4) [m] along ``start``.
     interference: Array

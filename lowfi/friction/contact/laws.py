@@ -1,6 +1,6 @@
-"""Friction laws behind one interface: Coulomb, Coulomb regularised, and the sigmoid of the source.
+"""Friction laws with one interface: Coulomb, Coulomb regularised, and Lin's sigmoid.
 
-Coulomb friction of elliptical Hertz contacts that slide and spin has a closed form. Each contact has its own axes: x along
+Coulomb friction of elliptical Hertz contacts that slide and spin has a closed form. Each contact has its axes: x along
 the semi-axis a, z along b, y the normal into the body whose motion relative to the other is (vx, vz, spin); its points move
 with (vx + spin z, vz - spin x). Friction acts on that body.
 """
@@ -20,47 +20,67 @@ from rollbench.meshes.arrays import Array
 
 @dataclass(frozen=True)
 class Contacts:
-    """Contacts, each array (n,): semi-axes a >= b > 0 [m], normal force F >= 0 [N], friction coefficient mu >= 0."""
+    """Elliptical contacts with friction, arrays ``(n,)``."""
 
+    #: Semi-axes a >= b [m].
     a: Array
+    #: Semi-axes b > 0 [m].
     b: Array
+    #: Normal forces F >= 0 [N].
     load: Array
+    #: Coefficients of friction.
     mu: Array
 
     @property
     def strength(self) -> Array:
-        """mu F [N], shape (n,)."""
+        """Friction bound mu F ``(n,)`` [N]."""
         return np.asarray(self.mu * self.load)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Friction on the moving body: force (n, 2) along x, z [N], moment (n,) about y at the centre [N m], loss [W]."""
+    """Friction on the moving body at n contacts."""
 
+    #: Along x and z ``(n, 2)`` [N].
     force: Array
+    #: About the normal at the centre ``(n,)`` [N m].
     moment: Array
+    #: ``(n,)`` [W].
     loss: Array
 
 
 @dataclass(frozen=True)
 class Dissipation:
-    """Convex function of the motion whose negative gradient is the friction.
+    """Convex function of the motion whose negative gradient is the friction, at n contacts."""
 
-    value (n,) [W]; gradient (n, 3) and hessian (n, 3, 3) by (vx, vz, spin); excess (n,): value less the loss [W], zero
-    without a regularising speed.
-    """
-
+    #: ``(n,)`` [W].
     value: Array
+    #: By (vx, vz, spin) ``(n, 3)``.
     gradient: Array
+    #: ``(n, 3, 3)``.
     hessian: Array
+    #: Value less the loss ``(n,)`` [W], zero without a regularising speed.
     excess: Array
 
 
 def contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
-    """Contacts from semi-axes [m], normal force [N] and friction coefficient, broadcast to one shape (n,).
+    """Return contacts of one shape ``(n,)``, to which the arguments are broadcast.
 
-    Raises ValueError unless a >= b > 0, all finite, F >= 0 and mu >= 0. Friction is exact to 1e-10 of its size for
-    b/a >= 0.01 (measured against quadrature), to 1e-8 at 1e-3, to 1e-7 at 1e-4.
+    Friction is exact to 1e-10 of its size for b/a >= 0.01 (measured against quadrature), to 1e-8 at 1e-3, to 1e-7 at 1e-4.
+
+    Parameters
+    ----------
+    a, b
+        Semi-axes a >= b > 0 [m].
+    load
+        Normal force F >= 0 [N].
+    mu
+        Coefficient of friction >= 0.
+
+    Raises
+    ------
+    ValueError
+        A number out of range or not finite.
     """
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (a, b, load, mu)))
     full = Contacts(*(np.array(v) for v in arrays))
@@ -74,17 +94,27 @@ def contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Cont
 
 
 def about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
-    """Motion (n, 3) of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12)."""
+    """Return motion ``(n, 3)`` of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12)."""
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
 
 
 def dissipation(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
-    """mu int p sqrt(|v|^2 + speed^2) dA with first and second derivatives, in closed form.
+    """Return mu int p sqrt(|v|^2 + speed^2) dA with first and second derivatives, in closed form.
 
-    motion (n, 3): vx, vz [m/s], spin [rad/s]; speed >= 0 [m/s] regularises: the value grows by at most mu F speed.
-    ``fast`` takes the compiled kernels. At rest without regularisation there is no gradient: zeros are returned.
+    Parameters
+    ----------
+    at
+        The contacts.
+    motion
+        vx, vz [m/s], spin [rad/s], ``(n, 3)``. At rest without regularisation there is no gradient: zeros are returned.
+    speed
+        Regularising speed >= 0 [m/s]; the value grows by at most mu F speed.
+    fast
+        Whether to use compiled kernels.
 
+    Examples
+    --------
     >>> d = dissipation(contacts(1e-3, 1e-3, 10.0, 0.1), about_point(1.0, 0.0, 0.0))
     >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
@@ -102,19 +132,40 @@ def dissipation(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = Fa
 
 
 def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
-    """Friction of contacts in the given motion (n, 3); arguments as in ``dissipation`` (Lin 3.16-3.18, any d).
+    """Return the friction of contacts in a given motion; arguments as for `dissipation`.
 
-    The source's M_iO is taken about -y: it is minus this moment.
+    References
+    ----------
+    Lin (2019), 3.16 to 3.18, for any d. His M_iO is taken about -y: it is minus this moment.
+
+    Examples
+    --------
+    Pure sliding has the force mu F:
+
+    >>> sliding = friction(contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
+    >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
+    (-1.0, 2.0)
     """
     d = dissipation(at, motion, speed, fast)
     return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
 
 
 def linear_factor(ratio: ArrayLike) -> Array:
-    """Slope k_f of the normalised force against c/a at c = d = 0 for b/a = ``ratio`` in (0, 1] (Lin 3.35).
+    """Return the slope k_f of the normalised friction force against c/a at c = d = 0.
 
-    Exact: k_f = (b/a)^2 R_D(0, 1, b^2/a^2) / 2, from 3 pi / 8 = 1.178 on a circle to 3/2 on a line.
+    k_f = (b/a)^2 R_D(0, 1, b^2/a^2)/2, from 3 pi/8 = 1.178 on a circle to 3/2 on a line.
 
+    Parameters
+    ----------
+    ratio
+        b/a in (0, 1].
+
+    References
+    ----------
+    Lin (2019), 3.35, here exact.
+
+    Examples
+    --------
     >>> round(float(linear_factor(1.0)), 6)
     1.178097
     """
@@ -123,9 +174,9 @@ def linear_factor(ratio: ArrayLike) -> Array:
 
 
 def cubic_factor(ratio: ArrayLike) -> Array:
-    """g of the exact normalised force k_f t - g t^3, t = c/a, for -1 <= t <= 1 and d = 0, b/a = ``ratio`` < 1.
+    """Return g of the exact normalised force k_f t - g t^3, t = c/a, for -1 <= t <= 1 and d = 0.
 
-    g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1)) / (6 (1 - r^2)) by r = b/a; valid for ratio <= 1 - 1e-6.
+    g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) by r = b/a; valid for ratio <= 1 - 1e-6.
     """
     k = np.asarray(ratio, dtype=float)
     _, along, across = complete_integrals(k)
@@ -133,10 +184,22 @@ def cubic_factor(ratio: ArrayLike) -> Array:
 
 
 def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Array:
-    """Largest error over 0 < |c/a| <= reach of factor c/a against the exact force, relative to the exact one.
+    """Return the largest error of a linear friction law factor c/a against the exact one, over 0 < |c/a| <= reach.
 
-    reach <= 1; the source uses factor = 1.38 and reach = 0.5 (Lin 3.35, appendix G). The ratio of exact to linear is
-    k_f - g t^2, monotonous in t, so that the ends decide.
+    The ratio of exact to linear is k_f - g t^2, t = c/a, monotonous in t, so that the ends decide.
+
+    Parameters
+    ----------
+    ratio
+        b/a in (0, 1].
+    factor
+        Slope of the linear law; Lin uses 1.38.
+    reach
+        At most 1; Lin uses 0.5.
+
+    References
+    ----------
+    Lin (2019), 3.35 and appendix G.
     """
     if not 0.0 < reach <= 1.0:
         raise ValueError("reach must lie in (0, 1]: the force is a cubic inside the ellipse only")
@@ -146,58 +209,60 @@ def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Arr
 
 
 class Law(Protocol):
-    """Anything that gives the friction of contacts in a motion (n, 3)."""
+    """Friction law of contacts in a motion ``(n, 3)``."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Friction on the moving bodies; see ``lowfi.friction.contact.laws`` for axes and signs."""
+        """Return the friction on the moving bodies; axes and signs as in this module's description."""
 
 
 @dataclass(frozen=True)
 class Coulomb:
-    """mu p against the direction of the local velocity; zero at rest, where it is not determined by the motion."""
+    """Coulomb's law: mu p against the direction of the local velocity; zero at rest, where it is not determined."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Exact integrals over the ellipse."""
+        """Return the exact integrals over the ellipse."""
         return friction(at, motion, 0.0, fast)
 
 
 @dataclass(frozen=True)
 class Regularised:
-    """mu p v / sqrt(|v|^2 + speed^2): smooth, the gradient of a convex function at most mu F speed above Coulomb's.
+    """Regularised Coulomb law mu p v/sqrt(|v|^2 + speed^2).
 
-    speed > 0 [m/s].
+    Smooth, with a convex potential at most mu F speed above Coulomb's.
     """
 
+    #: Regularising speed > 0 [m/s].
     speed: float
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Exact integrals over the ellipse."""
+        """Return the exact integrals over the ellipse."""
         return friction(at, motion, self.speed, fast)
 
 
 @dataclass(frozen=True)
 class Sigmoid:
-    """The source's law: Coulomb's friction times Sig(k_S spin / reference) (Lin 3.20), as k_S = ``sharpness``.
+    """Lin's friction law: Coulomb's friction times Sig(k_S spin/reference) (Lin 3.20).
 
-    reference: relative spin of a diagonal pair [rad/s], omega_I sin(beta). Not the gradient of a convex function, and
-    sliding without spin is frictionless. ``magnitude``: the factor of abs(spin); without it the sign of the spin enters
-    twice, as 3.19 prints it, and friction no longer changes sign with the motion.
-    map_spacing: step in c/a of the source's maps between which it interpolates linearly; None for exact integrals.
-    Only for d = 0 then.
+    Not the gradient of a convex function; sliding without spin is frictionless.
     """
 
+    #: k_S.
     sharpness: float
+    #: Relative spin of a diagonal pair, omega_I sin(beta) [rad/s].
     reference: float
+    #: Step in c/a of Lin's maps, between which he interpolates linearly, for d = 0; None for exact integrals.
     map_spacing: float | None = None
+    #: Whether the factor has abs(spin); without, the sign of the spin enters twice, as 3.19 prints it, and friction no
+    #: longer changes sign with the motion.
     magnitude: bool = True
 
     def factor(self, spin: Array) -> Array:
-        """Sig(k_S spin / reference), written as a hyperbolic tangent, which cannot overflow."""
+        """Return Sig(k_S spin/reference), written as a hyperbolic tangent, which cannot overflow."""
         x = np.abs(spin) if self.magnitude else spin
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference))
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Coulomb's friction, from exact integrals or interpolated, times the factor."""
+        """Return Coulomb's friction, from exact integrals or interpolated, times the factor."""
         full = friction(at, motion, 0.0, fast)
         if self.map_spacing is not None:
             full = interpolated(at, motion, self.map_spacing, full, fast)
@@ -206,9 +271,9 @@ class Sigmoid:
 
 
 def interpolated(at: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
-    """Coulomb's friction interpolated linearly between multiples of ``spacing`` in c/a (Lin 3.2.1).
+    """Return Coulomb's friction interpolated linearly between multiples of ``spacing`` in c/a (Lin 3.2.1).
 
-    Where the spin vanishes, c/a has no value and ``exact`` stands. Raises ValueError for vx not 0 (d not 0).
+    Where the spin vanishes, c/a has no value and ``exact`` is taken. Raises ValueError for vx not 0 (d not 0).
     """
     if np.any(motion[:, 0] != 0.0):
         raise ValueError("the source's maps hold only motions with their centre on the major axis: vx = 0")

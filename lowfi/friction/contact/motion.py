@@ -1,8 +1,11 @@
-"""Quasi-static motion of a body held by frictional contacts at given loads: the motion of least dissipation.
+"""Quasi-static motion of a body on frictional contacts at given loads: the motion of least dissipation.
 
-Contact i sees the motion ``maps[i] @ q + drives[i]`` of the body relative to what it touches, q the unknown motion.
-The least of sum_i mu F_i D_i(v_i) - push . q is where friction and the other forces balance; it is convex, so that
-every balance is a minimum, rest included.
+Contact i has the motion ``maps[i] @ q + drives[i]`` of the body relative to what it touches, q the unknown motion.
+The minimum of
+
+    sum_i mu F_i D_i(v_i) - push . q                                                                                   (1)
+
+is where friction and the other forces balance; it is convex, so that every balance is a minimum, rest included.
 """
 
 from __future__ import annotations
@@ -25,46 +28,53 @@ HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 @dataclass(frozen=True)
 class Problem:
-    """Contacts (m,) of a body, its maps (m, 3, n) and drives (m, 3), and other forces push (n,) in units of W per q."""
+    """Problem of the motion of a body with m contacts and n unknowns."""
 
+    #: The contacts.
     at: Contacts
+    #: Motion of the contacts by the unknowns ``(m, 3, n)``.
     maps: Array
+    #: Motion of the contacts without them ``(m, 3)``.
     drives: Array
+    #: Other forces ``(n,)`` [W per unknown].
     push: Array
 
     def motion_at(self, q: Array) -> Array:
-        """Contact motions (m, 3): vx, vz [m/s], spin [rad/s]."""
+        """Return the motions of the contacts ``(m, 3)``: vx, vz [m/s], spin [rad/s]."""
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
-        """Surface speed per unit of each unknown (n,), over the loaded contacts; one where nothing moves."""
+        """Return the surface speed per unit of each unknown ``(n,)``, over the loaded contacts; one where nothing moves."""
         rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
         size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def imbalance(self, friction: Friction) -> float:
-        """Largest generalised force [N] that friction and push leave, relative to nothing."""
+        """Return the largest generalised force that friction and push leave [N]."""
         wrench = np.column_stack([friction.force, friction.moment])
         return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Result of a search for the motion.
+    """Result of a search for the motion of a body with m contacts and n unknowns."""
 
-    q (n,); motion (m, 3) at the contacts; friction on the body, reactions of contacts at rest included; rest (m,) bool;
-    imbalance: largest force out of balance [N]; bounds: the least dissipation less the work of push lies between
-    [W]; status: "exact" (balance with rest and slip exact), "regularised" (a contact on the verge of slip), "at rest"
-    (nothing drives), "failed" (no balance found); steps: iterations or calls.
-    """
-
+    #: The unknowns ``(n,)``.
     q: Array
+    #: Of the contacts ``(m, 3)``.
     motion: Array
+    #: On the body, reactions of contacts at rest included.
     friction: Friction
+    #: Which contacts are at rest ``(m,)``.
     rest: NDArray[np.bool_]
+    #: Largest force out of balance [N].
     imbalance: float
+    #: The least dissipation less the work of push lies between them [W].
     bounds: tuple[float, float]
+    #: ``"exact"``: balance with rest and slip exact; ``"regularised"``: a contact on the verge of slip; ``"at rest"``:
+    #: nothing drives; ``"failed"``: no balance found.
     status: str
+    #: Iterations or calls.
     steps: int
 
     @property
@@ -74,9 +84,18 @@ class Motion:
 
 
 def least_dissipation(problem: Problem, start: Array | None = None, fast: bool = False) -> Motion:
-    """Motion of least dissipation; start: a motion (n,) to begin from, otherwise rolling as nearly as possible.
+    """Return the motion of least dissipation, the minimum of (1).
 
-    Any number of loaded contacts; motions that dissipate nothing at all stay where the start put them.
+    Motions that dissipate nothing at all stay where the start put them.
+
+    Parameters
+    ----------
+    problem
+        The problem, with any number of loaded contacts.
+    start
+        Motion ``(n,)`` to begin from; rolling as nearly as possible where None.
+    fast
+        Whether to use compiled kernels.
     """
     at = problem.at
     m, n = at.a.shape[0], problem.maps.shape[2]
@@ -105,16 +124,28 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def without_friction(motion: Motion) -> Motion:
-    """The same motion without forces: the limit of a vanishing coefficient, which at given loads does not change motion."""
+    """Return same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion."""
     none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
     return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
-    """The source's method, kept for comparison: a root of the force balance under ``law`` by MINPACK's hybrid method.
+    """Return a root of the force balance by MINPACK's hybrid method, Lin's method, for comparison.
 
-    start (n,). As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short
-    first step finds more roots than MINPACK's default.
+    As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short first step
+    finds
+    more roots than MINPACK's default.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    law
+        Friction law.
+    start
+        Motion ``(n,)`` to begin from.
+    fast
+        Whether to use compiled kernels.
     """
     units = problem.units()
     scale = max(float(np.sum(problem.at.strength)), 1e-300)
@@ -145,10 +176,11 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
 
 def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bool = False) -> Motion:
-    """``balance_by_root`` for ever sharper sigmoids up to ``law``, each root the start of the next.
+    """Return `balance_by_root` for ever sharper sigmoids up to ``law``, each root the start of the next.
 
-    Not in the source: it finds the roots that its table prints where the plain search fails. The steps in sharpness
-    shrink after a failure; "failed" where they become tiny.
+    Not Lin's method: it finds the roots that his table prints where the plain search fails. The steps in sharpness shrink
+    after
+    a failure; "failed" where they become tiny.
     """
     share, factor, calls = 0.05, 1.4, 0
     q = np.asarray(start, dtype=float)

@@ -1,7 +1,7 @@
 """Contact loads of balls between two rigid bodies: minimum of a convex energy over all positions.
 
 One solver for balls between screw and nut, inner and outer ring, carriage and rail: the inner body moves by u, the outer
-one stands, and every ball has its place in the plane of its section.
+one is fixed, and every ball has its position in the plane of its section.
 """
 
 from __future__ import annotations
@@ -21,22 +21,26 @@ STEPS = 600
 
 @dataclass(frozen=True)
 class Settled:
-    """Contact forces (N, 4) [N], actual contact angles (N, 4) [rad], positions of balls (N, 2) and inner body (m,) [m].
+    """Contact loads of N balls between two rigid bodies."""
 
-    left: largest force out of balance [N]; converged: whether that is below 1e-8 of the sum of forces.
-    """
-
+    #: Contact forces ``(N, 4)`` [N].
     force: Array
+    #: Contact angles under load ``(N, 4)`` [rad].
     angle: Array
+    #: Positions of the balls ``(N, 2)`` [m].
     ball: Array
+    #: Position of the inner body ``(m,)`` [m].
     inner: Array
+    #: Largest force out of balance [N].
     left: float
+    #: Newton steps.
     steps: int
+    #: Whether ``left`` is below 1e-8 of the sum of forces.
     converged: bool
 
 
 def cell_state(cell: CellArrays) -> CellState:
-    """Room for the state that the kernels write."""
+    """Return arrays for the state that the kernels write."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
@@ -44,11 +48,23 @@ def cell_state(cell: CellArrays) -> CellState:
 def settle_cell(
     cell: CellArrays, load: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
 ) -> Settled:
-    """Loads from positions of balls (N, 2) and inner body (m,) [m], overwritten; forces do not depend on the start.
+    """Return the loads, the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p.
 
-    load: sum of the sizes of the given forces [N]; angles: contact angles from normals (N, 4, 2). Minimises
-    sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p by Newton with line search, in the compiled kernels if
-    ``fast``. Valid for approaches far below the reach r_G - r_B.
+    By Newton's method with line search. Valid for approaches far below the reach r_G - r_B; forces do not depend on the
+    start.
+
+    Parameters
+    ----------
+    cell
+        The balls and bodies.
+    load
+        Sum of the sizes of the given forces [N].
+    ball, inner
+        Positions of balls ``(N, 2)`` and inner body ``(m,)`` to begin from [m]; overwritten.
+    angles
+        Returns contact angles from normals ``(N, 4, 2)``.
+    fast
+        Whether to use compiled kernels.
     """
     state = cell_state(cell)
     steps = int(kernels(CONTACT, compiled=fast).minimise_energy(cell, load, ball, inner, state, GOAL, STEPS))
@@ -60,11 +76,26 @@ def settle_cell(
 def settle_each(
     start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
 ) -> tuple[Array, Array, Array, Array]:
-    """``settle_cell`` of N balls independent of each other, each with an inner body that moves along ``along`` (2,).
+    """Return the result of `settle_cell` for N balls independent of each other, each with its inner body.
 
-    start (N, 4, 2), interference (N, 4) as in ``CellArrays``, C (N, 4); given (N, 3): forces [N] on balls and inner bodies;
-    shift (N, 3): places to begin from [m]. Returns places, contact forces (N, 4) [N], normals (N, 4, 2), and the largest
-    force out of balance of each ball (N,) [N].
+    Parameters
+    ----------
+    start, interference
+        ``(N, 4, 2)`` and ``(N, 4)``, as in ``CellArrays``.
+    C
+        Hertz constants ``(N, 4)``.
+    along
+        Direction in which the inner bodies move ``(2,)``.
+    given
+        Forces on balls and inner bodies ``(N, 3)`` [N].
+    shift
+        Positions to begin from ``(N, 3)`` [m].
+    fast
+        Whether to use compiled kernels.
+
+    Returns
+    -------
+        Positions, contact forces ``(N, 4)`` [N], normals ``(N, 4, 2)``, and the largest force out of balance ``(N,)`` [N].
     """
     x, n = shift.copy(), len(shift)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)

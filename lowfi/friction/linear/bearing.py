@@ -1,14 +1,14 @@
-"""Linear ball bearing of two V-grooves: description, contact directions, Hertz contacts, and normal loads of one ball.
+"""Linear ball bearing of two V-grooves: geometry, contact directions, Hertz contacts, and normal loads of one ball.
 
 Contacts are ordered BL, BR, TR, TL (bottom left, bottom right, top right, top left; Lin Figure 3.10). The bottom is at
 rest, the top (the carriage) moves along z. Angles are measured from -y (bottom) and +y (top) towards the sides. Loads are
-those under N_y (pressing) and N_x = rho N_y on the carriage, three ways: friction does not enter, as it acts along the
-track, so that loads come first (Lin 3.3.2).
+those under N_y (pressing) and N_x = rho N_y on the carriage, computed in three ways: friction does not enter, as it acts
+along the track, so that loads come first (Lin 3.3.2).
 
 Closed formulas of Lin 3.3.3, rederived, give ball velocity, ball-to-ball force and loss in four-point contact. Valid where
 all four contacts carry load and their velocity centres stay within about half a semi-axis of the contact centres. The
 printed (3.42), (3.43), (3.51) carry 1 - cos 2 beta_0 where the derivation gives tan beta_0; both are 1 at the 45 degrees of
-the case study. Contacts are ordered BL, BR, TR, TL.
+the case study.
 """
 
 from __future__ import annotations
@@ -40,19 +40,23 @@ MOVING = np.array([0.0, 0.0, 1.0, 1.0])
 
 @dataclass(frozen=True)
 class LinearBearing:
-    """Parameters of Lin's Table 3.3, in SI.
+    """Linear ball bearing with the parameters of Lin's Table 3.3."""
 
-    conformity: groove radius over ball diameter; speed of the carriage along z, of either sign; mu of the grooves,
-    mu_balls of balls against each other; contact_angle: nominal [rad].
-    """
-
+    #: R_B [m].
     ball_radius: float
+    #: Groove radius over ball diameter.
     conformity: float
+    #: Nominal contact angle beta_0 [rad].
     contact_angle: float
+    #: Of the carriage along z, of either sign [m/s].
     speed: float
+    #: Coefficient of friction of the grooves.
     mu: float
+    #: Coefficient of friction of balls against each other.
     mu_balls: float
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
 
     def __post_init__(self) -> None:
@@ -71,7 +75,7 @@ class LinearBearing:
         return _hertz(self.ball_radius, self.conformity, self.young, self.poisson)
 
     def psi(self) -> float:
-        """Constant of a = Psi R_B^(1/3) F^(1/3) (Lin 3.36) [(m2/N)^(1/3)]."""
+        """Constant Psi of a = Psi R_B^(1/3) F^(1/3) (Lin 3.36) [(m2/N)^(1/3)]."""
         return float(self.hertz().C_a / np.cbrt(self.ball_radius))
 
 
@@ -83,20 +87,33 @@ def _hertz(ball_radius: float, conformity: float, young: float, poisson: float) 
 
 
 def directions(angles: Array) -> Array:
-    """Unit vectors ``(..., 4, 2)`` in (x, y) from the ball's centre to its contacts, from contact angles [rad]."""
+    """Return unit vectors ``(..., 4, 2)`` in (x, y) from the ball's centre to its contacts, from contact angles [rad]."""
     return np.asarray(SENSE * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
 def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
-    """Semi-axes a >= b [m] of the contacts under normal forces ``loads`` [N]."""
+    """Return the semi-axes a >= b of the contacts [m].
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    loads
+        Normal forces [N], any shape.
+    """
     constants, root = bearing.hertz(), np.cbrt(loads)
     return np.asarray(constants.C_a * root), np.asarray(constants.C_b * root)
 
 
 def deviations(theta: Array, *, mated: bool = False) -> Array:
-    """Deviations ``(..., 4)`` of the contact angles [rad] in the case study: -theta, theta on the bottom groove.
+    """Return deviations of the contact angles ``(..., 4)`` [rad] in Lin's case study: -theta, theta on the bottom groove.
 
-    mated: design (b) of Lin 3.3.4.2, the top groove made to match (see ``mated_top``).
+    Parameters
+    ----------
+    theta
+        [rad], any shape.
+    mated
+        Whether the top groove is made to match (see `mated_top`): design (b) of Lin 3.3.4.2.
     """
     t = np.asarray(theta, dtype=float)
     bottom = np.stack([-t, t], axis=-1)
@@ -105,7 +122,7 @@ def deviations(theta: Array, *, mated: bool = False) -> Array:
 
 
 def mated_top(bottom: Array) -> Array:
-    """Deviations (TR, TL) of the top groove that take ball velocity's dependence on load away, from (BL, BR).
+    """Return the deviations (TR, TL) of the top groove for which ball velocity is independent of load, from (BL, BR).
 
     Rule of Lin 3.3.4.2: each diagonal keeps its contacts opposite, so that (3.43) vanishes under any load.
     """
@@ -113,10 +130,34 @@ def mated_top(bottom: Array) -> Array:
 
 
 def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
-    """Contact loads ``(..., 4)`` [N] equal on each diagonal, as in the text before Lin (3.54).
+    """Return contact loads that are equal on each diagonal, F_BL = F_TR = (N_y/cos - N_x/sin)/2, F_BR = F_TL with plus.
 
-    F_BL = F_TR = (N_y/cos - N_x/sin)/2, F_BR = F_TL with plus. Raises ValueError where a diagonal would have to pull:
-    abs(rho) > tan(contact angle).
+    Parameters
+    ----------
+    vertical
+        N_y [N].
+    side_ratio
+        rho = N_x/N_y.
+    contact_angle
+        [rad].
+
+    Returns
+    -------
+        ``(..., 4)`` [N].
+
+    Raises
+    ------
+    ValueError
+        abs(rho) > tan(contact angle), where a diagonal would have to pull.
+
+    References
+    ----------
+    Lin (2019), text before 3.54.
+
+    Examples
+    --------
+    >>> diagonal_loads(100.0, np.array(0.5)).round(3).tolist()
+    [35.355, 106.066, 35.355, 106.066]
     """
     rho = np.asarray(side_ratio, dtype=float)
     upright, across = 0.5 / np.cos(contact_angle), 0.5 * rho / np.sin(contact_angle)
@@ -128,9 +169,20 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
 
 
 def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
-    """Contact loads ``(N, 4)`` [N] in equilibrium at the given contact angles ``(N, 4)``; negative ones are zero.
+    """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
 
-    Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball.
+    Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball; negative loads
+    are
+    set to zero.
+
+    Parameters
+    ----------
+    angles
+        Contact angles ``(N, 4)`` [rad].
+    vertical
+        N_y [N].
+    side_ratio
+        rho = N_x/N_y ``(N,)``.
     """
     n, rho = directions(angles), np.asarray(side_ratio, dtype=float)
     carriage = vertical * np.stack([rho, -np.ones_like(rho)], axis=-1)
@@ -140,18 +192,32 @@ def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
 
 
 def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_ratio: Array) -> tuple[Array, Array]:
-    """Contact loads [N] and angles under load [rad], both ``(N, 4)``: Hertz contacts, no clearance, no friction.
+    """Return contact loads [N] and angles under load [rad], ``(N, 4)`` each: Hertz contacts, no clearance, no friction.
 
-    angles: those of the unloaded ball, which touches all four grooves. The least of the energy
-    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the motions of ball and carriage. Raises ArithmeticError
-    where the search finds no balance.
+    The least of the energy sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the motions of ball and carriage.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    angles
+        Contact angles of the unloaded ball, which touches all four grooves ``(N, 4)`` [rad].
+    vertical
+        N_y [N].
+    side_ratio
+        rho = N_x/N_y ``(N,)``.
+
+    Raises
+    ------
+    ArithmeticError
+        The search finds no balance.
     """
     pairs = [_elastic(bearing, a, vertical, float(r)) for a, r in zip(angles, side_ratio, strict=True)]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
 def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
-    """Loads and angles (4,) of one ball; the carriage, on contacts 2 and 3, is the inner body of the cell."""
+    """Return loads and angles ``(4,)`` of one ball; the carriage, on contacts 2 and 3, is the inner body of the cell."""
     n, slack, C = directions(angles), bearing.ball_radius * (2.0 * bearing.conformity - 1.0), float(bearing.hertz().C)
     pull, place = vertical * np.array([rho, -1.0]), np.array([rho, -1.0]) * C * vertical ** (2.0 / 3.0)
     cell = CellArrays(
@@ -176,23 +242,46 @@ def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float)
 
 
 def second_kind(axis_ratio: float) -> float:
-    """Complete elliptic integral E(e) of an ellipse b/a."""
+    """Return the complete elliptic integral E(e) of an ellipse b/a."""
     from scipy.special import ellipe
 
     return float(ellipe(1.0 - axis_ratio**2))
 
 
 def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: Array) -> Array:
-    """Epsilon of (3.43) with tan beta_0, from Delta beta ``(..., 4)`` [rad] and the diagonals' loads F_U, F_D [N]."""
+    """Return epsilon of Lin 3.43 with tan beta_0.
+
+    Parameters
+    ----------
+    contact_angle
+        beta_0 [rad].
+    deviation
+        Delta beta ``(..., 4)`` [rad].
+    up, down
+        Loads of the diagonals F_U and F_D [N].
+    """
     bl, br, tr, tl = np.moveaxis(np.asarray(deviation, dtype=float), -1, 0)
     u, d = np.cbrt(np.square(up)), np.cbrt(np.square(down))
     return np.asarray(0.5 * np.tan(contact_angle) * ((tr - bl) * u + (tl - br) * d) / (u + d))
 
 
 def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
-    """Force [N] between two balls in reach: (3.51) with exponents +2/3 and tan beta_0; zero unless they close.
+    """Return the force between two balls in reach [N]; zero unless they approach each other.
 
-    loads ``(..., 2, 2)``: F_U, F_D [N] of balls 1 and 2; difference: epsilon_1 - epsilon_2; k_f as in ``shifts``.
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    loads
+        F_U and F_D of balls 1 and 2 ``(..., 2, 2)`` [N].
+    difference
+        epsilon_1 - epsilon_2.
+    k_f
+        Slope of the friction force, see `rollbench.lowfi.friction.contact.laws.linear_factor`.
+
+    References
+    ----------
+    Lin (2019), 3.51 with exponents +2/3 and tan beta_0.
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
     in_series = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])
@@ -201,19 +290,21 @@ def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: flo
 
 
 def sliding_speed(bearing: LinearBearing) -> float:
-    """Speed [m/s] at which two rolling balls rub on each other: abs(v) / cos beta_0 (3.52)."""
+    """Return the speed at which two rolling balls rub on each other, abs(v)/cos beta_0 [m/s] (Lin 3.52)."""
     return float(abs(bearing.speed) / np.cos(bearing.contact_angle))
 
 
 def ball_loss(bearing: LinearBearing, force: Array) -> Array:
-    """Loss [W] between two balls under ``force`` [N] (3.53)."""
+    """Return the loss between two balls under ``force`` [N], [W] (Lin 3.53)."""
     return np.asarray(bearing.mu_balls * force * sliding_speed(bearing))
 
 
 def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
-    """Groove loss [W] of contacts that spin about their centres at nominal rolling: omega = v tan(beta_0) / (2 R_B).
+    """Return the groove loss of contacts that spin about their centres at nominal rolling [W].
 
-    Moment 3/8 mu F a E(e) of (3.32); loads [N] of any shape. The baseline that (3.53) is compared with.
+    omega = v tan(beta_0)/(2 R_B), moment 3/8 mu F a E(e) of Lin 3.32; loads [N] of any shape. The baseline with which 3.53
+    is
+    compared.
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

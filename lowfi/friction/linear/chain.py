@@ -9,9 +9,9 @@ A solution always exists: F_k is the sum of the axial friction on balls 1 to k, 
 whatever friction the balls exert on each other, so that the multipliers F(G) of the convex problem with friction bounds
 mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (Brouwer). No chain jams with growing
 force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
-states besides): friction between balls makes the very forces that cause it.
-The answer then is the end of the path that begins without friction between balls, at the one solution of the convex
-problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.path``). Balls
+other states too): friction between balls makes the very forces that cause it.
+The result then is the end of the path that begins without friction between balls, at the one solution of the convex
+problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.trace``). Balls
 that all part without it do part. ``second_state`` looks for others.
 
 Two balls under opposite side forces are the case study of Lin 3.3.4, by this model and by the formulas.
@@ -75,32 +75,40 @@ NARROWEST = 1e-3
 
 @dataclass(frozen=True)
 class ChainResult:
-    """Motion, forces and losses of N balls; SI.
+    """Motion, forces and losses of N balls in a linear bearing."""
 
-    velocity ``(N,)``, rotation ``(N, 2)`` (omega_x, omega_y); sliding, spin ``(N, 4)`` at the contacts; friction
-    ``(N, 4)``: axial force on the ball [N]; groove_loss ``(N, 4)``, ball_loss ``(N-1,)`` [W]; ball_force ``(N-1,)`` [N]
-    between neighbours; drive: force on the carriage [N]; residual: force out of balance over the largest friction bound
-    of a ball; lag: rate at which balls that press on each other still approach or part, over the creeping speed.
-    """
-
+    #: Along the track ``(N,)`` [m/s].
     velocity: Array
+    #: omega_x, omega_y ``(N, 2)`` [rad/s].
     rotation: Array
+    #: At the contacts ``(N, 4)`` [m/s].
     sliding: Array
+    #: At the contacts ``(N, 4)`` [rad/s].
     spin: Array
+    #: Axial force on the ball at the contacts ``(N, 4)`` [N].
     friction: Array
+    #: ``(N, 4)`` [W].
     groove_loss: Array
+    #: Between neighbours ``(N-1,)`` [N].
     ball_force: Array
+    #: Between neighbours ``(N-1,)`` [W].
     ball_loss: Array
+    #: Force on the carriage [N].
     drive: float
+    #: Of the carriage [m/s].
     speed: float
+    #: Newton steps.
     iterations: int
+    #: Force out of balance over the largest friction bound of a ball.
     residual: float
+    #: Rate at which balls that press on each other still approach or part, over the creeping speed.
     lag: float
+    #: How the solution ended.
     status: Status
 
     @property
     def deviation(self) -> Array:
-        """Deviation epsilon ``(N,)`` of the velocities from half the carriage's, relative to it (Lin 3.42)."""
+        """Deviation epsilon of the velocities from half the carriage's, relative to it ``(N,)`` (Lin 3.42)."""
         return np.asarray(2.0 * self.velocity / self.speed - 1.0)
 
     @property
@@ -116,15 +124,19 @@ class ChainResult:
 
 @dataclass(frozen=True)
 class Chain:
-    """Arrays of one chain as the kernels take them; ``scale``: largest friction bound of a ball [N].
+    """Chain of balls as the kernels take it.
 
     Motion does not depend on mu of the grooves, forces and losses are proportional to it; without friction (mu = 0) the
     scale is that of mu = 1, so that the motion is the limit for a mu that vanishes.
     """
 
+    #: The bearing.
     bearing: LinearBearing
+    #: Arrays of the kernels.
     problem: ChainArrays
+    #: Largest friction bound of a ball [N].
     scale: float
+    #: Sign of the carriage's speed.
     sign: float
 
     @property
@@ -134,9 +146,23 @@ class Chain:
 
 
 def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
-    """Chain of N balls with contact angles [rad] and normal loads [N], both ``(N, 4)``; zero load is no contact.
+    """Return a chain of N balls.
 
-    touching ``(N-1,)``: neighbours in reach of each other (d <= 2 R_B). Raises ValueError for bad shapes or values.
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    angles
+        Contact angles ``(N, 4)`` [rad].
+    loads
+        Normal loads ``(N, 4)`` [N]; zero is no contact.
+    touching
+        Whether neighbours are in reach of each other, d <= 2 R_B ``(N-1,)``.
+
+    Raises
+    ------
+    ValueError
+        Bad shapes or values.
     """
     angles, loads = np.atleast_2d(np.asarray(angles, float)), np.atleast_2d(np.asarray(loads, float))
     count = angles.shape[0]
@@ -162,10 +188,16 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
 
 
 def contact_shape(bearing: LinearBearing) -> Array:
-    """Constants (b/a, q0, k1, k3) of the contacts' ellipses: where one spins about a point within it at t = c/a,
+    """Return constants (b/a, q0, k1, k3) of the contacts' ellipses.
 
-    with force F and mu = 1, f = F (k1 t - k3 t^3) and moment about the contact's centre M = a F (q0 - k1 t2/2 + 3 k3 t4/4);
-    q0 = 3 E(e)/8 is Lin (3.32). Raises ValueError for b/a below 1e-3.
+    Where one spins about a point within it at t = c/a, with force F and mu = 1, f = F (k1 t - k3 t^3) and the moment about
+    the
+    contact's centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4); q0 = 3 E(e)/8 is Lin 3.32.
+
+    Raises
+    ------
+    ValueError
+        b/a below 1e-3.
     """
     constants = bearing.hertz()
     ratio = float(constants.C_b / constants.C_a)
@@ -175,12 +207,30 @@ def contact_shape(bearing: LinearBearing) -> Array:
 
 
 def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
-    """Motion and forces of the chain from a start x ``(N, 3)`` as in ``kernel.equations``, which has no influence.
+    """Return motion and forces of a chain.
 
-    A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would
-    do). Lin (3.25)-(3.31) with exact Coulomb friction in place of the sigmoid (3.20). Checked for 2 to 200 balls at
-    mu_balls 0 to 0.5, contacts without load included; ``status`` tells where forces are not in balance. Where a ball
-    has motions without resistance (less than three contacts), forces are unique and these motions only roughly so.
+    A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would do).
+    Where a ball has motions without resistance (less than three contacts), forces are unique and these motions only roughly
+    so.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    start
+        Motions ``(N, 3)`` to begin from, as in ``kernel.equations``; without influence on the result.
+    fast
+        Whether to use compiled kernels.
+
+    Returns
+    -------
+        The result; its ``status`` says where forces are not in balance.
+
+    References
+    ----------
+    Lin (2019), 3.25 to 3.31, with exact Coulomb friction in place of the sigmoid 3.20. Tested for 2 to 200 balls at
+    mu_balls 0
+    to 0.5, contacts without load included.
     """
     point, work = _room(chain)
     if start is not None:
@@ -192,16 +242,18 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
 
 
 def may_jam(chain: Chain) -> bool:
-    """Whether the chain may have several states: neighbours in reach of each other, and friction between them."""
+    """Return whether the chain may have several states: neighbours in reach of each other, and friction between them."""
     return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
 
 
 def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainResult | None:
-    """A solution of the chain other than ``known``, from three starts: the end of the path of rising friction between
-    balls, the balls as they are without it, and all pairs pressed together; and where the path ends with more friction
-    (``RISEN``), followed as that falls to the chain's. Of several, the one with the largest force.
+    """Return a solution of the chain other than ``known``; None where the search finds none, which is no proof.
 
-    A search: that it finds none is no proof that there is none. Without friction between balls there is only one.
+    The search has three starts: the end of the path of rising friction between balls, the balls as they are without it, and
+    all
+    pairs pressed together; and where the path ends with more friction (``RISEN``), followed as that falls to the chain's.
+    Of
+    several solutions, the one with the largest force. Without friction between balls there is only one.
     """
     engine = kernels(LINEAR, compiled=fast)
 
@@ -228,7 +280,7 @@ def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainRe
 
 
 def _room(chain: Chain) -> tuple[ChainPoint, Work]:
-    """Nominal motion, no forces between balls, and room for Newton's method."""
+    """Return the nominal motion, no forces between balls, and work arrays for Newton's method."""
     count, n = chain.count, 4 * chain.count
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     return point, Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
@@ -274,9 +326,11 @@ def _result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool
 
 @dataclass(frozen=True)
 class PairResult:
-    """Two balls without contact and in reach of each other; ``free.deviation`` are the epsilons of Table 3.4."""
+    """Two balls of Lin's case study; ``free.deviation`` are the epsilons of Table 3.4."""
 
+    #: Balls without contact.
     free: ChainResult
+    #: Balls in reach of each other.
     touching: ChainResult
 
     @property
@@ -286,7 +340,7 @@ class PairResult:
 
     @property
     def difference(self) -> float:
-        """epsilon_1 - epsilon_2 of the balls without contact; they close in where it is positive."""
+        """epsilon_1 - epsilon_2 of the balls without contact; they approach where it is positive."""
         return float(self.free.deviation[0] - self.free.deviation[1])
 
     @property
@@ -303,7 +357,25 @@ class PairResult:
 def pair_state(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, *, mated: bool = False, loads: Loads = "balanced"
 ) -> tuple[Array, Array]:
-    """Contact angles [rad] and loads [N], ``(2, 4)``, of two balls under N_y and N_x = rho N_y, -rho N_y."""
+    """Return contact angles [rad] and loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
+
+    The balls are under N_y and N_x = rho N_y, -rho N_y.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    theta
+        Deviation of the contact angles on the bottom groove [rad].
+    rho
+        Side force ratio N_x/N_y.
+    vertical
+        N_y on each ball [N].
+    mated
+        Whether the top groove is made to match, design (b).
+    loads
+        How the loads are computed, see `solve_pair`.
+    """
     angles = bearing.contact_angle + deviations(np.array([theta, theta]), mated=mated)
     side = np.array([rho, -rho])
     if loads == "diagonal":
@@ -324,10 +396,26 @@ def solve_pair(
     loads: Loads = "balanced",
     fast: bool = True,
 ) -> PairResult:
-    """Case study of Lin 3.3.4: theta [rad] on the bottom groove, side force ratio rho, N_y [N] on each ball.
+    """Solve Lin's case study 3.3.4 of two balls.
 
-    loads "balanced" gives the printed epsilons of Table 3.4; "diagonal" is the text before (3.54), which makes both
-    equal and opposite; "elastic" lets the angles follow the loads. mated: design (b).
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    theta
+        Deviation of the contact angles on the bottom groove [rad].
+    rho
+        Side force ratio N_x/N_y.
+    vertical
+        N_y on each ball [N].
+    mated
+        Whether the top groove is made to match, design (b).
+    loads
+        ``"balanced"`` gives the printed epsilons of Table 3.4; ``"diagonal"`` is the text before 3.54, which makes both
+        equal
+        and opposite; ``"elastic"`` lets the angles follow the loads.
+    fast
+        Whether to use compiled kernels.
     """
     angles, force = pair_state(bearing, theta, rho, vertical, mated=mated, loads=loads)
     apart, together = (prepare(bearing, angles, force, touching) for touching in (False, True))
@@ -335,9 +423,11 @@ def solve_pair(
 
 
 class BothModels(NamedTuple):
-    """One quantity by the numerical model and by the formulas, each ``(T, R)``."""
+    """One quantity by the numerical model and by the formulas, over T values of theta and R of rho."""
 
+    #: ``(T, R)``.
     numerical: Array
+    #: ``(T, R)``.
     formula: Array
 
     @property
@@ -348,22 +438,38 @@ class BothModels(NamedTuple):
 
 @dataclass(frozen=True)
 class PairMaps:
-    """Figures 3.14 and 3.15 over theta ``(T,)`` [rad] and rho ``(R,)``.
+    """Results of Lin's Figures 3.14 and 3.15."""
 
-    difference: epsilon_1 - epsilon_2; force [N]; ratio: baseline plus ball-to-ball loss over baseline. failures: solutions
-    not converged.
-    """
-
+    #: ``(T,)`` [rad].
     theta: Array
+    #: ``(R,)``.
     rho: Array
+    #: epsilon_1 - epsilon_2.
     difference: BothModels
+    #: Ball-to-ball force [N].
     force: BothModels
+    #: Baseline plus ball-to-ball loss over baseline.
     ratio: BothModels
+    #: Number of solutions that did not converge.
     failures: int
 
 
 def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
-    """Both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
+    """Return both models over theta and rho (Lin Figures 3.14, 3.15).
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    theta
+        Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
+    rho
+        Side force ratios ``(R,)``.
+    vertical
+        N_y on each ball [N].
+    k_f
+        Slope of the friction force in the formulas.
+    """
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
         result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
@@ -377,7 +483,10 @@ def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f:
 def pair_formulas(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
-    """epsilon_1 - epsilon_2, force [N] and ratio of losses by (3.43), (3.51), (3.53) at the loads before (3.54)."""
+    """Return epsilon_1 - epsilon_2, force [N] and ratio of losses by Lin 3.43, 3.51, 3.53 at the loads before 3.54.
+
+    Arguments as for `maps`, for one theta and rho; mated: design (b).
+    """
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
     turn = deviations(np.array([theta, theta]), mated=mated)
     epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])

@@ -30,8 +30,10 @@ class ChainArrays(NamedTuple):
 
 
 class ChainPoint(NamedTuple):
-    """Linear functions of the unknowns, moved by increments so that nothing cancels where contacts stick, and ball-to-ball
-    contacts."""
+    """Linear functions of the unknowns and ball-to-ball contacts.
+
+    Moved by increments, so that nothing cancels where contacts stick.
+    """
 
     #: Sliding and spinning speed of the contacts (N, C, 2).
     slip: Array
@@ -57,12 +59,15 @@ class Smoothing(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room for Newton's method."""
+    """Work arrays for Newton's method."""
 
-    #: Banded matrix (4 N, 11), and the same with room for exchanged rows (4 N, 16).
+    #: Banded matrix (4 N, 11).
     K: Array
+    #: The same with columns for exchanged rows (4 N, 16).
     factors: Array
-    #: Residual, step and second step (4 N,).
+    #: Residual (4 N,).
     g: Array
+    #: Newton step (4 N,).
     step: Array
+    #: Second right-hand side (4 N,).
     other: Array

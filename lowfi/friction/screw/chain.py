@@ -8,7 +8,8 @@ At loads that agree with the motion (`coupled_chain`, Lin 3.4.1): friction and b
 groove's section change the contact loads, and these the friction: both are solved in turn in accelerated rounds, and as one
 system where the rounds do not settle: friction that wedges a ball between grooves changes the loads by many times as much
 as it changes itself, so that rounds of loads and friction run away. Positions and motions together are well behaved: the
-ball's place is what the contact angles follow. Newton's method follows them from no friction, smooth, to all of it, sharp.
+ball's position is what the contact angles follow. Newton's method follows them from no friction, smooth, to all of it,
+sharp.
 """
 
 from __future__ import annotations
@@ -63,57 +64,64 @@ NEGLIGIBLE = 1e-7
 
 @dataclass(frozen=True)
 class Rubs:
-    """Contacts of N balls as friction sees them: shape (N, 4, 3), semi-axes a >= b [m] and mu F [N]; maps (N, 4, 3, 4) and
-    drives (N, 4, 3) of vx, vz [m/s], spin [rad/s] in the ball's motion [rad/s], in axes x along a, z along b.
-    """
+    """Contacts of N balls as friction needs them, in axes x along the semi-axis a, z along b."""
 
+    #: Semi-axes a >= b [m] and mu F [N], ``(N, 4, 3)``.
     shape: Array
+    #: Maps of vx, vz [m/s], spin [rad/s] by the ball's motion ``(N, 4, 3, 4)``.
     maps: Array
+    #: Those motions of a ball at rest ``(N, 4, 3)``.
     drives: Array
 
 
 @dataclass(frozen=True)
 class AnyChain(ABC):
-    """N balls in order of azimuth: contact forces and normals (N, 4), (N, 4, 3), and how neighbours may approach.
+    """N balls in order of azimuth with their contact loads.
 
-    slack (N,): largest rate [rad/s] at which ball k may gain on ball k + 1, inf where they cannot touch; the last entry
-    is for the last ball against the first of a closed track. Balls without loads roll along at the nominal speed unless
-    pushed, and turn freely between their neighbours as spacers do: without friction there.
+    Balls without loads roll along at the nominal speed unless pushed, and turn freely between their neighbours as spacers
+    do,
+    without friction.
     """
 
+    #: Grooves in motion.
     groove: Grooved
+    #: Contact forces ``(N, 4)`` [N].
     force: Array
+    #: Contact normals ``(N, 4, 3)``.
     normals: Array
+    #: Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last entry is
+    #: for the last ball against the first of a closed track.
     slack: Array
 
     @property
     @abstractmethod
     def rubs(self) -> Rubs:
-        """The contacts with their semi-axes and maps."""
+        """Return the contacts with their semi-axes and maps."""
 
     @property
     @abstractmethod
     def mu_balls(self) -> float:
-        """Coefficient of friction from ball to ball."""
+        """Return the coefficient of friction from ball to ball."""
 
     def wrench(self, pull: Array) -> Array:
-        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces along x, z and moments about y (N, 4, 3)."""
+        """Return friction on balls in x3, y3, z3 ``(N, 4, 6)`` of forces along x, z and moments about y ``(N, 4, 3)``."""
         return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
 
     @abstractmethod
     def input_power(self, wrench: Array) -> float:
-        """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
+        """Return the power that screw and nut put in against friction on the balls ``(N, 4, 6)`` [W]."""
 
 
 @dataclass(frozen=True)
 class Chain(AnyChain):
-    """Balls of one size in the same grooves; see ``AnyChain``."""
+    """Balls of one size in the same grooves."""
 
+    #: The grooves.
     groove: ScrewGroove
 
     @property
     def rubs(self) -> Rubs:
-        """The contacts with their semi-axes and maps."""
+        """Return the contacts with their semi-axes and maps."""
         at = screw_contacts(self.groove, self.force)
         maps, drives = self.groove.maps(self.normals)
         shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
@@ -121,38 +129,47 @@ class Chain(AnyChain):
 
     @property
     def mu_balls(self) -> float:
-        """Coefficient of friction from ball to ball."""
+        """Return the coefficient of friction from ball to ball."""
         return self.groove.between
 
     def input_power(self, wrench: Array) -> float:
-        """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
+        """Return the power that screw and nut put in against friction on the balls ``(N, 4, 6)`` [W]."""
         return helical_power(self.groove, self.normals, wrench)
 
 
 @dataclass(frozen=True)
 class ChainMotion:
-    """Motions q (N, 4) [rad/s]; ball_force (N,) [N] of ball k on k + 1; friction on the balls (N, 4, 6) [N, N m].
+    """Motion and friction of N balls of a screw."""
 
-    seen (N, 4, 3): vx, vz [m/s], spin [rad/s] at the contacts; pull (N, 4, 3): friction along and about the same [N, N m];
-    ball_push (N, 3): all forces from neighbours on each ball in x3, y3, z3 [N]; groove_loss (N, 4), ball_loss (N,) by
-    sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of
-    balance [N]; violation: largest rate beyond the slack [rad/s]; from_start: whether the given start led here.
-    """
-
+    #: Motions ``(N, 4)`` [rad/s]: orbit and rotations.
     q: Array
+    #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
+    #: Friction on the balls ``(N, 4, 6)`` [N, N m].
     wrench: Array
+    #: vx, vz [m/s], spin [rad/s] at the contacts ``(N, 4, 3)``.
     seen: Array
+    #: Friction along and about the same axes ``(N, 4, 3)`` [N, N m].
     pull: Array
+    #: All forces from neighbours on each ball in x3, y3, z3 ``(N, 3)`` [N].
     ball_push: Array
+    #: ``(N, 4)`` [W].
     groove_loss: Array
+    #: By sliding of balls on each other ``(N,)`` [W].
     ball_loss: Array
+    #: By gaps that close under force ``(N,)`` [W].
     closing_loss: Array
+    #: [W].
     input_power: float
+    #: Largest force out of balance [N].
     left: float
+    #: Largest rate beyond the slack [rad/s].
     violation: float
+    #: Newton steps.
     steps: int
+    #: Whether forces balance.
     converged: bool
+    #: Whether the given start led to the solution.
     from_start: bool = False
 
     @property
@@ -167,20 +184,21 @@ class ChainMotion:
 
 
 def parts_of(count: int) -> BalanceParts:
-    """Room for the residual of that many balls and its derivatives."""
+    """Return arrays for the residual of that many balls and its derivatives."""
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
 class Search:
-    """Arrays of one chain and the search for its balance.
+    """Search for the balance of one chain, with scaled arrays.
 
-    Motions x (N, 4) are surface speeds per ``speed`` [m/s], forces f (N,) parts of ``bound`` [N], the largest friction
+    Motions x ``(N, 4)`` are surface speeds per ``speed`` [m/s], forces f ``(N,)`` parts of ``bound`` [N], the largest
+    friction
     bound of a ball. Motion does not depend on mu of the grooves, forces are proportional to it; without friction (mu = 0)
     the bound is that of mu = 1, so that the motion is the limit for a mu that vanishes.
     """
 
     def __init__(self, chain: AnyChain, fast: bool = True) -> None:
-        """Scale everything; balls without loads neither drive nor rub."""
+        """Scale all arrays; balls without loads neither drive nor rub."""
         g, rubs = chain.groove, chain.rubs
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
@@ -210,24 +228,24 @@ class Search:
         )
         self.parts = parts_of(self.count)
 
-    def alone(self) -> Array:
-        """Scaled motions (N, 4) of the balls without neighbours."""
+    def without_neighbours(self) -> Array:
+        """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
         x = np.tile(self.groove.nominal, (self.count, 1))
-        self.kernels.alone(self.balls, x)
+        self.kernels.move_without_neighbours(self.balls, x)
         return x
 
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
-        """Newton from (x, f) at one regularising speed: motions, forces, what is left, steps; see the kernel."""
+        """Iterate by Newton's method from (x, f) at one regularising speed; return motions, forces, residual and steps."""
         x, f = plain_array(x).copy(), plain_array(f).copy()
         size, steps = self.kernels.newton(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
         return x, f, float(size), int(steps)
 
     def balanced(self, f: Array) -> bool:
-        """Whether forces f (N,) count as converged with the motions where Newton ended at the last regularising speed."""
+        """Return whether forces f ``(N,)`` are converged, with the motions of the last regularising speed."""
         return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Newton at the last regularising speed, cut short unless it comes near; whether (x, f) counts as converged."""
+        """Iterate at the last regularising speed, cut short unless it comes near; return too whether (x, f) converged."""
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.balanced(f)
         if good and steps == SHORT:
@@ -236,7 +254,7 @@ class Search:
         return x, f, good, steps
 
     def by_stages(self, x: Array) -> tuple[Array, Array, int]:
-        """Newton from motions x, friction between balls rising at the first regularising speed, then that falling.
+        """Iterate with friction between balls rising at the first regularising speed, then with that speed falling.
 
         A stage that fails is halved, DEPTH times in all.
         """
@@ -260,11 +278,27 @@ class Search:
 def solve_chain(
     chain: AnyChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
 ) -> ChainMotion:
-    """Motions and ball-to-ball forces; start: motions (N, 4) [rad/s] and forces (N,) [N] of a similar chain.
+    """Return motions and ball-to-ball forces of a chain at given loads.
 
-    Newton at the last regularising speed from a start with contacts (``warm``: or without), then from the balls' motions
-    without neighbours, and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not
-    determined. ``fast`` takes the compiled kernels.
+    Newton's method at the last regularising speed from a start with contacts (``warm``: or without), then from the balls'
+    motions without neighbours, and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls
+    is
+    not determined.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    start
+        Motions ``(N, 4)`` [rad/s] and forces ``(N,)`` [N] of a similar chain.
+    fast
+        Whether to use compiled kernels.
+    warm
+        Whether to use a start without contacts too.
+
+    References
+    ----------
+    Lin (2019), 3.73 to 3.77.
     """
     s = Search(chain, fast)
     total = 0
@@ -272,7 +306,7 @@ def solve_chain(
         x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
             return _result(s, x, f, total, True)
-    alone = s.alone()
+    alone = s.without_neighbours()
     x, f, good, steps = s.direct(alone, np.zeros(s.count))
     total += steps
     if not good:
@@ -282,7 +316,7 @@ def solve_chain(
 
 
 def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
-    """Forces and losses at the solution, in SI."""
+    """Return forces and losses at the solution, in SI units."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
     good, bound = s.balanced(f), s.bound if s.rubbing else 0.0
     left, pair = float(np.max(np.abs(s.parts.balance))) * bound, g.pair
@@ -336,30 +370,45 @@ FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 @dataclass(frozen=True)
 class Joint:
-    """Positions of balls (N, 2) and screw (m,) [m], motions (N, 4) [rad/s], ball-to-ball forces (N,) [N].
+    """Balls and screw with loads and friction solved as one system."""
 
-    push (N, 2), drag (m,): forces on balls and screw [N] with which the contacts are in balance, see ``Cell``; done:
-    whether all friction has been reached, else it is where the search ended; steps: of Newton's method.
-    """
-
+    #: Positions of the balls ``(N, 2)`` [m].
     ball: Array
+    #: Position of the screw ``(m,)`` [m].
     screw: Array
+    #: Motions ``(N, 4)`` [rad/s].
     q: Array
+    #: Ball-to-ball forces ``(N,)`` [N].
     ball_force: Array
+    #: Forces on the balls with which the contacts are in balance ``(N, 2)`` [N], see `Cell`.
     push: Array
+    #: Forces on the screw likewise ``(m,)`` [N].
     drag: Array
+    #: Whether all friction was reached; otherwise it is where the search ended.
     done: bool
+    #: Newton steps.
     steps: int
 
 
 def solve_joint(
     cell: Cell, slack: Array, start: tuple[Array, Array], near: tuple[Array, Array] | None = None, fast: bool = True
 ) -> Joint:
-    """All equations at once, from positions of balls (N, 2) and screw (m,) [m] in balance without friction.
+    """Solve loads and friction as one system, from positions in balance without friction.
 
-    slack: as in ``Chain``; near: positions of a similar state with friction, for where no way leads from ``start``. The
-    cell's push and drag do not enter: they are what is sought. ``fast`` takes the compiled kernels. Where several
-    states exist, this is the one that grows out of the state without friction.
+    Where several states exist, this is the one that grows out of the state without friction.
+
+    Parameters
+    ----------
+    cell
+        The balls; its push and drag do not enter.
+    slack
+        As in `AnyChain`.
+    start
+        Positions of balls ``(N, 2)`` and screw ``(m,)`` [m].
+    near
+        Positions of a similar state with friction, for where no path leads from ``start``.
+    fast
+        Whether to use compiled kernels.
     """
     bare = replace(cell, push=np.zeros_like(cell.push), drag=np.zeros_like(cell.drag))
     sharp, steps = float(np.log(SPEEDS[-1])), 0
@@ -378,7 +427,7 @@ def solve_joint(
 
 
 def system_of(cell: Cell, search: Search) -> JointSystem:
-    """Arguments of the joint kernels for a cell and the scaled arrays of its chain."""
+    """Return the arguments of the joint kernels for a cell and the scaled arrays of its chain."""
     pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
     return JointSystem(
@@ -394,7 +443,7 @@ def system_of(cell: Cell, search: Search) -> JointSystem:
 
 
 class _Path:
-    """State of the search; ``follow`` moves it."""
+    """State of the search for a joint solution; `follow` moves it."""
 
     def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
         """Begin at positions, with the motion at the loads there."""
@@ -415,9 +464,9 @@ class _Path:
         self.system = system_of(self.cell, self.search)
 
     def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
-        """Go from a fraction of the friction on balls and screw and a logarithm of the regularising speed to others.
+        """Go from one fraction of the friction and logarithm of the regularising speed to others; return if it arrived.
 
-        Each stage begins where the last two point to; stages shrink where Newton's method fails. Whether it arrived.
+        Each stage begins where the last two point to; stages shrink where Newton's method fails.
         """
         way, step = 0.0, FIRST
         last: tuple[float, Place] | None = None
@@ -437,11 +486,11 @@ class _Path:
         return way >= 1.0
 
     def place(self) -> Place:
-        """Unknowns of the kernels, but forces in N, so that places with different measures can be compared."""
+        """Return the unknowns of the kernels with forces in N, so that states with different scales can be compared."""
         return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
     def stage(self, guess: Place, share: float, eps: float) -> int | None:
-        """Newton at one fraction of the friction and one regularising speed; stays here and returns None where it fails."""
+        """Iterate at one fraction of the friction and one regularising speed; return None and stay where it fails."""
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
         f /= s.bound
@@ -456,30 +505,33 @@ class _Path:
 
 @dataclass(frozen=True)
 class CoupledChain:
-    """Loads and motion of a chain that agree; change: last change of the friction fed back [N].
+    """Loads and motion of a chain that agree."""
 
-    bare: the loads without friction, where a held screw stays; rounds of loads and friction; converged: change at most
-    ``AGREED`` of the sum of contact forces, loads and motion in balance.
-    """
-
+    #: Loads without friction, with which a fixed screw stays.
     bare: Settled
+    #: Loads with friction.
     load: Settled
+    #: The motion.
     motion: ChainMotion
+    #: Last change of the friction fed back [N].
     change: float
+    #: Rounds of loads and friction.
     rounds: int
+    #: Whether the change is at most ``AGREED`` of the sum of contact forces, and loads and motion are in balance.
     converged: bool
 
 
 @dataclass(frozen=True)
 class Guess:
-    """Start of the rounds: push on balls (N, 2) and drag on the screw (m,) [N] as in ``Cell``, and a motion.
+    """Start of the rounds of loads and friction."""
 
-    q (N, 4) [rad/s], ball_force (N,) [N] between neighbours; drag counts only where the screw keeps its freedoms.
-    """
-
+    #: Forces on the balls ``(N, 2)`` [N], as in `Cell`.
     push: Array
+    #: Forces on the screw ``(m,)`` [N]; counts only where the screw keeps its freedoms.
     drag: Array
+    #: Motions ``(N, 4)`` [rad/s].
     q: Array
+    #: Between neighbours ``(N,)`` [N].
     ball_force: Array
 
 
@@ -491,14 +543,32 @@ def coupled_chain(
     rounds: int = ROUNDS,
     guess: Guess | None = None,
 ) -> CoupledChain:
-    """Loads and motion of N balls in agreement, ball-to-ball forces included, after at most ``rounds`` rounds.
+    """Return loads and motion of N balls in agreement, ball-to-ball forces included.
 
-    slack: see ``Chain``. "ball": the screw stays where it is without friction and ball-to-ball forces (Lin 3.4.1);
-    "ball and screw": it keeps balance with them. near: solution of a similar chain to begin from; guess: any forces and
-    motion to begin from, in place of near's. Failure is data: see ``converged``.
+    Not always unique: a ball that bears no load in ``bare``, or next to none, may float or be wedged between the grooves by
+    its
+    own friction. What is found then depends on where the search begins.
 
-    Not always unique: a ball that bears no load in ``bare``, or next to none, may float or be wedged between the
-    grooves by its own friction. What is found then depends on where the search begins.
+    Parameters
+    ----------
+    cell
+        The balls.
+    slack
+        See `AnyChain`.
+    coupling
+        ``"ball"``: the screw stays where it is without friction and ball-to-ball forces (Lin 3.4.1); ``"ball and screw"``:
+        it
+        keeps balance with them.
+    near
+        Solution of a similar chain to begin from.
+    rounds
+        Largest number of rounds.
+    guess
+        Any forces and motion to begin from, in place of those of ``near``.
+
+    Returns
+    -------
+        The solution; see ``converged`` for a failure.
     """
     bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.inner))
     held = hold_screw(cell, bare) if coupling == "ball" else cell
@@ -532,7 +602,7 @@ def coupled_chain(
 
 
 def _guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
-    """Forces and motion of a similar chain, or none."""
+    """Return forces and motion of a similar chain, or zeros."""
     n = cell.angle.shape[0]
     if near is None:
         return Guess(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))

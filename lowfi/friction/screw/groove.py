@@ -1,4 +1,4 @@
-"""A ball between the grooves of two helical bodies as friction sees it: kinematics, Hertz constants, arrays of the kernels.
+"""A ball between the grooves of two helical bodies with friction: kinematics, Hertz constants, arrays of the kernels.
 
 Axes at the ball's centre (Lin 3.4.1): x3 radially outward, y3 along the helical path, z3 the binormal, about which the
 lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or right).
@@ -31,28 +31,32 @@ ON_SCREW = np.array([True, True, False, False])
 
 
 class HelicalMotion:
-    """A ball and the helical motions of nut and screw; what follows only from radii, lead and speeds.
+    """Kinematics of a ball between a nut and a screw in helical motion.
 
-    A dataclass that inherits this gives ball_radius, pitch_radius [m], contact_angle [rad], lead [m] (of a right-hand
-    helix; negative: left-hand, zero: bearing) and the speeds of nut and screw [rad/s]. Both bodies move along the helix,
-    so that only nut_speed - screw_speed matters to the contacts.
+    Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
     """
 
+    #: [m].
     ball_radius: float
+    #: [m].
     pitch_radius: float
+    #: Nominal contact angle [rad].
     contact_angle: float
+    #: Of a right-hand helix [m]; negative: left-hand, zero: bearing.
     lead: float
+    #: [rad/s].
     nut_speed: float
+    #: [rad/s].
     screw_speed: float
 
     @property
     def ratio(self) -> float:
-        """Advance per angle, lead / (2 pi) [m/rad] (Lin 3.55)."""
+        """Advance per angle, lead/(2 pi) [m/rad] (Lin 3.55)."""
         return self.lead / (2.0 * np.pi)
 
     @property
     def radius(self) -> float:
-        """Length of path per angle, L / (2 pi) [m] (Lin 3.66)."""
+        """Length of path per angle, L/(2 pi) [m] (Lin 3.66)."""
         return float(np.hypot(self.pitch_radius, self.ratio))
 
     @property
@@ -62,7 +66,7 @@ class HelicalMotion:
 
     @property
     def axis(self) -> Array:
-        """Direction of the screw's axis in x3, y3, z3 (3,)."""
+        """Direction of the screw's axis in x3, y3, z3 ``(3,)``."""
         return np.array([0.0, np.sin(self.lead_angle), np.cos(self.lead_angle)])
 
     @property
@@ -72,23 +76,34 @@ class HelicalMotion:
 
     @property
     def nominal_orbit(self) -> float:
-        """omega_B [rad/s] of a ball that rolls at the nominal contact angle (3.65, F.5 without sliding along y3)."""
+        """Orbital speed omega_B of a ball that rolls at the nominal contact angle [rad/s] (Lin 3.65).
+
+        F.5 without sliding along y3.
+        """
         lever = self.ball_radius * float(np.cos(self.contact_angle) * np.cos(self.lead_angle)) / self.radius
         return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)
 
     def normals(self, angle: ArrayLike) -> Array:
-        """Directions (..., 4, 3) from the ball's centre to its contacts at contact angles (..., 4) [rad] (Lin 3.58)."""
+        """Return directions ``(..., 4, 3)`` from the ball's centre to contacts at angles ``(..., 4)`` [rad] (Lin 3.58)."""
         beta = np.asarray(angle, dtype=float)
         return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
 
     def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
-        """Maps (..., 4, 3, 4) and drives (..., 4, 3) of the contacts' (vx, vz, spin) for directions (..., 4, 3).
-
-        ball_radius (...,) [m] in place of that of all balls.
+        """Return maps ``(..., 4, 3, 4)`` and drives ``(..., 4, 3)`` of the contacts' (vx, vz, spin).
 
         Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], the latter relative to the turning frame.
-        Contact axes: x across the groove, z along the path, y into the ball. Rederived from 3.57-3.64 (gives 3.65,
-        F.4-F.6).
+        Contact axes: x across the groove, z along the path, y into the ball.
+
+        Parameters
+        ----------
+        normals
+            Directions to the contacts ``(..., 4, 3)``.
+        ball_radius
+            ``(...,)`` [m] in place of that of all balls.
+
+        References
+        ----------
+        Rederived from Lin 3.57 to 3.64; gives 3.65 and F.4 to F.6.
         """
         axes = contact_axes(normals)
         size = self.ball_radius if ball_radius is None else np.asarray(ball_radius)[..., None, None, None]
@@ -101,17 +116,17 @@ class HelicalMotion:
 
     @cached_property
     def turns(self) -> Array:
-        """Rotation axes of the four unknowns in x3, y3, z3, (4, 3)."""
+        """Rotation axes of the four unknowns in x3, y3, z3 ``(4, 3)``."""
         return np.concatenate([self.axis[None, :], np.eye(3)])
 
     @cached_property
     def crosses(self) -> Array:
-        """Matrices (4, 3, 3) of the cross products with ``turns``."""
+        """Matrices ``(4, 3, 3)`` of the cross products with ``turns``."""
         return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
 
 
 def contact_axes(normals: Array) -> Array:
-    """Rows x (across the groove), z (along the path), y (into the ball) of the contacts' axes, (..., 4, 3, 3)."""
+    """Return the contacts' axes x (across the groove), z (along the path), y (into the ball) as rows ``(..., 4, 3, 3)``."""
     axes = np.zeros((*normals.shape, 3))
     axes[..., 0, 0], axes[..., 0, 2] = normals[..., 2], -normals[..., 0]
     axes[..., 1, 1] = 1.0
@@ -121,16 +136,20 @@ def contact_axes(normals: Array) -> Array:
 
 @dataclass(frozen=True)
 class Constants:
-    """Hertz constants (4,): approach = C F^(2/3), semi-axes = C_a F^(1/3) across and C_b F^(1/3) along the groove."""
+    """Hertz constants of the four contacts of a ball."""
 
+    #: Of the approach, C F^(2/3) ``(4,)``.
     C: Array
+    #: Of the semi-axis across the groove, C_a F^(1/3) ``(4,)``.
     C_a: Array
+    #: Of the semi-axis along the groove, C_b F^(1/3) ``(4,)``.
     C_b: Array
 
 
 class Grooved(HelicalMotion, ABC):
-    """Helical motions with grooves: largest coefficient mu, Hertz constants of nominal contacts, and touching balls."""
+    """Helical motions with grooves."""
 
+    #: Largest coefficient of friction.
     mu: float
 
     @property
@@ -147,28 +166,38 @@ class Grooved(HelicalMotion, ABC):
 @keyed
 @dataclass(frozen=True)
 class ScrewGroove(Grooved):
-    """Four-point ball screw: lengths [m], angle [rad], Young's modulus [Pa], speeds of nut and screw [rad/s].
+    """Four-point ball screw with friction.
 
-    lead: of a right-hand helix (negative: left-hand, zero: bearing); both bodies move along the helix, so that only
-    nut_speed - screw_speed matters; mu at the grooves, mu_balls from ball to ball (the same where None); hertz: exact
-    constants, or those with the faults of Table B.1.
+    Both bodies move along the helix, so that only nut_speed - screw_speed matters.
     """
 
+    #: [m].
     ball_radius: float
+    #: [m].
     groove_radius: float
+    #: [m].
     pitch_radius: float
+    #: Of a right-hand helix [m]; negative: left-hand, zero: bearing.
     lead: float
+    #: Nominal contact angle [rad].
     contact_angle: float
+    #: Young's modulus [Pa].
     young: float
+    #: Poisson's ratio.
     poisson: float
+    #: Coefficient of friction of the grooves.
     mu: float
+    #: [rad/s].
     nut_speed: float
+    #: [rad/s].
     screw_speed: float = usual(0.0)
+    #: Coefficient of friction from ball to ball; None: as the grooves.
     mu_balls: float | None = usual(None)
+    #: Exact Hertz constants, or those with the errors of Lin's Table B.1.
     hertz: Mode = usual("right")
 
     def __post_init__(self) -> None:
-        """Refuse what the model cannot treat."""
+        """Refuse numbers that the model cannot treat."""
         if not 0.0 < self.ball_radius < self.groove_radius or self.pitch_radius <= self.groove_radius:
             raise ValueError("need 0 < ball_radius < groove_radius < pitch_radius")
         if not 0.0 < self.contact_angle < 0.5 * np.pi:
@@ -188,7 +217,7 @@ class ScrewGroove(Grooved):
 
     @cached_property
     def constants(self) -> Constants:
-        """Hertz constants at the nominal contact angle, from the exact helicoids or with the faults of Table B.1."""
+        """Hertz constants at the nominal contact angle, from the exact helicoids or with the errors of Table B.1."""
         steel = Material(self.young, self.poisson)
         scene = Scene(
             "groove",
@@ -212,26 +241,33 @@ class ScrewGroove(Grooved):
 
 @dataclass(frozen=True)
 class PairGeometry:
-    """Two touching balls, the second at the larger azimuth.
+    """Two touching balls, the second at the larger azimuth; vectors in each ball's axes."""
 
-    spacing: difference of azimuths [rad]; closing: closing velocity per difference of omega_B [m]; first, second
-    (2, 4): sliding of each ball's surface at the contact by its motion; push (2, 3), slide (2, 2, 3): the direction of
-    the force on each ball and of the two sliding velocities, in the ball's own axes.
-    """
-
+    #: Difference of azimuths [rad].
     spacing: float
+    #: Closing velocity per difference of omega_B [m].
     closing: float
+    #: Sliding of the first ball's surface at the contact by its motion ``(2, 4)``.
     first: Array
+    #: Likewise of the second ball.
     second: Array
+    #: Direction of the force on each ball ``(2, 3)``.
     push: Array
+    #: Directions of the two sliding velocities on each ball ``(2, 2, 3)``.
     slide: Array
 
 
 def contact_spacing(screw: HelicalMotion) -> float:
-    """Difference of azimuths [rad] at which two balls touch: their centres, on the helix, are 2 R_B apart.
+    """Return the difference of azimuths at which two balls touch [rad]: their centres, on the helix, are 2 R_B apart.
 
-    The source's 2 arcsin(R_B / (L / 2 pi)) (Lin 3.72) is the same for zero lead only. Raises ValueError for balls so
-    large that they cannot.
+    Raises
+    ------
+    ValueError
+        Balls so large that they cannot touch.
+
+    References
+    ----------
+    Lin's 2 arcsin(R_B/(L/2 pi)) (3.72) is the same for zero lead only.
     """
     pitch, rise, reach = screw.pitch_radius, screw.ratio, 2.0 * screw.ball_radius
 
@@ -244,14 +280,19 @@ def contact_spacing(screw: HelicalMotion) -> float:
 
 
 def frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
-    """Rows x3, y3, z3 in fixed axes (..., 3, 3) for balls at azimuths (...) [rad] (Lin 3.62)."""
+    """Return x3, y3, z3 in fixed axes as rows ``(..., 3, 3)`` for balls at azimuths ``(...)`` [rad] (Lin 3.62)."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
     rows = np.array([[c, s, 0.0 * c], [-ca * s, ca * c, sa + 0.0 * c], [sa * s, -sa * c, ca + 0.0 * c]])
     return np.moveaxis(rows, (0, 1), (-2, -1))
 
 
 def pair_geometry(screw: HelicalMotion) -> PairGeometry:
-    """Ball-to-ball contact on the exact helix (mends Lin 3.73-3.75, which take a circle of radius L / 2 pi)."""
+    """Return the ball-to-ball contact on the exact helix.
+
+    References
+    ----------
+    Corrects Lin 3.73 to 3.75, which take a circle of radius L/2 pi.
+    """
     spacing = contact_spacing(screw)
     frames = [frame(screw, -0.5 * spacing), frame(screw, 0.5 * spacing)]
     centres = [
@@ -281,7 +322,7 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 
 @lru_cache(maxsize=64)
 def groove_arrays(groove: Grooved) -> GrooveArrays:
-    """The grooves as the kernels take them, motions scaled to surface speeds per nominal speed (see ``units``)."""
+    """Return the grooves as the kernels take them, motions scaled to surface speeds per nominal speed (see `units`)."""
     unit, speed, pair, h = units(groove), nominal_speed(groove), groove.pair, groove.constants
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -298,15 +339,15 @@ def groove_arrays(groove: Grooved) -> GrooveArrays:
 
 
 def plain_array(values: Array) -> Array:
-    """Contiguous floats: machine code is made for each kind of array that comes along."""
+    """Return contiguous floats: machine code is made for each kind of array."""
     return np.ascontiguousarray(values, dtype=float)
 
 
 def units(groove: HelicalMotion) -> Array:
-    """Levers (4,) [m] from omega_B, omega_x, omega_y, omega_z to speeds."""
+    """Return levers ``(4,)`` [m] from omega_B, omega_x, omega_y, omega_z to surface speeds."""
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 
 
 def nominal_speed(groove: HelicalMotion) -> float:
-    """Speed of the nut along the path relative to the screw [m/s]; one at rest."""
+    """Return the speed of the nut along the path relative to the screw [m/s]; one at rest."""
     return float(abs(groove.speed) * groove.radius) or 1.0

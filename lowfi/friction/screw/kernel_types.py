@@ -10,23 +10,25 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 
 
 class GrooveArrays(NamedTuple):
-    """Grooves of screw and nut as a ball in motion sees them.
+    """Grooves of screw and nut in the kinematics of a ball.
 
-    A ball's motion x (4,) is in surface speeds per ``speed``; a contact sees map @ (x - ride e_0), with the map affine in
-    its normal: affine[0] + n_x affine[1] + n_z affine[2].
+    A ball's motion x (4,) is in surface speeds per ``speed``; the motion at a contact is map @ (x - ride e_0), with the map
+    affine in its normal: affine[0] + n_x affine[1] + n_z affine[2].
     """
 
     #: Maps (3, 3, 4) of (vx, vz, spin) by x: constant, by n_x, by n_z.
     affine: Array
     #: Orbital motion (4,) of the body that a contact is on.
     ride: Array
-    #: Hertz constants (4,) of the semi-axes, a = C_a F^(1/3) and b = C_b F^(1/3) [m/N^(1/3)].
+    #: Hertz constants (4,) of the semi-axes across the groove, a = C_a F^(1/3) [m/N^(1/3)].
     C_a: Array
+    #: Hertz constants (4,) of the semi-axes along the groove [m/N^(1/3)].
     C_b: Array
     #: Motion (4,) of a ball that rolls along at the nominal speed.
     nominal: Array
-    #: Sliding (2, 4) at the contact of two balls by the motion of the first, less that by the motion of the second.
+    #: Sliding (2, 4) at the contact of two balls by the motion of the first.
     first: Array
+    #: Minus the sliding (2, 4) by the motion of the second.
     second: Array
     #: Rate at which a gap closes by x[0] of the first ball.
     closing: float
@@ -53,8 +55,9 @@ class BallArrays(NamedTuple):
     strength: float
     #: Semi-axes [m] and mu F in the unit of force, (N, 4, 3).
     shape: Array
-    #: maps @ x + drives: what a contact sees (vx, vz, spin) as fractions of ``speed``; (N, 4, 3, 4) and (N, 4, 3).
+    #: Motion (vx, vz, spin) of the contacts as fractions of ``speed``, maps @ x + drives: (N, 4, 3, 4).
     maps: Array
+    #: The same without motion of the ball (N, 4, 3).
     drives: Array
 
 
@@ -74,8 +77,11 @@ class BalanceParts(NamedTuple):
 class JointSystem(NamedTuple):
     """Loads and motion as one system of equations."""
 
+    #: Balls between the bodies.
     cell: CellArrays
+    #: Grooves.
     groove: GrooveArrays
+    #: Contacts of the balls in motion.
     balls: BallArrays
     #: Unit of force [N].
     unit: float
@@ -105,8 +111,9 @@ class Place(NamedTuple):
 class JointMatrix(NamedTuple):
     """Residual and Jacobian of the joint system, seven unknowns a ball."""
 
-    #: Right-hand side of the balls (7 N,) and of the screw (m,).
+    #: Right-hand side of the balls (7 N,).
     side: Array
+    #: Right-hand side of the screw (m,).
     side_screw: Array
     #: Band (7 N, 3 x half bandwidth + 1) of the balls.
     band: Array

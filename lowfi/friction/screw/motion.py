@@ -1,11 +1,11 @@
-"""Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, what friction does to loads (Lin 3.4.1).
+"""Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, effect of friction on loads (Lin 3.4.1).
 
 The motion of each ball is that of least dissipation. Its in-plane friction (the helix turns nut and screw against each
 other about y3) changes the contact loads through the ball's equilibrium: ``screw_coupled`` iterates both.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
-z3 binormal), the screw by its free motions u, the nut stands. In-plane friction enters as forces on balls and screw that do
-not change while they settle.
+z3 binormal), the screw by its free motions u, the nut is fixed. In-plane friction enters as forces on balls and screw that
+do not change while they settle.
 """
 
 from __future__ import annotations
@@ -26,36 +26,40 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array) -> Cell:
-    """A cell with no forces but ``force`` on the screw, which begins at its place."""
+    """Return a cell with no forces but ``force`` on the screw, which begins at its nominal position."""
     none = np.zeros((angle.shape[0], 2))
     return Cell(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
 
 
 @dataclass(frozen=True)
 class Cell:
-    """N balls: groove angles (N, 4) [rad], interference (N, 4) [m] along each, screw's motion rows (N, 3, m) per u.
+    """N balls between screw and nut, with m free motions u of the screw."""
 
-    Rows are along x3, y3, z3; offset (N, 2): further displacement of the screw along x3, z3 [m]; force (m,): on the
-    screw along u; push (N, 2): on the balls along x3, z3 [N]; drag (m,): more force along u.
-    """
-
+    #: The grooves.
     groove: ScrewGroove
+    #: Groove angles ``(N, 4)`` [rad].
     angle: Array
+    #: Along each contact ``(N, 4)`` [m].
     interference: Array
+    #: Motion of the screw along x3, y3, z3 per u ``(N, 3, m)``.
     rows: Array
+    #: On the screw along u ``(m,)`` [N].
     force: Array
+    #: Further displacement of the screw along x3, z3 ``(N, 2)`` [m].
     offset: Array
+    #: Forces on the balls along x3, z3 ``(N, 2)`` [N].
     push: Array
+    #: Further forces on the screw along u ``(m,)`` [N].
     drag: Array
 
     @property
     def section(self) -> Array:
-        """The rows along x3 and z3, (N, 2, m)."""
+        """Motion of the screw along x3 and z3 per u ``(N, 2, m)``."""
         return self.rows[:, [0, 2]]
 
 
 def load_arrays(cell: Cell) -> CellArrays:
-    """The cell as the kernels take it."""
+    """Return the cell as the kernels take it."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
         plain_array,
@@ -65,7 +69,7 @@ def load_arrays(cell: Cell) -> CellArrays:
 
 
 def _first_guess(cell: Cell) -> tuple[Array, Array]:
-    """Screw pressed along its load by about the approach of a fair share of it, balls half way."""
+    """Return a start: screw pressed along its load by about the approach of an equal share, balls half way."""
     total = float(np.linalg.norm(cell.force))
     count, m = cell.angle.shape[0], cell.rows.shape[2]
     if total == 0.0 or m == 0:
@@ -76,10 +80,18 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
 
 
 def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> Settled:
-    """Loads of the cell, from positions of balls (N, 2) and screw (m,) [m] if given; forces do not depend on the start.
+    """Return the loads of the cell, the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p.
 
-    Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p by Newton with line search, in the compiled
-    kernels if ``fast``.
+    By Newton's method with line search; forces do not depend on the start.
+
+    Parameters
+    ----------
+    cell
+        The cell.
+    start
+        Positions of balls ``(N, 2)`` and screw ``(m,)`` to begin from [m].
+    fast
+        Whether to use compiled kernels.
     """
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
     p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
@@ -89,9 +101,9 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
-    """Motion (N, 3, m) along x3, y3, z3 by the screw's free translations, letters of ``free`` in order.
+    """Return the motion ``(N, 3, m)`` along x3, y3, z3 by the screw's free translations, letters of ``free`` in order.
 
-    "z": along the axis; "x", "y": across, in fixed axes; "r": radially at every ball (a ball with its own screw).
+    "z": along the axis; "x", "y": across, in fixed axes; "r": radially at every ball (a ball with a separate screw).
     Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
@@ -112,37 +124,39 @@ AGREED, ROUNDS = 1e-11, 100
 
 @dataclass(frozen=True)
 class BallMotion:
-    """A ball's contacts (4,), directions to them (4, 3), problem and motion of least dissipation; SI.
+    """Motion of one ball."""
 
-    input_power [W]: of the body that drives, helical motion times friction; equals ``motion.loss``.
-    """
-
+    #: The grooves.
     groove: ScrewGroove
+    #: Its contacts ``(4,)``.
     at: Contacts
+    #: Directions to them ``(4, 3)``.
     normals: Array
+    #: Problem of its motion.
     problem: Problem
+    #: Motion of least dissipation.
     motion: Motion
 
     @property
     def wrench(self) -> Array:
-        """Friction force and moment on the ball at each contact, in x3, y3, z3: (4, 6) [N, N m]."""
+        """Friction force and moment on the ball at each contact, in x3, y3, z3 ``(4, 6)`` [N, N m]."""
         return contact_wrench(self.normals, self.motion.friction.force, self.motion.friction.moment)
 
     @property
     def input_power(self) -> float:
-        """Power [W] that nut and screw put in by their helical motions, from friction on them."""
+        """Power that nut and screw put in by their helical motions, from friction on them [W]; equals ``motion.loss``."""
         return helical_power(self.groove, self.normals, self.wrench)
 
 
 def contact_wrench(normals: Array, force: Array, moment: Array) -> Array:
-    """Friction (..., 4, 6) in x3, y3, z3 of forces (..., 4, 2) along x, z and moments (..., 4) about y."""
+    """Return friction in x3, y3, z3 ``(..., 4, 6)`` of forces ``(..., 4, 2)`` along x, z and moments ``(..., 4)``."""
     axes = contact_axes(normals)
     f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
     return np.concatenate([f, moment[..., None] * axes[..., 2, :]], axis=-1)
 
 
 def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
-    """Power [W] that keeps nut and screw in helical motion against friction (..., 4, 6) on the balls.
+    """Return the power that keeps nut and screw in helical motion against friction on the balls ``(..., 4, 6)`` [W].
 
     The bodies' friction is the opposite of the balls', so that the drives push with it: velocity of the body's surface
     at the contact times force, axis times moment.
@@ -154,7 +168,7 @@ def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
 
 
 def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
-    """Friction contacts (n,) of forces (..., 4), flattened; an unloaded one keeps a vanishing ellipse."""
+    """Return friction contacts ``(n,)`` of forces ``(..., 4)``, flattened; an unloaded one keeps a vanishing ellipse."""
     h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
     kernels(SCREW, compiled=True).semi_axes(four, plain_array(h.C_a), plain_array(h.C_b), a, b)
@@ -169,9 +183,22 @@ def ball_motion(
     start: Array | None = None,
     fast: bool = True,
 ) -> BallMotion:
-    """Motion of one ball at given contact forces (4,) [N] and contact angles (4,) [rad]; two to four of them loaded.
+    """Return the motion of one ball at given loads.
 
-    push (4,): other generalised forces on omega_B, omega_x, omega_y, omega_z [N m].
+    Parameters
+    ----------
+    groove
+        The grooves.
+    force
+        Contact forces ``(4,)`` [N], two to four of them loaded.
+    angle
+        Contact angles ``(4,)`` [rad].
+    push
+        Other generalised forces on omega_B, omega_x, omega_y, omega_z ``(4,)`` [N m].
+    start
+        Motion to begin from ``(4,)`` [rad/s].
+    fast
+        Whether to use compiled kernels.
     """
     normals = groove.normals(angle)
     maps, drives = groove.maps(normals)
@@ -181,25 +208,38 @@ def ball_motion(
 
 
 def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
-    """The source's sigmoid: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70), omega_I sin(beta) of a bearing.
+    """Return Lin's sigmoid with the relative spin of a diagonal pair as its reference, omega_I sin(beta) for a bearing.
 
-    map_spacing: step in c/a of its interpolated maps; None: exact integrals.
+    Parameters
+    ----------
+    groove
+        The grooves.
+    sharpness
+        k_S.
+    map_spacing
+        Step in c/a of his interpolated maps; None: exact integrals.
+
+    References
+    ----------
+    Lin (2019), 3.20 and 3.70.
     """
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
     return Sigmoid(sharpness, spin, map_spacing)
 
 
 def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) -> Motion:
-    """The method of the source at the same loads, for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
+    """Return the motion by Lin's method at the same loads, for comparison: a root of the balance (Lin 3.69, 3.71).
 
-    start (4,): rolling at the nominal contact angle where None. "failed" from many starts near two-point contact.
+    law: friction law; start ``(4,)``: rolling at the nominal contact angle where None. "failed" from many starts near
+    two-point
+    contact.
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
     return balance_by_root(ball.problem, law, first, fast=True)
 
 
 def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
-    """Push on the balls (N, 2) and drag on the screw (m,) of friction (N, 4, 6) and other in-plane forces (N, 2)."""
+    """Return push on balls ``(N, 2)`` and drag on the screw ``(m,)`` of friction ``(N, 4, 6)`` and forces ``(N, 2)``."""
     push = wrench[:, :, [0, 2]].sum(axis=1) + extra
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
     drag = -np.einsum("nim,ni->m", cell.rows, on_screw)
@@ -209,11 +249,16 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
 
 
 class Mixer:
-    """Anderson's acceleration of x = g(x) over the last few rounds, damped and restarted where it takes many; of one x
-    (n,), or of many apart (k, n)."""
+    """Anderson acceleration of x = g(x) over the last few rounds, damped and restarted where it takes many.
+
+    Of one x ``(n,)``, or of many separate ones ``(k, n)``.
+    """
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:
-        """Depth: differences kept; patience: rounds after which steps are halved and the history dropped."""
+        """Make a mixer without history.
+
+        depth: differences stored; patience: rounds after which steps are halved and the history dropped.
+        """
         self.depth, self.patience, self.rounds = depth, patience, 0
         self.x, self.r = list[Array](), list[Array]()
 
@@ -222,7 +267,7 @@ class Mixer:
         self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
     def next(self, x: Array, g: Array) -> Array:
-        """Next iterate after x gave g; x may be overwritten afterwards."""
+        """Return the next iterate after x gave g; x may be overwritten afterwards."""
         if self.rounds % self.patience == 0:
             self.x, self.r = [], []
         damping = 0.5 ** (self.rounds // self.patience)
@@ -236,7 +281,7 @@ class Mixer:
 
 
 def hold_screw(cell: Cell, load: Settled) -> Cell:
-    """The cell with its screw held where it settled: no freedoms left."""
+    """Return the cell with its screw fixed where it settled: no freedoms left."""
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),

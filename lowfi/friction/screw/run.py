@@ -1,4 +1,4 @@
-"""A whole ball screw in time: recirculating balls that engage and part (Lin 3.4.4), between a rigid screw and a rigid nut.
+"""Whole ball screw in time: recirculating balls that touch and part (Lin 3.4.4), between a rigid screw and a rigid nut.
 
 The track is a ring: the loaded turns of the nut and a return tube of given length. See ``travel``.
 
@@ -29,23 +29,25 @@ BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 @keyed
 @dataclass(frozen=True)
 class Pair:
-    """Two balls in touch, the first behind the second; SI.
+    """Two balls in touch, the first behind the second."""
 
-    theta: deviations of the contact angles of each ball [rad], times its pattern (SL, SR, NL, NR); oversize of the ball
-    radii [m], negative for clearance; free: the screw's free translations (see ``screw_rows``); force: on the screw
-    along each [N]; coupling of loads and friction.
-    """
-
+    #: The grooves.
     groove: ScrewGroove
+    #: Deviation of the contact angles of each ball [rad].
     theta: tuple[float, float]
+    #: Factors of it at the contacts of each ball (SL, SR, NL, NR).
     pattern: tuple[tuple[float, ...], tuple[float, ...]] = usual((BOTH, BOTH))
+    #: Of the ball radii [m], negative for clearance.
     oversize: float = usual(0.0)
+    #: Free translations of the screw, see `screw_rows`.
     free: str = usual("z")
+    #: On the screw along each of them [N].
     force: tuple[float, ...] = usual((0.0,))
+    #: Of loads and friction.
     coupling: Coupling = usual("none")
 
     def cell(self) -> Cell:
-        """The balls, half the spacing before and behind azimuth 0, and their loads."""
+        """Return the balls, half the spacing before and behind azimuth 0, and their loads."""
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
         return bare_cell(
@@ -59,14 +61,16 @@ class Pair:
 
 @dataclass(frozen=True)
 class PairResult:
-    """The balls without contact and in contact."""
+    """Two balls of a screw."""
 
+    #: Without contact.
     free: CoupledChain
+    #: In contact.
     touching: CoupledChain
 
     @property
     def force(self) -> float:
-        """Ball-to-ball force [N] (Table 3.7)."""
+        """Ball-to-ball force [N] (Lin Table 3.7)."""
         return float(self.touching.motion.ball_force[0])
 
     @property
@@ -87,12 +91,12 @@ class PairResult:
 
     @property
     def load(self) -> Array:
-        """Sum of the contact forces (2,) of each ball in touch [N]."""
+        """Sum of the contact forces of each ball in touch ``(2,)`` [N]."""
         return np.asarray(self.touching.load.force.sum(axis=1))
 
     @property
     def converged(self) -> bool:
-        """Whether both states are."""
+        """Whether both states converged."""
         return self.free.converged and self.touching.converged
 
 
@@ -101,10 +105,16 @@ def _over(amount: float, whole: float) -> float:
 
 
 def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
-    """Both states of the pair (Lin 3.69-3.76); force and rate are complementary, so that balls that part stay apart.
+    """Return both states of the pair (Lin 3.69-3.76).
 
-    guess: forces and motion of two balls from which both states are sought, in place of none and of the balls without
-    contact.
+    Force and rate are complementary, so that balls that part stay apart.
+
+    Parameters
+    ----------
+    pair
+        The two balls.
+    guess
+        Forces and motion from which both states are sought, in place of none and of the balls without contact.
     """
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
@@ -112,16 +122,25 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
 
 
 def sliding_speed(pair: Pair) -> float:
-    """Sliding speed [m/s] at the ball-to-ball contact of a pair that touches."""
+    """Return the sliding speed at the ball-to-ball contact of a pair that touches [m/s]."""
     motion = solve_pair(pair).touching.motion
     return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
 def implied_load(pair: Pair, force: float, increase: float) -> float:
-    """Sum of contact forces of a ball [N] that a ball-to-ball force [N] and the friction increase it causes imply.
+    """Return the sum of contact forces of a ball that a ball-to-ball force and its friction increase imply [N].
 
     mu F v over the increase is the loss at the grooves of both balls; here four equal contacts of each cause it. Of the
     pair only the kinematics enter: the sliding speed depends on its loads by per cents.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    force
+        Ball-to-ball force [N].
+    increase
+        Relative increase of the friction.
     """
     g = pair.groove
     loss = 0.5 * g.between * force * sliding_speed(pair) / increase
@@ -135,16 +154,21 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
 
 @dataclass(frozen=True)
 class PairMap:
-    """Grids over two assumptions: ball-to-ball force [N], friction increase, whether both states converged."""
+    """Results over a grid of two assumptions."""
 
+    #: Ball-to-ball force [N].
     force: Array
+    #: Relative increase of the friction.
     increase: Array
+    #: Whether both states converged.
     converged: Array
 
 
 def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
-    """Grid over oversize [m] (rows) and the force on the screw [N] (columns), spread over its free motions as given; each
-    pair is solved on its own."""
+    """Return results over oversize [m] (rows) and force on the screw [N] (columns), each pair solved separately.
+
+    The force is spread over the screw's free motions as given.
+    """
     total = float(np.linalg.norm(pair.force)) or 1.0
     solved = [
         [solve_pair(replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force))) for a in axial]
@@ -160,37 +184,48 @@ def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
 @keyed
 @dataclass(frozen=True)
 class Run:
-    """A run over ``duration`` [s], in ``steps`` steps by the scheme "equal"; SI. A setting of ``travel``, azimuths on the
-    screw. From ``oversize`` on, assumptions that the source does not print.
+    """Run in time of a ball screw, a setting of ``travel`` with azimuths on the screw.
 
-    force: on the screw along its free translations ``free`` [N]; amplitude [rad], cycles per turn and phase [rad] of
-    the deviation theta of the contact angles, times pattern (SL, SR, NL, NR), over the azimuth, which the screw or the
-    nut (``follows``) carries; tube:
-    length of the return tube as an angle of the track [rad], balls in it bear no load; first: place of the first ball
-    at the start as a fraction of the distance between balls; rounds: of load and friction per step (one: friction of the
-    step before).
+    From ``oversize`` on, assumptions that Lin does not print.
     """
 
+    #: The grooves.
     groove: ScrewGroove
+    #: Number of balls.
     count: int
+    #: Loaded turns.
     turns: float
+    #: On the screw along its free translations [N].
     force: tuple[float, ...]
+    #: Those translations, see `screw_rows`.
     free: str
+    #: [s].
     duration: float
+    #: Number of steps, by the scheme "equal".
     steps: int
+    #: Of the ball radii [m].
     oversize: float = usual(0.0)
+    #: Of the deviation theta of the contact angles over the azimuth [rad].
     amplitude: float = usual(0.0)
+    #: Cycles of theta per turn.
     cycles: float = usual(2.0)
+    #: Of theta [rad].
     phase: float = usual(0.0)
+    #: Factors of theta at the contacts (SL, SR, NL, NR).
     pattern: tuple[float, ...] = usual(BOTH)
+    #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
     tube: float = usual(0.0)
+    #: Position of the first ball at the start as a fraction of the distance between balls.
     first: float = usual(0.5)
+    #: Of loads and friction.
     coupling: Coupling = usual("none")
+    #: Of load and friction per step (one: friction of the step before).
     rounds: int = usual(1)
+    #: Whether the screw or the nut carries the deviation.
     follows: Literal["screw", "nut"] = usual("screw")
 
     def __post_init__(self) -> None:
-        """Refuse what does not fit."""
+        """Refuse numbers that do not fit together."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError("need count >= 2, steps >= 1, duration > 0 and tube >= 0")
         if self.count * self.groove.pair.spacing >= self.ring:
@@ -204,12 +239,12 @@ class Run:
 
     @property
     def spacing(self) -> Array:
-        """Azimuth (N,) by which the next ball is ahead where both touch [rad]."""
+        """Azimuth by which the next ball is ahead where both touch ``(N,)`` [rad]."""
         return np.full(self.count, self.groove.pair.spacing)
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers (N,) of the balls."""
+        """Numbers of the balls ``(N,)``."""
         return np.arange(self.count)
 
     @property
@@ -219,30 +254,33 @@ class Run:
 
     @property
     def occupation(self) -> float:
-        """Part of the loaded track that the balls would fill (97.8 % in 3.4.4)."""
+        """Part of the loaded track that the balls would fill (97.8 % in Lin 3.4.4)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Azimuths on the screw (N,) folded into the nut's turns, and which balls are in the loaded track."""
+        """Return azimuths on the screw ``(N,)`` folded into the nut's turns, and which balls are in the loaded track."""
         (track,) = self.tracks
         along = track.along(azimuth, nut_angle)
         return along + nut_angle + track.first, along < track.arc
 
     def begin(self) -> Place:
-        """Evenly spread balls."""
+        """Return evenly spread balls."""
         azimuth = self.ring * (np.arange(self.count) + self.first) / self.count - np.pi * self.turns
         gap = np.full(self.count, self.ring / self.count - self.groove.pair.spacing)
         return Place(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
     def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Time [s] until a ball passes an end of the nut's turns; inf where it meets the same there as at the other end."""
+        """Return the time until a ball passes an end of the nut's turns [s].
+
+        inf where contact angles there are the same as at the other end.
+        """
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
         speed = self.groove.speed
         return self.tracks[0].to_end(azimuth, omega - speed, speed * time)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
-        """Loads and motions at azimuths (N,) on the screw; memory: the solution before."""
+        """Return loads and motions at azimuths on the screw ``(N,)``; memory: the solution before."""
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)
         near = coupled_chain(run_cell(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
@@ -261,13 +299,26 @@ class Run:
 
 
 def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
-    """Deviation theta (N,) [rad] of the contact angles at azimuths (N,) on the screw (Figure 3.23); turned: nut [rad]."""
+    """Return the deviation theta of the contact angles ``(N,)`` [rad] (Lin Figure 3.23).
+
+    Parameters
+    ----------
+    run
+        The run.
+    azimuth
+        Of the balls on the screw ``(N,)`` [rad].
+    turned
+        Angle of the nut [rad].
+    """
     own = azimuth - (turned if run.follows == "nut" else 0.0)
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
 def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
-    """Balls at azimuths (N,) on the screw, the nut turned by an angle [rad]; those not loaded keep clear of the grooves."""
+    """Return balls at azimuths ``(N,)`` on the screw, the nut turned by an angle [rad].
+
+    Balls that are not loaded are kept clear of the grooves.
+    """
     g = run.groove
     angle = g.contact_angle + deviation(run, azimuth, turned)[:, None] * np.array(run.pattern)
     clear = np.where(loaded, run.oversize, -0.5 * g.reach)
@@ -276,25 +327,28 @@ def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float)
 
 
 def equal_steps(run: Run) -> History:
-    """The run in its own equal steps, the source's scheme, from evenly spread balls."""
+    """Return the run by Lin's scheme of equal steps, from evenly spread balls."""
     return simulate(run, run.duration, run.steps, "equal")
 
 
 @dataclass(frozen=True)
 class RunSummary:
-    """What 3.4.4 says of its run: largest ratio of ball-to-ball torque, nut angles [deg] of it and of the first step
-    without contact after it (nan if none), groups of touching balls at most, variation of groove torque (max-min)/mean.
-    """
+    """Numbers that Lin 3.4.4 states for its run."""
 
+    #: Largest ratio of ball-to-ball torque to groove torque.
     largest: float
+    #: Nut angle of it [deg].
     at: float
+    #: Nut angle of the first step without contact after it [deg]; nan if none.
     none_at: float
+    #: Largest number of groups of touching balls.
     groups: int
+    #: Variation of the groove torque, (max - min)/mean.
     groove_variation: float
 
 
 def summarise(result: History) -> RunSummary:
-    """The statements of 3.4.4 as numbers."""
+    """Return the numbers that Lin 3.4.4 states."""
     angle = np.degrees(result.nut_angle)
     top = int(np.argmax(result.ratio))
     later = np.flatnonzero(~result.contact.any(axis=1) & (np.arange(angle.size) > top))

@@ -1,12 +1,10 @@
-"""Balls that travel round closed tracks in time: loads and motions instant after instant, neighbours that meet and part.
+"""Balls that travel round closed tracks in time: loads and motions at successive instants, neighbours that meet and part.
 
 Over a step the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (Lin 3.4.4): balls keep their
 order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its neighbour, and are smooth
 between these events. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
-torque before and after it is seen, and is of second order (midpoint rule). "equal" is the source's: equal steps, loads and
+torque before and after it is sampled, and is of second order (midpoint rule). "equal" is Lin's: equal steps, loads and
 motions at their start, of first order, with the time of an event wrong by a part of a step.
-
-A closed track knows where on it the balls are, and when one reaches an end of its loaded arc.
 """
 
 from __future__ import annotations
@@ -24,22 +22,33 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 class ClosedTrack(NamedTuple):
-    """One closed track: start from 0, azimuth where its loaded arc begins, arc, whole length, distance of touching nominal
-    balls [rad], its balls."""
+    """One closed track; angles in rad."""
 
+    #: Number of its start, from 0.
     start: int
+    #: Azimuth where its loaded arc begins.
     first: float
+    #: Length of the loaded arc.
     arc: float
+    #: Whole length.
     ring: float
+    #: Distance of touching nominal balls.
     spacing: float
+    #: Indices of its balls.
     balls: slice
 
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
-        """Places of its balls on the track, 0 to its length, from azimuths (N,) of all; turned: of the track [rad]."""
+        """Return positions of its balls on the track, 0 to its length [rad], from azimuths of all balls ``(N,)``.
+
+        turned: angle of the track [rad].
+        """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
     def to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
-        """Time [s] until one of its balls passes an end of the loaded arc; rate (N,) of all on the track [rad/s]."""
+        """Return the time until one of its balls passes an end of the loaded arc [s].
+
+        rate ``(N,)``: of all balls on the track [rad/s].
+        """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along
         distance = np.where(rate > 0.0, forward, along - np.where(along > self.arc, self.arc, 0.0))
@@ -65,34 +74,48 @@ STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
 class Place(NamedTuple):
-    """Where N balls are: azimuths and gaps to the next ball of the track (N,) [rad], speeds (N,) [rad/s]; memory: what the
-    setting begins its next solution from."""
+    """State of N balls in time."""
 
+    #: ``(N,)`` [rad].
     azimuth: Array
+    #: To the next ball of the track ``(N,)`` [rad].
     gap: Array
+    #: Speeds ``(N,)`` [rad/s].
     omega: Array
+    #: What the setting begins its next solution from.
     memory: Any
 
 
 @dataclass(frozen=True)
 class Instant:
-    """Loads and motions of N balls at one instant, SI; fields as in ``History``, losses [W] in place of torques."""
+    """Loads and motions of N balls at one instant."""
 
+    #: Speeds in the frame of the azimuths ``(N,)`` [rad/s].
     omega: Array
+    #: Of each ball on the next one ``(N,)`` [N].
     ball_force: Array
+    #: Contact forces ``(N, 4)`` [N].
     load: Array
+    #: Which balls are on a loaded arc ``(N,)``.
     loaded: Mask
+    #: In the grooves, by ball-to-ball sliding, and by closing gaps [W].
     losses: tuple[float, float, float]
+    #: [W].
     input_power: float
+    #: Whether loads and motions converged.
     converged: bool
+    #: What the next solution begins from.
     memory: Any
+    #: Of friction fed back to loads [N].
     change: float = 0.0
+    #: External axial load on the screw [N].
     axial: float = float("nan")
+    #: Torque about +z that drives the screw [N m].
     on_screw: float = float("nan")
 
 
 class Setting(Protocol):
-    """Constants of a run."""
+    """Constants of a run in time."""
 
     @property
     def groove(self) -> HelicalMotion:
@@ -100,67 +123,83 @@ class Setting(Protocol):
 
     @property
     def tracks(self) -> Sequence[ClosedTrack]:
-        """The closed tracks; their balls in order."""
+        """Closed tracks, with their balls in order."""
 
     @property
     def spacing(self) -> Array:
-        """Azimuth (N,) by which the next ball is ahead where both touch [rad]."""
+        """Azimuth by which the next ball is ahead where both touch ``(N,)`` [rad]."""
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers (N,) of the balls in the scene, -1 for those that begin in the return."""
+        """Numbers of the balls in the scene ``(N,)``, -1 for those that begin in the return."""
 
     def begin(self) -> Place:
-        """Places of the balls at the start."""
+        """Return the state of the balls at the start."""
 
     def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Time [s] until a ball at azimuths (N,) passes an end of its loaded arc at speeds omega (N,); inf for none."""
+        """Return the time until a ball passes an end of its loaded arc [s]; inf for none.
+
+        azimuth ``(N,)`` [rad]; omega ``(N,)`` [rad/s].
+        """
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> Instant | str:
-        """Loads and motions; slack (N,): see ``AnyChain``. In words why, where no loads are found."""
+        """Return loads and motions, or a text that says why no loads are found; slack ``(N,)``: see `AnyChain`."""
 
 
 @dataclass(frozen=True)
 class History:
-    """Arrays over T pieces of ``steps`` equal steps, N balls; SI. Ball k pushes the next one of its track.
+    """Run of N balls in time, over T pieces of equal steps; ball k pushes the next one of its track."""
 
-    time (T,): where loads and motions are solved, lasts (T,): length of the piece, step (T,): number of its step; azimuth
-    (T, N), unwrapped, and loaded (T, N) there; gap (T, N) [rad] at the end of the piece; ball_force (T, N); omega (T, N):
-    speed in the frame of the azimuths; load (T, N, 4): contact forces; torques (T,) [N m] of grooves, of ball-to-ball
-    sliding and of closing gaps: the losses per angle; axial, on_screw (T,): external axial load on the screw, and torque
-    about +z that drives it, nan where the setting has none; imbalance (T,): power taken in less losses, over the losses;
-    change (T,): of friction fed back to loads [N]; converged (T,). status: of the whole run, in words.
-    """
-
+    #: Constants of the run.
     setting: Any
+    #: Time that was to be covered [s].
     span: float
+    #: Number of equal steps.
     steps: int
+    #: Where loads and motions are solved ``(T,)`` [s].
     time: Array
+    #: Length of each piece ``(T,)`` [s].
     lasts: Array
+    #: Number of its step ``(T,)``.
     step: NDArray[np.int64]
+    #: At that time, unwrapped ``(T, N)`` [rad].
     azimuth: Array
+    #: Which balls are on a loaded arc ``(T, N)``.
     loaded: Mask
+    #: At the end of the piece ``(T, N)`` [rad].
     gap: Array
+    #: ``(T, N)`` [N].
     ball_force: Array
+    #: Speeds in the frame of the azimuths ``(T, N)`` [rad/s].
     omega: Array
+    #: Contact forces ``(T, N, 4)`` [N].
     load: Array
+    #: Loss in the grooves per angle ``(T,)`` [N m].
     groove_torque: Array
+    #: Loss by ball-to-ball sliding per angle ``(T,)`` [N m].
     ball_torque: Array
+    #: Loss by closing gaps per angle ``(T,)`` [N m].
     closing_torque: Array
+    #: External axial load on the screw ``(T,)`` [N]; nan where the setting has none.
     axial: Array
+    #: Torque about +z that drives the screw ``(T,)`` [N m]; nan likewise.
     on_screw: Array
+    #: Power taken in less losses, over the losses ``(T,)``.
     imbalance: Array
+    #: Of friction fed back to loads ``(T,)`` [N].
     change: Array
+    #: ``(T,)``.
     converged: Mask
+    #: How the whole run ended.
     status: str
 
     @cached_property
     def torque(self) -> Array:
-        """Friction torque (T,) [N m] (Figure 3.25)."""
+        """Friction torque ``(T,)`` [N m] (Lin Figure 3.25)."""
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
 
     def mean(self, values: Array) -> float:
-        """Mean over the run of values (T,)."""
+        """Return the mean over the run of values ``(T,)``."""
         return float(np.sum(self.lasts * values) / np.sum(self.lasts))
 
     @property
@@ -185,17 +224,17 @@ class History:
 
     @property
     def nut_angle(self) -> Array:
-        """Angle (T,) by which the nut has turned on the screw [rad]."""
+        """Angle by which the nut has turned on the screw ``(T,)`` [rad]."""
         return np.asarray(self.setting.groove.speed * self.time)
 
     @property
     def turned(self) -> Array:
-        """Angle (T,) by which the part that turns has turned [rad]."""
+        """Angle by which the rotating part has turned ``(T,)`` [rad]."""
         return np.asarray(np.abs(self.nut_angle))
 
     @property
     def angles(self) -> tuple[float, float]:
-        """Angles [rad] by which the part that turns has turned at the run's end, and was to turn."""
+        """Angles by which the rotating part has turned at the run's end, and was to turn [rad]."""
         speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
@@ -211,27 +250,27 @@ class History:
 
     @property
     def ends(self) -> Array:
-        """Azimuths (T, N) of the balls at the end of each piece, unwrapped [rad]."""
+        """Azimuths of the balls at the end of each piece, unwrapped ``(T, N)`` [rad]."""
         return np.asarray(self.setting.begin().azimuth + np.cumsum(self.lasts[:, None] * self.omega, axis=0))
 
     @property
     def contact(self) -> Mask:
-        """Which neighbours touch, (T, N): the dots of Figure 3.24."""
+        """Which neighbours touch ``(T, N)``: the dots of Lin Figure 3.24."""
         return np.asarray(self.ball_force > 0.0)
 
     @property
     def spacing(self) -> Array:
-        """Angular distance (T, N) to the next ball at the end of each piece [rad] (Figure 3.24)."""
+        """Angular distance to the next ball at the end of each piece ``(T, N)`` [rad] (Lin Figure 3.24)."""
         return np.asarray(self.gap + self.setting.spacing)
 
     @cached_property
     def groups(self) -> Array:
-        """Number of groups of touching balls (T,)."""
+        """Number of groups of touching balls ``(T,)``."""
         return np.asarray(sum(groups(self.contact[:, track.balls]) for track in self.setting.tracks))
 
     @cached_property
     def ratio(self) -> Array:
-        """Torque by ball-to-ball contact over that of the grooves, (T,); nan without friction."""
+        """Torque by ball-to-ball contact over that of the grooves ``(T,)``; nan without friction."""
         groove, between = self.groove_torque, self.ball_torque + self.closing_torque
         return np.divide(between, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
 
@@ -243,18 +282,18 @@ class History:
 
     @property
     def torque_balance(self) -> Array:
-        """Torque times speed and axial load times advance less all losses (T,) [W]: zero but for round-off."""
+        """Torque times speed and axial load times advance less all losses ``(T,)`` [W]: zero but for round-off."""
         turning, along = self.advance
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
 
 def groups(contact: Mask) -> Array:
-    """Number of groups of touching balls (T,) on a closed track, from contacts (T, N)."""
+    """Return the number of groups of touching balls ``(T,)`` on a closed track, from contacts ``(T, N)``."""
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
 def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
-    """Time [s] until neighbours meet that are apart."""
+    """Return the time until neighbours meet that are apart [s]."""
     least = np.inf
     for track in tracks:
         gap, omega = place.gap[track.balls], place.omega[track.balls]
@@ -265,8 +304,10 @@ def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
 
 
 def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
-    """Length of the next piece of a step of which ``left`` remains, and whether an event ends it; after: one ended the last
-    piece."""
+    """Return the length of the next piece of a step of which ``left`` remains, and whether an event ends it.
+
+    after: whether an event ended the last piece.
+    """
     short = SHORT * step
     limit = min(short, left) if after else left
     if event >= limit:
@@ -279,7 +320,7 @@ def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, 
 
 
 def _history(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
-    """The arrays of all pieces."""
+    """Return the arrays of all pieces."""
     direct = ("setting", "span", "steps", "status")
     arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(History) if f.name not in direct}
     run = History(setting, span, steps, status=status, **arrays)
@@ -292,9 +333,26 @@ def _history(rows: list[dict[str, Any]], setting: Setting, span: float, steps: i
 def simulate(
     setting: Setting, span: float, steps: int, scheme: Scheme = "located", report: Callable[[float], object] = float
 ) -> History:
-    """Run over ``span`` [s] in ``steps`` equal steps, these cut at events or not. Ends early where loads are not found.
+    """Return a run in equal steps, which are cut at events or not.
 
-    report: is given the share of the run that is done. Gaps stay >= 0 and sum up to the free length of their ring.
+    Gaps stay >= 0 and sum up to the free length of their ring. Ends early where loads are not found.
+
+    Parameters
+    ----------
+    setting
+        Constants of the run.
+    span
+        Time to cover [s].
+    steps
+        Number of equal steps.
+    scheme
+        ``"located"``: cut at events, second order; ``"equal"``: not cut, first order.
+    report
+        Called with the share of the run that is done.
+
+    References
+    ----------
+    Lin (2019), 3.4.4, for the scheme "equal".
     """
     if steps < 1 or not span > 0.0:
         raise ValueError("need steps >= 1 and a duration above zero")
@@ -339,8 +397,12 @@ def no_report(steps: str, share: float) -> None:
 def resolved(
     setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
-    """The run over ``span`` [s] with the errors of its steps; steps that are not given are chosen so that no error is above
-    ``goal``, a share of the mean friction torque; report: gets the steps in words, and the share of them that is done."""
+    """Return the run over ``span`` [s] with the errors of its steps.
+
+    Steps that are not given are chosen so that no error is above ``goal``, a share of the mean friction torque. report:
+    called
+    with a text on the steps, and the share of them that is done.
+    """
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
 
@@ -351,7 +413,7 @@ def resolved(
 
 
 def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
-    """Places of the balls after a piece with the speeds of an instant."""
+    """Return the state of the balls after a piece with the speeds of an instant."""
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
         omega = instant.omega[track.balls]
@@ -378,25 +440,28 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class Observed:
-    """Error of one quantity, a part of the mean torque; order seen over three levels, nan where the change is round-off,
-    and used, nan where none is clear."""
+    """Estimated discretisation error of one quantity."""
 
+    #: Part of the mean torque.
     error: float
+    #: Order over three levels; nan where the change is round-off.
     order: float = float("nan")
+    #: Order that is used; nan where none is clear.
     used: float = SMOOTH
 
     @property
     def unclear(self) -> bool:
-        """Whether no order is seen."""
+        """Whether no order is observed."""
         return bool(np.isnan(self.used))
 
 
 @dataclass(frozen=True)
 class StepError:
-    """Estimated errors by finite steps: of ``torque`` over the angle, of torques by name and of ``share``; steps of the
-    levels."""
+    """Estimated errors by finite steps."""
 
+    #: Of ``torque`` over the angle, of torques by name and of ``share``.
     quantities: dict[str, Observed]
+    #: Numbers of steps of the levels.
     steps: tuple[int, ...]
 
     @property
@@ -406,31 +471,35 @@ class StepError:
 
     @property
     def largest(self) -> float:
-        """The largest error of all quantities."""
+        """Largest error of all quantities."""
         return max(q.error for q in self.quantities.values())
 
     @property
     def unclear(self) -> tuple[str, ...]:
-        """Quantities of which no order is seen."""
+        """Quantities of which no order is observed."""
         return tuple(name for name, q in self.quantities.items() if q.unclear)
 
     def small(self, goal: float) -> bool:
-        """Whether every error is at most ``goal``."""
+        """Return whether every error is at most ``goal``."""
         return self.largest <= goal
 
 
 def change(coarse: Array, fine: Array) -> float:
-    """Mean absolute difference of torques (T,) and (T',), T' >= T: means of the finer one over the coarser steps."""
+    """Return the mean absolute difference of torques ``(T,)`` and ``(T',)``, T' >= T.
+
+    Means of the finer one over the coarser steps.
+    """
     at = np.arange(coarse.size + 1) * (fine.size / coarse.size)
     work = np.interp(at, np.arange(fine.size + 1), np.concatenate([[0.0], np.cumsum(fine)]))
     return float(np.mean(np.abs(np.diff(work) * (coarse.size / fine.size) - coarse)))
 
 
 def observed(before: float, last: float, jumps: bool = False) -> Observed:
-    """Error from the changes of a quantity between three levels, each with half the steps of the one before.
+    """Return the error from the changes of a quantity between three levels, each with half the steps of the one before.
 
-    Richardson's extrapolation by the order seen, at most that of smooth motion, and where ``jumps`` are possible that of
-    jumps unless it is near the former. Changes that grow, keep their size, or turn their sign tell no order: the error is
+    Richardson's extrapolation by the observed order, at most that of smooth motion, and where ``jumps`` are possible that
+    of
+    jumps unless it is near the former. Changes that grow, keep their size, or turn their sign give no order: the error is
     then UNCLEAR times the largest of them.
     """
     most = max(abs(before), abs(last), abs(before + last))
@@ -444,7 +513,7 @@ def observed(before: float, last: float, jumps: bool = False) -> Observed:
 
 
 def step_error(levels: Sequence[History]) -> StepError | None:
-    """Errors of the last of three runs, each with twice the steps of the one before; None for fewer.
+    """Return the errors of the last of three runs, each with twice the steps of the one before; None for fewer.
 
     Levels may agree by chance on a wrong time of a jump in the torque: its error is never below the largest jump between
     two steps for half a step.
@@ -469,7 +538,7 @@ def step_error(levels: Sequence[History]) -> StepError | None:
 def solve_steps(
     simulate: Callable[[int], History], steps: int | None, first: int, goal: float
 ) -> tuple[History, StepError | None]:
-    """The run at given steps, with about half and a quarter of them; without, at doubled steps until the errors are small.
+    """Return run at given steps, with about half and a quarter of them; without, at doubled steps until errors are small.
 
     first: steps to begin with where none are given. No error (None) where a run ended early, or for fewer than four steps.
     """

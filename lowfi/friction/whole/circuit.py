@@ -1,4 +1,4 @@
-"""Balls of a scene in their circuits: places, gaps between neighbours, and how they push each other along the track.
+"""Balls of a scene in their circuits: positions, gaps between neighbours, and how they push each other along the track.
 
 Circuits are angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing.
 """
@@ -34,32 +34,35 @@ APART = 1.5
 
 
 class CircuitError(ValueError):
-    """A circuit that cannot be: the key to blame, what is allowed, and what to do."""
+    """Circuit that is impossible: the key to change, what is allowed, and what to do."""
 
     def __init__(self, key: str, allowed: str, advice: str) -> None:
-        """Keep the three parts."""
+        """Store the three parts."""
         super().__init__(f"{key}: {allowed}; {advice}")
         self.key, self.allowed, self.advice = key, allowed, advice
 
 
 class Circuit(NamedTuple):
-    """One closed track, all angles [rad] azimuths of the nut on the helix of start 1; a bearing has arc = ring.
+    """One closed track with n balls, all angles azimuths of the nut on the helix of start 1; a bearing has arc = ring."""
 
-    azimuth (n,): of the balls at the beginning, in order, those of the return last; ball (n,): their numbers in the scene,
-    -1 in the return.
-    """
-
+    #: The track.
     track: ClosedTrack
+    #: Of the balls at the beginning, in order, those of the return last ``(n,)`` [rad].
     azimuth: Array
+    #: Their numbers in the scene ``(n,)``, -1 in the return.
     ball: NDArray[np.int64]
 
 
 def circuits(scene: Scene) -> tuple[Circuit, ...]:
-    """The circuits of a scene, those of the first start first.
+    """Return the circuits of a scene, those of the first start first.
 
     Without [circulation] the balls of a screw leave their loaded arc, from one gap to the next, at one end and enter it at
-    the other at once. Raises CircuitError for arcs that do not hold their balls, or overlap, and for returns that do not
-    hold theirs.
+    the other at once.
+
+    Raises
+    ------
+    CircuitError
+        Arcs that do not fit their balls or overlap, or returns that do not fit theirs.
     """
     loop = scene.circulation or Circulation()
     azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
@@ -95,13 +98,13 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
 
 
 def _gaps(azimuths: Array) -> NDArray[np.int64]:
-    """Numbers of the balls, in the order of their azimuths [rad], before which a gap between circuits lies."""
+    """Return the numbers of the balls, in the order of their azimuths [rad], before which a gap between circuits lies."""
     apart = np.diff(azimuths)
     return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
 
 def _arc(group: Array, given: float | None, spacing: float) -> float:
-    """Length of a loaded arc [rad]; ``given`` or as much as its balls fill, half a distance beyond the outer ones."""
+    """Return length of a loaded arc [rad]: ``given``, or as much as its balls fill, half a distance beyond outer ones."""
     span = float(group[-1] - group[0])
     if given is None:
         return span * group.size / (group.size - 1) if group.size > 1 else spacing
@@ -112,7 +115,7 @@ def _arc(group: Array, given: float | None, spacing: float) -> float:
 
 
 def _ring(loop: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
-    """Length of the closed track [rad]; radius: length of the track per angle [m]."""
+    """Return the length of the closed track [rad]; radius: length of the track per angle [m]."""
     count = loaded + loop.returning
     if loop.filling is not None:
         length = count * spacing / loop.filling
@@ -130,7 +133,7 @@ def _ring(loop: Circulation, loaded: int, arc: float, spacing: float, radius: fl
 
 
 def travel(scene: Scene) -> Array:
-    """Places (2,) [m] of the nut along the screw at both ends of the scene's run, from where it is at the beginning."""
+    """Return positions of the nut along the screw at both ends of the scene's run ``(2,)`` [m], from its first position."""
     motion = scene.motion or ONE_TURN
     span = 0.0 if scene.time is None else scene.time.span(motion)
     turned = motion.speed * span * (-1.0 if motion.turns == "screw" else 1.0)
@@ -139,9 +142,11 @@ def travel(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrooves(BallPath, Grooved):
-    """The nominal grooves of a scene in motion, one for a whole run: kernels keep arrays by it."""
+    """Nominal grooves of a scene in motion, one for a whole run: kernels cache arrays by it."""
 
+    #: Largest coefficient of friction.
     mu: float
+    #: Hertz constants of nominal contacts.
     hertz: Constants = field(repr=False)
 
     @property
@@ -151,37 +156,40 @@ class SceneGrooves(BallPath, Grooved):
 
 
 def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
-    """Nominal grooves of a scene whose screw or nut turns."""
+    """Return the nominal grooves of a scene whose screw or nut turns."""
     path, h = ball_path(scene, drive, scene.balls.radius), error_free_hertz(scene)
     return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=Constants(h.C, h.C_a, h.C_b))
 
 
 @dataclass(frozen=True)
 class SceneChain(AnyChain):
-    """Balls of their own sizes and coefficients; contacts: as friction sees them."""
+    """Balls of different sizes and coefficients."""
 
+    #: Their contacts.
     at: StaticContacts
+    #: The contacts as friction needs them.
     contacts: Rubs
+    #: Coefficient of friction from ball to ball.
     between: float
 
     @property
     def rubs(self) -> Rubs:
-        """The contacts with their semi-axes and maps."""
+        """Return the contacts with their semi-axes and maps."""
         return self.contacts
 
     @property
     def mu_balls(self) -> float:
-        """Coefficient of friction from ball to ball."""
+        """Return the coefficient of friction from ball to ball."""
         return self.between
 
     def wrench(self, pull: Array) -> Array:
-        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces in the contacts' own axes (N, 4, 3)."""
+        """Return friction on the balls in x3, y3, z3 ``(N, 4, 6)`` of forces in the contacts' axes ``(N, 4, 3)``."""
         turned = pull.copy()
         turn_back(self.at, turned)
         return super().wrench(turned)
 
     def input_power(self, wrench: Array) -> float:
-        """Power [W] of screw and nut, from forces and moments about the axis in space."""
+        """Return the power of screw and nut, from forces and moments about the axis in space [W]."""
         axial, moment = about_axis(self.at, wrench)
         helical = moment + self.groove.ratio * axial
         return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
@@ -197,10 +205,28 @@ def chain_motion(
     start: tuple[Array, Array] | None = None,
     fast: bool = True,
 ) -> ChainMotion:
-    """Motion of the balls of one closed track, in order, ball k + 1 at the larger azimuth, and the forces between them.
+    """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
-    slack (N,): as in ``AnyChain``; start: motions (N, 4) [rad/s] and forces (N,) [N] to begin from. The contact of two
-    balls is that of nominal ones; their sizes count in the slack. Failure is data: see ``ChainMotion.converged``.
+    The contact of two balls is that of nominal ones; their sizes count in the slack.
+
+    Parameters
+    ----------
+    scene, at
+        The scene and the contacts of its balls.
+    slack
+        As in `AnyChain` ``(N,)``.
+    friction, drive
+        Coefficients, and the motion of screw or nut.
+    grooves
+        Nominal grooves.
+    start
+        Motions ``(N, 4)`` [rad/s] and forces ``(N,)`` [N] to begin from.
+    fast
+        Whether to use compiled kernels.
+
+    Returns
+    -------
+        The motion; see ``converged`` for a failure.
     """
     share, top = shares(friction)
     rubs = rubs_of(scene, at, top * share, drive)
@@ -218,20 +244,23 @@ FULL = 1e-9
 
 @dataclass(frozen=True)
 class Balls:
-    """All N balls of a scene, circuit after circuit: radius (N,) [m], azimuth (N,) in the nut's frame [rad] at the start,
-    number (N,) in the scene or -1; tracks: of the circuits; spacing (N,): azimuth by which ball k + 1 of a circuit,
-    or its first one, is ahead of ball k where they touch [rad].
-    """
+    """All N balls of a scene, circuit after circuit."""
 
+    #: Of the circuits.
     tracks: tuple[ClosedTrack, ...]
+    #: ``(N,)`` [m].
     radius: Array
+    #: In the scene ``(N,)``, -1 in the return.
     number: NDArray[np.int64]
+    #: In the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
+    #: Azimuth by which the next ball of a circuit is ahead where they touch ``(N,)`` [rad].
     spacing: Array
+    #: Nominal grooves.
     grooves: SceneGrooves
 
     def gaps(self, azimuth: Array) -> Array:
-        """Gaps (N,) [rad] to the next ball of the circuit at azimuths (N,)."""
+        """Return the gaps to the next ball of the circuit ``(N,)`` [rad] at azimuths ``(N,)``."""
         out = np.empty_like(azimuth)
         for track in self.tracks:
             balls = track.balls
@@ -239,7 +268,7 @@ class Balls:
         return np.asarray(out - self.spacing)
 
     def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Azimuths (N,) on the helix of start 1 folded into the circuits, and which balls are on a loaded arc."""
+        """Return azimuths on helix of start 1 folded into the circuits ``(N,)``, and which balls are on a loaded arc."""
         folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
         for track in self.tracks:
             along = track.along(azimuth)
@@ -247,7 +276,7 @@ class Balls:
         return folded, loaded
 
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
-        """Places of all balls at azimuths ``folded`` (N,), as ``place`` gives them, where the nut has turned [rad]."""
+        """Return the positions of all balls at azimuths ``folded`` ``(N,)`` of `place`, where the nut has turned [rad]."""
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
             starts[loop.balls] = loop.start
@@ -256,9 +285,14 @@ class Balls:
 
 
 def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, member: int = 0) -> Balls:
-    """The balls of a scene in their circuits at the beginning.
+    """Return the balls of a scene in their circuits at the beginning.
 
-    Raises CircuitError for circuits that cannot be, ValueError where balls overlap or a circuit has no clearance.
+    Raises
+    ------
+    CircuitError
+        Impossible circuits.
+    ValueError
+        Balls that overlap, or a circuit without clearance.
     """
     tracks, azimuths, numbers = zip(*circuits(scene), strict=True)
     azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
@@ -289,25 +323,27 @@ CLOSING = 1e-9
 
 @dataclass(frozen=True)
 class Onset:
-    """How soon neighbours of a static state meet: N balls, M pairs of neighbours in their circuits.
+    """How soon neighbours of a static state meet: N balls, M pairs of neighbours in their circuits."""
 
-    orbit (N,): angular speeds [rad/s], unloaded balls as assumed; loaded (N,): sums of contact forces [N]; pair (M, 2):
-    numbers of the balls, the second at the larger azimuth; gap (M,): between them [rad]. Angles [rad] of the part that
-    turns: meeting (M,), at which they meet at these speeds (inf: never); leaving (M,), at which the leading one has left
-    its loaded arc, or the balls of a bearing have gone round once.
-    """
-
+    #: Angular speeds ``(N,)`` [rad/s], of unloaded balls as assumed.
     orbit: Array
+    #: Sums of contact forces ``(N,)`` [N].
     loaded: Array
+    #: Numbers of the balls, the second at the larger azimuth ``(M, 2)``.
     pair: NDArray[np.int64]
+    #: Between them ``(M,)`` [rad].
     gap: Array
+    #: Angle of the rotating part at which they meet at these speeds ``(M,)`` [rad]; inf: never.
     meeting: Array
+    #: Angle at which the leading one has left its loaded arc, or the balls of a bearing have gone round once ``(M,)``
+    #: [rad].
     leaving: Array
+    #: Whether friction balances on every ball.
     converged: bool
 
     @property
     def first(self) -> float:
-        """Angle [rad] of the part that turns at which the first neighbours meet."""
+        """Angle of the rotating part at which the first neighbours meet [rad]."""
         return float(self.meeting.min(initial=np.inf))
 
     @property
@@ -317,14 +353,27 @@ class Onset:
 
 
 def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: Drive = NUT) -> Onset:
-    """Onset of ball-to-ball contact from a static load distribution (Lin 4.3.2); idle: orbit of unloaded balls over the
-    nominal one.
+    """Return the onset of ball-to-ball contact from a static load distribution (Lin 4.3.2).
 
-    The source argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded
-    ball moves with least dissipation at its static loads; idle = 0: unloaded ones do not move, as the source assumes; 1:
-    they roll along. Speeds are those of the moment: where balls go as they roll, and how loads follow, is the matter of a
-    run in time. They do not depend on the coefficient of friction and are proportional to the speed of the part that turns.
-    Raises ValueError for loads that did not converge, balls that overlap, and circuits that cannot be.
+    Lin argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded ball
+    moves
+    with least dissipation at its static loads. Speeds are those of the moment: where balls go as they roll, and how loads
+    follow, needs a run in time. They do not depend on the coefficient of friction and are proportional to the speed of the
+    rotating part.
+
+    Parameters
+    ----------
+    scene, result
+        The scene and its static result.
+    idle
+        Orbit of unloaded balls over the nominal one: 0, they do not move, as Lin assumes; 1, they roll along.
+    drive
+        Motion of screw or nut.
+
+    Raises
+    ------
+    ValueError
+        Loads that did not converge, balls that overlap, or impossible circuits.
     """
     path = ball_path(scene, drive, scene.balls.radius)
     balls = ball_friction(scene, contacts_of(scene, result), Friction(1.0, 1.0), drive, fast=loaded(CONTACT))

@@ -1,4 +1,4 @@
-"""From a static load distribution to the contacts that friction acts in: forces, directions, ellipses, pressures."""
+"""Contacts in which friction acts from a static load distribution: forces, directions, ellipses, pressures."""
 
 from __future__ import annotations
 
@@ -31,38 +31,40 @@ FAINT = 1e-9
 
 @dataclass(frozen=True)
 class StaticContacts:
-    """Contacts of N balls (order SL, SR, NL, NR) as a static model leaves them; SI.
+    """Contacts of N balls (order SL, SR, NL, NR) by a static model."""
 
-    ball_radius (N,) with errors; force (N, 4), zero without contact; angle (N, 4), the nominal one without contact;
-    a, b (N, 4): long and short semi-axis; across (N, 4): whether the long one lies across the groove; layout: azimuths,
-    centres and section frames of the balls.
-    """
-
+    #: With errors ``(N,)`` [m].
     ball_radius: Array
+    #: ``(N, 4)`` [N], zero without contact.
     force: Array
+    #: ``(N, 4)`` [rad], the nominal one without contact.
     angle: Array
+    #: Long semi-axes ``(N, 4)`` [m].
     a: Array
+    #: Short semi-axes ``(N, 4)`` [m].
     b: Array
+    #: Whether the long one lies across the groove ``(N, 4)``.
     across: NDArray[np.bool_]
+    #: Azimuths, centres and section frames of the balls.
     layout: BallLayout
 
     @cached_property
     def normals(self) -> Array:
-        """Directions (N, 4, 3) from the ball's centre to its contacts in x3, y3, z3."""
+        """Directions from the ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``."""
         return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
 
     @cached_property
     def frames(self) -> Array:
-        """Rows x3, y3, z3 of each ball's section in fixed axes (N, 3, 3)."""
+        """Axes x3, y3, z3 of each ball's section in fixed axes, as rows ``(N, 3, 3)``."""
         return np.stack([self.layout.radial, self.layout.tangent, self.layout.binormal], axis=1)
 
     @property
     def pressure(self) -> Array:
-        """Pole pressure (N, 4) [Pa]."""
+        """Largest pressures ``(N, 4)`` [Pa]."""
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
     def subset(self, balls: NDArray[np.int64] | slice) -> StaticContacts:
-        """The contacts of some of the balls."""
+        """Return the contacts of some of the balls."""
         layout = BallLayout(*(getattr(self.layout, f.name)[balls] for f in fields(self.layout)))
         return StaticContacts(
             self.ball_radius[balls],
@@ -76,13 +78,13 @@ class StaticContacts:
 
     @property
     def axial_force(self) -> float:
-        """Force [N] along +z with which the normal contact forces push the screw."""
+        """Force along +z with which the normal contact forces push the screw [N]."""
         push = self.force[:, :2, None] * self.normals[:, :2]
         return float(np.einsum("nsi,ni->", push, self.frames[:, :, 2]))
 
 
 def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
-    """Contacts of the solved scene with the Hertz constants that its ingredients name.
+    """Return the contacts of a solved scene with the Hertz constants that its ingredients name.
 
     member: the specimen that ``result`` was solved for. Raises ValueError for a result that did not converge.
     """
@@ -93,7 +95,7 @@ def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticCo
 
 
 def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout) -> StaticContacts:
-    """Contacts of a solution for the balls of ``drawn`` at the places of ``layout``."""
+    """Return the contacts of a solution for the balls of ``drawn`` at the positions of ``layout``."""
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipses(scene, drawn, angle)
@@ -102,13 +104,13 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
 
 
 def _cube(force: Array) -> Array:
-    """Cube roots of forces (N, 4), for the ellipses: a contact without load keeps a vanishing one."""
+    """Return cube roots of forces ``(N, 4)``, for the ellipses: a contact without load keeps a vanishing one."""
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
 def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
-    """The contacts at other forces (N, 4) [N] and contact angles (N, 4) [rad]; Hertz constants stay."""
+    """Return the contacts with other forces ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad]; Hertz constants stay."""
     grown = _cube(force) / _cube(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
 
@@ -116,9 +118,20 @@ def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts
 def spread(
     at: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, angle: float
 ) -> StaticContacts:
-    """Contacts of all N balls of ``layout``, ball_radius (N,) [m], of which ``at`` holds some; no load on the others.
+    """Return the contacts of all N balls of ``layout``, some of which are in ``at``; no load on the others.
 
-    angle: contact angle of balls without load [rad].
+    Parameters
+    ----------
+    at
+        Contacts of some balls.
+    layout
+        Positions of all balls.
+    balls
+        Indices of those in ``at``.
+    ball_radius
+        Of all balls ``(N,)`` [m].
+    angle
+        Contact angle of balls without load [rad].
     """
     n = ball_radius.size
     least = 1e-30 ** (1.0 / 3.0)
@@ -138,7 +151,7 @@ def spread(
 
 
 def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Constants of the semi-axes (N, 4) and whether the long one lies across the groove, as the scene's ``hertz`` says."""
+    """Return the constants of the semi-axes ``(N, 4)`` and whether the long one lies across the groove, by ``hertz``."""
     kind, shape = scene.ingredients.hertz, angle.shape
     if kind == "as printed":
         c_a, c_b = _printed(scene)
@@ -155,7 +168,7 @@ def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array
 
 
 def _printed(scene: Scene) -> tuple[Array, Array]:
-    """Constants of the semi-axes (4,) with the faults of Table B.1."""
+    """Return the constants of the semi-axes ``(4,)`` with the errors of Lin's Table B.1."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material

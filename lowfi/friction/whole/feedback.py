@@ -1,7 +1,7 @@
-"""What friction does to the place of a ball: new contact forces and angles at the same axial load of every ball.
+"""Effect of friction on the position of a ball: new contact forces and angles at the same axial load of every ball.
 
-Friction across the groove pushes each ball sideways until its contacts hold it, at other contact angles or on a third
-flank (Lin 3.4.1). Each ball moves in its section and the screw yields along its axis by as much as keeps the axial load
+Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third
+flank (Lin 3.4.1). Each ball moves in its section and the screw along its axis by as much as keeps the axial load
 that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
 """
 
@@ -39,22 +39,24 @@ JAMMED = 0.3
 
 @dataclass(frozen=True)
 class Seats:
-    """N balls between their grooves at the static state; SI.
+    """N balls between their grooves at the static state."""
 
-    away (N, 4, 2): from the centre of each groove's profile to the ball's centre along x3, z3; reach (N, 4): its length
-    where ball and groove just touch; C (N, 4): Hertz constants; axis (3,): direction of the screw's axis in x3, y3, z3.
-    """
-
+    #: From the centre of each groove's profile to the ball's centre along x3, z3 ``(N, 4, 2)`` [m].
     away: Array
+    #: Its length where ball and groove just touch ``(N, 4)`` [m].
     reach: Array
+    #: Hertz constants ``(N, 4)``.
     C: Array
+    #: Direction of the screw's axis in x3, y3, z3 ``(3,)``.
     axis: Array
 
 
 def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
-    """Seats of balls from their contacts; reach (N, 4), centre (N, 4, 2): of the profiles without load [m].
+    """Return balls between their grooves from their contacts.
 
-    A flank without contact moves with the other one of its body. A ball without load keeps its nominal place.
+    A flank without contact moves with the other one of its body. A ball without load keeps its nominal position.
+
+    reach ``(N, 4)``, centre ``(N, 4, 2)``: of the profiles without load [m].
     """
     squeeze = C * np.cbrt(at.force) ** 2
     away = (reach + squeeze)[..., None] * at.normals[..., [0, 2]]
@@ -67,12 +69,12 @@ def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
 
 
 def seats_of(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
-    """Seats of the balls of a solved scene; member: as for ``contacts_of``."""
+    """Return the balls of a solved scene between their grooves; member: as for `contacts_of`."""
     return seats_at(at, specimen(scene, at.layout, member), result.hertz_C)
 
 
 def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
-    """Seats of balls with errors ``drawn`` and Hertz constants C (N, 4)."""
+    """Return balls with errors ``drawn`` and Hertz constants C ``(N, 4)`` between their grooves."""
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
         inward[:, s] = np.polynomial.polynomial.polyval(at.angle[:, s], row) if row.size else 0.0
@@ -81,7 +83,7 @@ def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
 
 
 def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Forces (N, 3) [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
+    """Return forces ``(N, 3)`` [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
     return np.column_stack([push.sum(axis=1), screw]) - applied
@@ -89,18 +91,23 @@ def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
 
 @dataclass(frozen=True)
 class FedBack:
-    """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
+    """Contacts and friction of N balls that agree.
 
     A ball fails where the contacts and the friction returned leave it, or the axial load that it carried without friction,
-    out of balance by more than ``ACCEPTED`` of its contact forces. change: largest such fraction; push (N, 3): forces of
-    friction on balls and screw that the contacts balance, see ``settle_seats`` [N].
+    out of balance by more than ``ACCEPTED`` of its contact forces.
     """
 
+    #: The contacts.
     at: StaticContacts
+    #: The friction.
     friction: BallFriction
+    #: Which balls failed ``(N,)``.
     failed: NDArray[np.bool_]
+    #: Number of rounds.
     rounds: int
+    #: Largest force out of balance over the ball's contact forces.
     change: float
+    #: Forces of friction on balls and screw that the contacts balance ``(N, 3)`` [N], see ``settle_seats``.
     push: Array
 
 
@@ -114,11 +121,26 @@ def feed_back(
     near: Array | None = None,
     motion: Array | None = None,
 ) -> FedBack:
-    """Contacts and friction in agreement, ball by ball; begun at the static state, so that of several states it is the one
-    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead,
-    motion (N, 4): its motions [rad/s], which lead sooner to the same ones.
+    """Return contacts and friction in agreement, ball by ball.
 
-    Failure is data: see ``FedBack.failed``.
+    Begun at the static state, so that of several states it is the one that rolls on from there.
+
+    Parameters
+    ----------
+    scene, at, place
+        The scene, its contacts without friction, and its balls between their grooves.
+    friction, drive
+        Coefficients, and the motion of screw or nut.
+    fast
+        Whether to use compiled kernels.
+    near
+        Forces of friction of a similar state to begin with instead ``(N, 3)`` (``FedBack.push``).
+    motion
+        Its motions ``(N, 4)`` [rad/s], which lead sooner to the same ones.
+
+    Returns
+    -------
+        The state; see ``failed`` for balls without one.
     """
     count = at.force.shape[0]
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
@@ -164,7 +186,7 @@ def feed_back(
 
 
 def _answer(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
-    """Friction on balls along x3, z3 and on the screw along its axis (3,), (N, 3) [N]."""
+    """Return the friction on balls along x3, z3 and on the screw along its axis ``(3,)``, ``(N, 3)`` [N]."""
     wrench = by_ball.wrench(at.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
@@ -173,7 +195,7 @@ def _answer(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
 def second_states(
     scene: Scene, place: Seats, at: StaticContacts, rolling: FedBack, friction: Friction, drive: Drive, fast: bool = False
 ) -> tuple[int, ...]:
-    """Balls that settle in another state, jammed between their grooves, from one of four displaced starts.
+    """Return the balls that settle in another state, jammed between their grooves, from one of four displaced starts.
 
     Starts push the balls with ``DISPLACED`` times their largest contact force along x3 and z3. A search: that it finds
     none is no proof that there is none. ``at``: contacts without friction, ``rolling``: the state that rolls on from them.
@@ -198,7 +220,7 @@ def _seated(
     bare: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
-    """Contacts with the given ``balls`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
+    """Return contacts with some balls where given forces hold them, their shifts ``(k, 3)``, and which did not settle."""
     away = place.away[balls]
     pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
     x, force, normal, left = settle_each(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)

@@ -4,9 +4,9 @@ The motion of each ball is that of least dissipation (``motion``); friction does
 follow from it, torques and efficiencies, are in ``screw_torque``.
 
 Heathcote slip is what the curvature of the contact across the groove adds to the losses of flat contact ellipses. Ball and
-groove meet in a surface of radius R_d across the groove, 1 / R_d = (1 / R_ball + 1 / R_groove) / 2. A ball that rolls with
+groove meet in a surface of radius R_d across the groove, 1/R_d = (1/R_ball + 1/R_groove)/2. A ball that rolls with
 the angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by Omega x^2
-/ (2 R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and once
+/(2 R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and once
 without, both by quadrature over the ellipses, so that balls find the motion that makes the most of their contacts.
 """
 
@@ -38,19 +38,25 @@ UNBALANCED = 1e-6
 
 @dataclass(frozen=True)
 class BallPath(HelicalMotion):
-    """A ball of its own radius [m] on the scene's helix; see ``HelicalMotion``."""
+    """Ball of a given radius on the scene's helix."""
 
+    #: [m].
     ball_radius: float
+    #: [m].
     pitch_radius: float
+    #: [rad].
     contact_angle: float
+    #: [m].
     lead: float
+    #: [rad/s].
     nut_speed: float
+    #: [rad/s].
     screw_speed: float
 
 
 @lru_cache(maxsize=64)
 def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
-    """Kinematics of a ball of radius [m] in a scene whose screw or nut turns; kept, as it keeps arrays."""
+    """Return the kinematics of a ball of a radius [m] in a scene whose screw or nut turns; cached."""
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
     lead = 2.0 * np.pi * reduced_lead(track)
@@ -59,24 +65,26 @@ def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
 
 @dataclass(frozen=True)
 class BallFriction:
-    """Motion and friction of N balls, contacts in the order SL, SR, NL, NR; SI.
+    """Motion and friction of N balls, contacts in the order SL, SR, NL, NR."""
 
-    orbit (N,): speed about the axis, of a frame in which the part that does not turn stands; rotation (N, 3): about x3,
-    y3, z3, relative to that turning frame; both nan for a ball without load. Of each contact: motion (N, 4, 3) of the
-    ball against the groove, sliding of its centre across (x) and along (z) the groove and spin about the normal; force
-    (N, 4, 2) and moment (N, 4) of friction on the ball likewise; loss (N, 4, 3) [W] by ``CAUSES``; rest (N, 4): held by
-    friction. status: one word per ball, "no load" for one that nothing presses; left: largest force out of balance [N],
-    as a fraction of the ball's sum of mu F.
-    """
-
+    #: Speed about the axis of a frame in which the part that does not rotate is at rest ``(N,)`` [rad/s]; nan without load.
     orbit: Array
+    #: About x3, y3, z3, relative to that turning frame ``(N, 3)`` [rad/s]; nan without load.
     rotation: Array
+    #: Of the ball against the groove: sliding of the contact's centre across (x) and along (z) the groove, and spin about
+    #: the normal ``(N, 4, 3)`` [m/s, rad/s].
     motion: Array
+    #: Of friction on the ball along x and z ``(N, 4, 2)`` [N].
     force: Array
+    #: Of friction on the ball about the normal ``(N, 4)`` [N m].
     moment: Array
+    #: By ``CAUSES`` ``(N, 4, 3)`` [W].
     loss: Array
+    #: Which contacts stick ``(N, 4)``.
     rest: NDArray[np.bool_]
+    #: Of each ball; ``"no load"`` for one that nothing presses.
     status: tuple[str, ...]
+    #: Largest force out of balance, as a fraction of the ball's sum of mu F.
     left: float
 
     @property
@@ -86,7 +94,7 @@ class BallFriction:
 
     @property
     def q(self) -> Array:
-        """Motions (N, 4) [rad/s]: orbit, then rotation."""
+        """Motions ``(N, 4)`` [rad/s]: orbit, then rotation."""
         return np.column_stack([self.orbit, self.rotation])
 
     @property
@@ -95,19 +103,34 @@ class BallFriction:
         return float(self.loss.sum())
 
     def wrench(self, normals: Array) -> Array:
-        """Friction force and moment on the ball at each contact in x3, y3, z3, (N, 4, 6) [N, N m]."""
+        """Return the friction force and moment on the ball at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m]."""
         return contact_wrench(normals, self.force, self.moment)
 
 
 def ball_friction(
     scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, fast: bool = False, near: Array | None = None
 ) -> BallFriction:
-    """Motion of least dissipation and friction of every ball.
+    """Return the motion of least dissipation and the friction of every ball.
 
     Where all coefficients are zero the motion is the limit for equal ones that vanish. Valid for a helix of any hand and
     number of starts and for a ring (zero lead); groove errors and the bending of the screw enter by loads and contact
-    angles, not by the directions of motion. fast: compiled kernels; near (N, 4): motions of a similar state, nan where
-    none is known, to begin from: ``BallFriction.q``. Raises ValueError at rest.
+    angles, not by the directions of motion.
+
+    Parameters
+    ----------
+    scene, at
+        The scene and the contacts of its balls.
+    friction, drive
+        Coefficients, and the motion of screw or nut.
+    fast
+        Whether to use compiled kernels.
+    near
+        Motions of a similar state to begin from ``(N, 4)`` (``BallFriction.q``), nan where none is known.
+
+    Raises
+    ------
+    ValueError
+        No motion.
     """
     if drive.speed == 0.0:
         raise ValueError("friction at rest is not determined: give a speed")
@@ -137,8 +160,10 @@ def ball_friction(
 def from_motions(
     at: StaticContacts, q: Array, motion: Array, pull: Array, rest: NDArray[np.bool_], status: list[str], left: float
 ) -> BallFriction:
-    """The record of N balls of motions q (N, 4), nan without load; pull (N, 4, 3): force and moment of friction; motion,
-    rest, status and left as there."""
+    """Return the record of N balls from their motions.
+
+    q ``(N, 4)``: motions, nan without load; pull ``(N, 4, 3)``: force and moment of friction; the rest as in the record.
+    """
     loaded = at.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
     seen = np.where(loaded, motion, np.nan)
@@ -146,7 +171,7 @@ def from_motions(
 
 
 def shares(friction: Friction) -> tuple[Array, float]:
-    """Coefficients at the contacts (4,) as parts of the largest, and that one; ones where all are zero.
+    """Return the coefficients at the contacts as parts of the largest ``(4,)``, and that one; ones where all are zero.
 
     Motions depend only on ratios of coefficients: without friction they are the limit for equal ones that vanish.
     """
@@ -156,7 +181,7 @@ def shares(friction: Friction) -> tuple[Array, float]:
 
 
 def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rubs:
-    """Contacts as friction needs them, with the coefficients ``share`` (4,); axes x along the long semi-axis."""
+    """Return the contacts as friction needs them, with coefficients ``share`` ``(4,)``; axes x along the long semi-axis."""
     maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
     for rows in (maps, drives):
         rows[~at.across] = _quarter(rows[~at.across])
@@ -164,19 +189,19 @@ def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rub
 
 
 def turn_back(at: StaticContacts, values: Array) -> None:
-    """Turn what stands in the axes of ``rubs_of`` (N, 4, 3) to x across the groove and z along it, in place."""
+    """Turn values in the axes of `rubs_of` ``(N, 4, 3)`` to x across the groove and z along it, in place."""
     values[~at.across] = _quarter(values[~at.across], -1.0)
 
 
 def _quarter(rows: Array, sign: float = 1.0) -> Array:
-    """Components (k, 3, ...) along contact axes x, z turned by a quarter about their normals; sign -1: back."""
+    """Return components ``(k, 3, ...)`` along contact axes x, z turned by a quarter about their normals; sign -1: back."""
     return np.stack([sign * rows[:, 1], -sign * rows[:, 0], rows[:, 2]], axis=1)
 
 
 def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
-    """Speed (N,) [m/s] at which a ball nears the next one of its start, at the larger azimuth; nan without one or load.
+    """Return the speed at which a ball approaches the next one of its start ``(N,)`` [m/s]; nan without one or load.
 
-    A ring's last ball is followed by its first, where the balls fill the turn.
+    The next one is at the larger azimuth; a ring's last ball is followed by its first, where the balls fill the turn.
     """
     path = ball_path(scene, drive, scene.balls.radius)
     count, starts = at.force.shape[0], scene.track.starts
@@ -202,7 +227,7 @@ WIDE = 0.03
 
 
 def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
-    """Points x, z (k,) of the unit disc and weights (k,) under Hertz's pressure, which sum up to one."""
+    """Return points x, z ``(k,)`` of the unit disc and weights ``(k,)`` under Hertz's pressure, which sum up to one."""
     node, weight = np.polynomial.legendre.leggauss(outwards)
     height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
     radius = np.sqrt(1.0 - height**2)
@@ -212,7 +237,7 @@ def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Ar
 
 
 def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float) -> tuple[Array, Array]:
-    """Sliding of the contacts' points as rows (N, 4, k, 2, 4) in a ball's motion and what the drives add (N, 4, k, 2).
+    """Return the sliding of the contacts' points by a ball's motion ``(N, 4, k, 2, 4)`` and by the drives ``(N, 4, k, 2)``.
 
     curved: factor of the contacts' curvature, 0 for flat ellipses.
     """
@@ -240,9 +265,9 @@ def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float
 
 
 def least_power(rows: Array, added: Array, strength: Array, start: Array, slide: float) -> Array:
-    """Least power (N,) [W] over the motions of N balls, by Newton's method at falling regularising speeds.
+    """Return the least power over the motions of N balls ``(N,)`` [W], by Newton's method at falling regularising speeds.
 
-    strength (N, 4): mu F [N]; start (N, 4): motions to begin from; slide: a typical sliding speed [m/s].
+    strength ``(N, 4)``: mu F [N]; start ``(N, 4)``: motions to begin from; slide: a typical sliding speed [m/s].
     """
     loaded = (strength > 0.0).any(axis=0)
     weight = (strength[:, loaded, None] * quadrature()[2]).reshape(len(strength), -1)
@@ -279,9 +304,9 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
 
 
 def heathcote(scene: Scene, at: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive) -> float:
-    """Part by which Heathcote slip raises the losses of all contacts at their loads; nan where nothing is lost.
+    """Return the part by which Heathcote slip raises the losses of all contacts at their loads; nan where nothing is lost.
 
-    Good to about 0.002 (quadrature and regularising speeds, the same with and without curvature).
+    Accurate to about 0.002 (quadrature and regularising speeds, the same with and without curvature).
     """
     balls = np.flatnonzero(np.isfinite(by_ball.orbit))
     if balls.size == 0:

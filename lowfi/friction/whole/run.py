@@ -1,4 +1,4 @@
-"""A screw or bearing in time: balls travel through circuits, loads are solved where they are; see ``screw.travel``.
+"""Screw or bearing in time: balls travel through circuits, loads are solved at their positions; see ``screw.travel``.
 
 Loads are solved again and again while balls travel; the compliance of their bodies changes slowly.
 """
@@ -35,29 +35,37 @@ WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
 class Window(NamedTuple):
-    """Compliance of a body ``(3, 2 c, 2 c)`` [m/N] where its balls are, and half a length [rad] and a length on."""
+    """Compliance of a body at three positions of its balls: at the start, half a length and a length on."""
 
+    #: Of the balls at the start [rad].
     azimuth: Array
+    #: Of the balls at the start [m].
     z: Array
+    #: [rad].
     length: float
+    #: ``(2 c, 2 c)`` each [m/N].
     G: tuple[Array, Array, Array]
 
 
 @dataclass
 class Travelling:
-    """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`: computed at
-    three places of a window, between them by the parabola through these.
+    """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`.
 
-    ahead: length of a window [rad], signed as the balls travel in the nut. A body of revolution with a groove in it answers
-    balls that turn and advance together alike, but for its ends: the compliance changes slowly. Where balls move by more
-    than ``APART`` against each other, or others are on the loaded arc, a new window begins. Kept for one scene and backend.
+    Computed at three positions of a window, and between them by the parabola through these. A body of revolution with a
+    groove
+    in it responds alike to balls that turn and advance together, but for its ends: the compliance changes slowly. Where
+    balls
+    move by more than ``APART`` against each other, or others are on the loaded arc, a new window begins. For one scene and
+    backend.
     """
 
+    #: Length of a window [rad], signed as the balls travel in the nut.
     ahead: float
+    #: Windows by bodies and balls.
     windows: dict[tuple[object, ...], list[Window]] = field(default_factory=dict)
 
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
-        """As `whole_body`."""
+        """Return the compliance, as `whole_body`."""
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
@@ -74,7 +82,7 @@ class Travelling:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> Window:
-        """A window from ``layout`` on, shorter where a ball would pass the nut's face. Raises as `whole_body`."""
+        """Return a window from ``layout`` on, shorter where a ball would pass the nut's face. Raises as `whole_body`."""
         rate, length = reduced_lead(track), self.ahead
         while True:
             places = (layout_at(track, layout.azimuth + s, layout.z + s * rate) for s in (length, 0.5 * length, 0.0))
@@ -89,7 +97,7 @@ class Travelling:
 
 
 def in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """How a model finds the loads of balls that travel; ahead: 1.0 or -1.0, as they do in the nut."""
+    """Return how a model computes the loads of balls that travel; ahead: 1.0 or -1.0, as they do in the nut."""
     if model != "refined":
         return AGAIN[model]
     return partial(elastic_loads, whole=Travelling(WINDOW * ahead))
@@ -103,35 +111,53 @@ Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 
 
 class Memory(NamedTuple):
-    """Motions (N, 4) [rad/s] and forces (N,) [N] of the last instant, and its friction fed back (N, 3) [N]."""
+    """State of the last instant of N balls."""
 
+    #: Motions ``(N, 4)`` [rad/s].
     q: Array
+    #: Ball-to-ball forces ``(N,)`` [N].
     force: Array
+    #: Friction fed back ``(N, 3)`` [N].
     push: Array
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Constants of a run: parts, coefficients, motion, errors, balls, static model, kernels. A setting of
-    ``travel``, azimuths in the nut's frame."""
+    """Constants of a run of a scene in time, a setting of ``travel`` with azimuths in the nut's frame."""
 
+    #: The scene.
     scene: Scene
+    #: Its coefficients.
     friction: Friction
+    #: Motion of screw or nut.
     drive: Drive
+    #: Parts with their errors.
     drawn: Drawn
+    #: Its balls in their circuits.
     balls: Balls
+    #: Computes the contact loads.
     solve: Solve
+    #: Whether to use compiled kernels.
     fast: bool = True
 
     def angles(self, time: float) -> tuple[float, float]:
-        """Angles [rad] of screw and nut in space."""
+        """Return the angles of screw and nut in space [rad]."""
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
     def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Contacts of all N balls at azimuths (N,) in the nut's frame, which are on a loaded arc, and how loads ended.
+        """Return the contacts of all N balls, which are on a loaded arc, and how the loads ended.
 
-        push (N, 3): forces of friction fed back in the step before, overwritten, q (N, 4): its motions; see ``feed_back``.
+        Parameters
+        ----------
+        azimuth
+            In the nut's frame ``(N,)`` [rad].
+        time
+            [s].
+        push
+            Forces of friction fed back in the step before ``(N, 3)`` [N]; overwritten.
+        q
+            Its motions ``(N, 4)``; see `feed_back`.
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
@@ -158,35 +184,35 @@ class Setting:
 
     @property
     def tracks(self) -> tuple[ClosedTrack, ...]:
-        """The closed tracks of the circuits."""
+        """Closed tracks of the circuits."""
         return self.balls.tracks
 
     @property
     def spacing(self) -> Array:
-        """Azimuth (N,) by which the next ball is ahead where both touch [rad]."""
+        """Azimuth by which the next ball is ahead where both touch ``(N,)`` [rad]."""
         return self.balls.spacing
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers (N,) of the balls in the scene, -1 for those of the return."""
+        """Numbers of the balls in the scene ``(N,)``, -1 for those of the return."""
         return self.balls.number
 
     def begin(self) -> Place:
-        """The scene's places, balls rolling at the nominal speed."""
+        """Return the scene's positions, with balls rolling at the nominal speed."""
         count, nut = self.balls.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
         memory = Memory(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
         gap = np.maximum(self.balls.gaps(self.balls.azimuth), 0.0)
         return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - the arcs stand in the nut
-        """Time [s] until a ball passes an end of its loaded arc; inf for a bearing, which has none."""
+    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - the arcs are fixed in the nut
+        """Return the time until a ball passes an end of its loaded arc [s]; inf for a bearing, which has none."""
         if self.scene.track.lead == 0.0:
             return np.inf
         return min(track.to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
-        """Loads where the balls are, then their motions; azimuths (N,) in the nut's frame."""
+        """Return loads at the balls' positions, then their motions; azimuths ``(N,)`` in the nut's frame."""
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)
         if status != "converged":
@@ -224,7 +250,7 @@ class Setting:
 
 
 def _on_screw(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
-    """Torque [N m] about +z that drives the screw under the external axial load [N].
+    """Return the torque about +z that drives the screw under the external axial load [N], in N m.
 
     Moments of contact forces and friction about the axis; an axial force of friction that the loads leave out is
     carried down the helix.

@@ -1,4 +1,4 @@
-"""Friction of a whole screw or bearing at the loads that a static model gives: one call from scene to sums."""
+"""Friction of a whole screw or bearing at the loads of a static model: one call from scene to sums."""
 
 from __future__ import annotations
 
@@ -27,25 +27,33 @@ TOUCHING = 1e-6
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Friction of N balls, in the order of the scene, with neighbours that touch; SI.
+    """Friction of N balls, in the order of the scene, with neighbours that touch."""
 
-    force (N,): of a ball on the next one at the larger azimuth; power: lost between balls; touching: pairs; least: smallest
-    gap of all neighbours on the loaded arcs, inf without any.
-    """
-
+    #: Motion and friction of the balls.
     balls: BallFriction
+    #: Of a ball on the next one at the larger azimuth ``(N,)`` [N].
     force: Array
+    #: Lost between balls [W].
     power: float
+    #: Number of pairs that touch.
     touching: int
+    #: Smallest gap of all neighbours on the loaded arcs [rad]; inf without any.
     least: float
 
 
 def neighbours(
     scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
 ) -> Neighbours:
-    """Motions of all balls at loads that do not change, where those within ``TOUCHING`` of each other push.
+    """Return the motions of all balls at loads that do not change, where those within ``TOUCHING`` of each other push.
 
-    Balls in the return touch none. Raises CircuitError for circuits that cannot be, ValueError for balls that overlap.
+    Balls in the return touch none.
+
+    Raises
+    ------
+    CircuitError
+        Impossible circuits.
+    ValueError
+        Balls that overlap.
     """
     track, drawn = scene.track, draw(scene, member)
     all_balls = balls_of(scene, friction, drive, drawn, member)
@@ -84,28 +92,32 @@ def neighbours(
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients.
+    """Friction of a scene at one pair of coefficients."""
 
-    bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
-    direction of motion or the other; change: difference of friction and what of it is fed back, see ``FedBack``;
-    coupled: whether friction feeds back; neighbours: what balls that touch do to each other, where asked;
-    second: indices of balls for which a second, jammed state was found, None where none was looked for.
-    """
-
+    #: The contacts.
     at: StaticContacts
+    #: Motion and friction of every ball.
     balls: BallFriction
+    #: Sums over all balls.
     torque: ScrewTorque
+    #: Speeds at which neighbours approach ``(N,)`` [m/s].
     closing: Array
+    #: The sums at the static loads, without feedback.
     bare: ScrewTorque
+    #: Indices of balls whose feedback did not settle, in one direction of motion or the other.
     unsettled: tuple[int, ...]
+    #: Difference of friction and what of it is fed back, see ``FedBack``.
     change: float
+    #: Whether friction feeds back.
     coupled: bool
+    #: What balls that touch do to each other; None where not requested.
     neighbours: Neighbours | None = None
+    #: Indices of balls for which a second, jammed state was found; None where none was looked for.
     second: tuple[int, ...] | None = None
 
     @property
     def settled(self) -> bool:
-        """Whether friction balances on every ball, and agrees with its place."""
+        """Whether friction balances on every ball, and agrees with its position."""
         return self.balls.converged and not self.unsettled
 
     @property
@@ -117,12 +129,32 @@ class FrictionState:
 def friction_state(
     scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0, *, fast: bool | None = None
 ) -> FrictionState:
-    """Friction of a solved scene, fed back on the places of the balls and with neighbours that push each other where
-    ``friction`` says so. Both: neighbours push at the loads that each ball's own friction leaves, as in a run in time.
+    """Return the friction of a solved scene.
 
-    Friction of a ring runs along its groove and moves no ball. Arguments as for ``contacts_of`` and ``ball_friction``,
-    which say what they refuse. fast: compiled kernels; unless given where they pay, but few balls do not wait for them to
-    be compiled: `lowfi.jit.compile_afterwards` does that.
+    Fed back on the positions of the balls, and with neighbours that push each other, where ``friction`` asks for it; with
+    both,
+    neighbours push at the loads that each ball's own friction leaves, as in a run in time. Friction of a ring runs along
+    its
+    groove and moves no ball.
+
+    Parameters
+    ----------
+    scene, result
+        The scene and its static result.
+    friction, drive
+        Coefficients, and the motion of screw or nut.
+    member
+        Number of the specimen that ``result`` was solved for.
+    fast
+        Whether to use compiled kernels; by default where they pay. A few balls do not wait for kernels to be compiled:
+        `lowfi.jit.compile_afterwards` does that.
+
+    Raises
+    ------
+    CircuitError
+        Impossible circuits of a scene with neighbours.
+    ValueError
+        A result that did not converge, no motion, or balls that overlap.
     """
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)
@@ -158,5 +190,5 @@ def friction_state(
 
 
 def reverse(drive: Drive) -> Drive:
-    """The motion backwards."""
+    """Return the motion backwards."""
     return replace(drive, speed=-drive.speed)

@@ -1,13 +1,16 @@
 """Torques, axial loads and efficiencies of a ball screw, and the torque of a bearing, from the friction of its balls.
 
-Virtual work, with Omega the angular speed of the screw against the nut, r = lead / (2 pi) (negative: left-hand) the
+Virtual work, with Omega the angular speed of the screw against the nut, r = lead/(2 pi) (negative: left-hand) the
 advance per angle, T and F the torque and the axial load on the screw along +z, P the power lost: the balls roll along the
-helix, so that any state in balance obeys T Omega + F r Omega = P exactly, P taken at the true loads. Friction changes the
-contact loads by parts of the order of mu: with P at the loads without friction T = P / Omega - r F has an error of second
-order in mu, small in preloaded four-point contact, large in two-point contact; ``ball_feedback`` takes P at loads that know
-of friction.
+helix, so that any state in balance obeys
 
-What a scene asks of friction stands here too: whether it feeds back, and whether kernels are compiled for so many balls.
+    T Omega + F r Omega = P                                                                                            (1)
+
+exactly, P taken at the true loads. Friction changes the contact loads by parts of the order of mu: with P at the loads
+without friction T = P/Omega - r F has an error of second order in mu, small in preloaded four-point contact, large in
+two-point contact; ``ball_feedback`` takes P at loads with friction.
+
+Also here: whether a scene's friction feeds back, and whether kernels are compiled for so many balls.
 """
 
 from __future__ import annotations
@@ -34,24 +37,26 @@ ROUND_OFF = 1e-6
 
 @dataclass(frozen=True)
 class ScrewTorque:
-    """Sums of the friction of all balls; SI, everything along +z.
+    """Sums of the friction of all balls; everything along +z."""
 
-    speed: of the screw against the nut; ratio: advance per angle, lead / (2 pi), signed by the hand; load: external axial
-    load on the screw that the contacts carry; power: lost in the contacts; pull: axial force of friction on the screw,
-    which the loads leave out; helical: what the drive of the screw, of the nut puts in per angle of its helical
-    motion, [N m]: moments and forces of all contacts about the axis, normal forces included; tilt: largest friction in
-    the plane of a ball's section over its largest contact force; carried: sum of all contact forces [N];
-    reverse_power: lost by the reversed motion, another one where friction feeds back on the loads.
-    """
-
+    #: Of the screw against the nut [rad/s].
     speed: float
+    #: Advance per angle, lead/(2 pi), signed by the hand [m/rad].
     ratio: float
+    #: External axial load on the screw that the contacts carry [N].
     load: float
+    #: Lost in the contacts [W].
     power: float
+    #: Axial force of friction on the screw, which the loads leave out [N].
     pull: float
+    #: Work of the drive of the screw, and of the nut, per angle of its helical motion [N m]: moments and forces of all
+    #: contacts about the axis, normal forces included.
     helical: tuple[float, float]
+    #: Largest friction in the plane of a ball's section over its largest contact force.
     tilt: float
+    #: Sum of all contact forces [N].
     carried: float
+    #: Lost by the reversed motion [W], another one where friction feeds back on the loads.
     reverse_power: float
 
     @property
@@ -61,12 +66,12 @@ class ScrewTorque:
 
     @property
     def on_screw(self) -> float:
-        """Torque [N m] about +z that drives the screw at this speed (negative: holds it back); the opposite on the nut."""
+        """Torque about +z that drives the screw at this speed (negative: brakes it); the opposite on the nut [N m]."""
         return self.power / self.speed - self.ratio * self.load
 
     @property
     def input_power(self) -> float:
-        """Power [W] that the contacts take from screw and nut: summed from forces and moments in space, not from losses."""
+        """Power that the contacts take from screw and nut [W]: summed from forces and moments in space, not from losses."""
         return self.helical[0] * self.speed
 
     @property
@@ -76,24 +81,24 @@ class ScrewTorque:
 
     @property
     def ideal(self) -> float:
-        """Torque [N m] that balances the axial load without friction."""
+        """Torque that balances the axial load without friction [N m]."""
         return abs(self.ratio * self.load)
 
     @property
     def forward(self) -> float:
-        """Torque [N m] that moves the screw against the axial load."""
+        """Torque that moves the screw against the axial load [N m]."""
         with_load = self.load * self.ratio * self.speed > 0.0
         return self.ideal + (self.reverse_power if with_load else self.power) / abs(self.speed)
 
     @property
     def backward(self) -> float:
-        """Torque [N m] that holds the screw back while the axial load drives it; negative: it must be driven."""
+        """Torque that brakes the screw while the axial load drives it [N m]; negative: it must be driven."""
         with_load = self.load * self.ratio * self.speed > 0.0
         return self.ideal - (self.power if with_load else self.reverse_power) / abs(self.speed)
 
     @property
     def efficiency(self) -> tuple[float, float]:
-        """Forward (work on the load over work of the torque) and backward (the other way); nan without axial load.
+        """Efficiencies forward (work on the load over work of the torque) and backward; nan without axial load.
 
         Backward it is negative where the screw locks itself.
         """
@@ -108,9 +113,9 @@ class ScrewTorque:
 
 
 def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False) -> ScrewTorque:
-    """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
+    """Return the sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
-    coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
+    coupled: whether contact forces and friction together carry the axial load, or only the contact forces.
     """
     normals, frames = at.normals, at.frames
     friction = by_ball.wrench(normals)
@@ -139,7 +144,7 @@ def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motio
 
 
 def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
-    """Axial forces [N] and moments about the axis [N m], (N, 4) each, of forces and moments (N, 4, 6) at the contacts."""
+    """Return axial forces [N] and moments about axis [N m], ``(N, 4)`` each, of wrenches ``(N, 4, 6)`` at the contacts."""
     turn = at.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
@@ -155,11 +160,11 @@ COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
 def feeds_back(scene: Scene, friction: Friction) -> bool:
-    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
+    """Return whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
-    """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
+    """Return whether so many balls are solved that kernels are compiled, unless machine code is on disk (``cached``)."""
     often = feeds_back(scene, friction) or friction.neighbours
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

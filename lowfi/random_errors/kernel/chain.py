@@ -22,7 +22,10 @@ CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 
 @kernel
 def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Approach, sine of the contact angle, d(approach)/dv of (10) and (14): approach = error + v sin(angle(approach))."""
+    """Return approach, sine of the contact angle and d(approach)/dv by Liu's (10) and (14).
+
+    Approach = error + v sin(angle(approach)).
+    """
     a = p[1] - error
     approach = error + v * p[2]
     sine, rate = p[2], 0.0
@@ -40,7 +43,7 @@ def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
 
 @kernel
 def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """The same from the distance of the groove centres, whose offset across the axis no ball changes."""
+    """Return the same from the distance of the groove centres, whose offset across the axis no ball changes."""
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
     sine = along / distance
@@ -51,10 +54,10 @@ def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
 
 @kernel
 def ball(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
-    """Contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
+    """Return contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
 
-    error [m]: what the ball is too large; law: reading of the contact angle; p: Hertz stiffness [N/m^1.5], distance A of
-    the groove centres [m], sine and cosine of the free contact angle, cosine of the lead angle.
+    error [m]: excess of the ball; law: interpretation of the contact angle; p: Hertz stiffness [N/m^1.5], distance A of the
+    groove centres [m], sine and cosine of the free contact angle, cosine of the lead angle.
     """
     v = u * p[4]
     approach, sine, slope = error + v * p[2], p[2], p[2]
@@ -81,7 +84,10 @@ TOLERANCE = 1e-10
 
 @kernel
 def _rigid(errors: Array, load: float, p: Array) -> float:
-    """Motion [m] of rigid bodies, constant contact angle, to a hundredth of the load from above: some ball is loaded."""
+    """Return the motion [m] of rigid bodies with a constant contact angle, to a hundredth of the load from above.
+
+    Some ball is loaded there.
+    """
     slope = p[2] * p[4]
     u = ((load / (slope * p[0] * errors.size)) ** (2.0 / 3.0) - errors.min()) / slope
     for _ in range(MAX_ITERATIONS):
@@ -103,7 +109,7 @@ def _rigid(errors: Array, load: float, p: Array) -> float:
 def newton(
     errors: Array, load: float, segments: Array, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
-    """Solve one chain; see ``lowfi.random_errors.chain`` for the equations.
+    """Solve one chain; equations in ``lowfi.random_errors.chain``.
 
     errors (M,): [m]; load: positive [N]; segments (M,): compliance from the ball before [m/N]; u (M,): result, motions [m];
     work (3, M): its first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.

@@ -1,7 +1,7 @@
-"""Several rolling sets with elastic bodies: the compliance of shaft, housings and of each set's own bodies at all flanks.
+"""Several rolling sets with elastic bodies: compliance of shaft, housings and of each set's bodies at all flanks.
 
-The shaft is a beam with its supports; beyond it the screw, nut and balls of a set answer contact forces as in the refined
-model of one set (`lowfi.compliance`), as long as the force is of that set: from set to set only beam and housings reach,
+The shaft is a beam with its supports; beyond it the screw, nut and balls of a set respond to contact forces as in the
+refined model of one set (`lowfi.compliance`), as long as the force is of that set: between sets act only beam and housings,
 and the beam's section forces, which squeeze the contacts (`lowfi.statics.shaft`).
 """
 
@@ -48,7 +48,7 @@ from rollbench.lowfi.statics.response import (
     typical_axes,
 )
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.settle import SetFlanks, Words, least_residual, options_of
+from rollbench.lowfi.statics.settle import Description, SetFlanks, least_residual, options_of
 from rollbench.lowfi.statics.shaft import (
     Shaft,
     Squeeze,
@@ -84,18 +84,23 @@ RIGID_INNER = "elastic inner ring: as the housing that it sits on, it is rigid b
 
 @dataclass(frozen=True)
 class Housings:
-    """Housings as a linear body: stiffness of what is free, factored; motions (6 m, k) that nothing holds, which some
-    freedoms pin; given (6 m,): motion by loads and prescribed displacements; work (k,) of the loads on the motions."""
+    """Housings of an assembly as one linear body of m moving housings."""
 
+    #: Free freedoms.
     free: NDArray[np.int64]
+    #: Factor of their stiffness.
     factor: tuple[Array, bool] | None
+    #: Stiffness of all freedoms.
     stiffness: Array
+    #: Motions that nothing resists ``(6 m, k)``, which pins at some freedoms determine.
     motions: Array
+    #: Motion by loads and prescribed displacements ``(6 m,)``.
     given: Array
+    #: Work of the loads on the motions ``(k,)``.
     work: Array
 
     def solve(self, loads: Array) -> Array:
-        """Motions (6 m, c) by loads (6 m, c), with the loose motions pinned."""
+        """Return motions ``(6 m, c)`` by loads ``(6 m, c)``, with the loose motions pinned."""
         out = np.zeros_like(loads)
         if self.factor is not None:
             out[self.free] = cho_solve(self.factor, loads[self.free])
@@ -104,51 +109,58 @@ class Housings:
 
 @dataclass(kw_only=True)
 class ElasticSets(Sets):
-    """An assembly of elastic bodies.
-
-    on_housings (4 N, 6 m): motion of the nut's flanks by the housings, carried (4 N, 6 m): of inner flanks on them; own:
-    compliance of each set's own screw and nut, ball by ball (4 N_s, 4 N_s); assumed: statements on the bodies.
-    """
+    """Assembly of elastic bodies with N balls and m housings, ready for the kernels."""
 
     SOLVER = "solve_forces"
+    #: Bodies and rolling elements as the kernels take them.
     given: BodySystem
+    #: Forces, free motions and contacts.
     state: BodyState
+    #: Model of the bodies' compliance.
     backend: Backend
+    #: All balls and rollers as one problem on the shaft.
     whole: Problem
+    #: Beam of the shaft.
     shaft: Shaft
+    #: The housings.
     housings: Housings
+    #: Motion of the nuts' flanks by the housings ``(4 N, 6 m)``.
     on_housings: Array
+    #: Motion of inner flanks that housings carry ``(4 N, 6 m)``.
     carried: Array
+    #: Compliance of each set's screw and nut, ball by ball ``(4 N_s, 4 N_s)`` each [m/N].
     own: list[tuple[Array, Array]]
+    #: Assumptions about the bodies.
     assumed: tuple[str, ...]
+    #: Coupling with the shaft's section forces; None without it.
     squeeze: Squeeze | None
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Contacts at the state."""
+        """Return the contacts at the state."""
         return set_flanks(self.system, self.rows()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """As `Prepared.with_arms`."""
+        """Return the system with longer lever arms, as `Prepared.with_arms`."""
         longer: Any = ready(with_arms(self.system, arms), self.backend, self.engine).at_state(self)
         return longer  # type: ignore[no-any-return]
 
     def round_off(self) -> float:
-        """By the largest motions and the stiffest contact."""
+        """Return the residual that rounding leaves, by the largest motions and the stiffest contact."""
         state, v0 = self.state, self.given.bodies.v0
         motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
         return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
 
-    def words(self) -> Words:
-        """As `Prepared.words`."""
-        return Words(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
+    def description(self) -> Description:
+        """Return the description of the model, as `Prepared.description`."""
+        return Description(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
-        """Forces (N, 4, 2) [N] of the balls on their flanks."""
+        """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N]."""
         contact = self.state.contact
         return np.asarray(contact[..., 0, None] * contact[..., 1:3])
 
     def shifts(self) -> Array:
-        """Motions (N, 4, 2) [m] of all flanks."""
+        """Return the motions of all flanks ``(N, 4, 2)`` [m]."""
         bodies, forces = self.given.bodies, self.forces()
         N = len(forces)
         out = (bodies.v0 + bodies.R @ self.state.a).reshape(N, 4, 2)
@@ -157,7 +169,7 @@ class ElasticSets(Sets):
         return np.asarray(out)
 
     def rows(self) -> tuple[RowState, Array]:
-        """As `Sets.rows`."""
+        """Return motions and reactions, as `Sets.rows`."""
         system, shaft = self.system, self.shaft
         structure, forces = system.structure, self.forces()
         n, k = structure.nodes.size, shaft.work.size
@@ -184,13 +196,13 @@ class ElasticSets(Sets):
         return state, held
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """As `Sets.stiffness`."""
+        """Return stiffness matrices, as `Sets.stiffness`."""
         S = ball_roots(self)
         return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
-    """Springs between housings and to the frame, with what holds them."""
+    """Return the housings with the springs between them and to the frame."""
     n, m = structure.nodes.size, structure.at.size
     K = np.zeros((6 * m, 6 * m))
     for ends, reach, stiffness in zip(structure.ends, structure.reach, structure.springs, strict=True):
@@ -217,19 +229,19 @@ def housings_of(structure: Structure, arm: float) -> Housings:
 
 
 def on_shaft(b: BallSet) -> Problem:
-    """The set's problem, whose inner flanks are on the shaft, or nowhere where a housing carries them."""
+    """Return the set's problem with inner flanks on the shaft, or on nothing where a housing carries them."""
     p = b.problem
     return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
 
 
 def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
-    """Section of the threaded shaft; None: the scene's."""
+    """Return the section of the threaded shaft by a backend; None: the scene's."""
     thread = threaded(assembly) if backend.section == "cell" else None
     return None if thread is None else grooved_section(geometry_only(thread), True)
 
 
 def combined(system: System, rollers: RollerElements) -> Problem:
-    """All balls of all sets, then all rollers, as one problem on one shaft, for the beam only."""
+    """Return all balls of all sets, then all rollers, as one problem on one shaft, for the beam only."""
     s, problems = system.structure, [on_shaft(b) for b in system.balls]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
@@ -250,9 +262,20 @@ def combined(system: System, rollers: RollerElements) -> Problem:
 def own_bodies(
     b: BallSet, backend: Backend, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
-    """Compliance of a set's own screw and nut (4 N, 4 N) [m/N]; e, h (N, 4) besides Hertz; the ball's coupling g (4,).
+    """Return the compliance of a set's screw and nut, and the terms of its contacts besides Hertz.
 
-    force [N]: of a typical contact, at which terms that depend on its size are taken.
+    Parameters
+    ----------
+    b
+        The set.
+    backend
+        Model of the bodies' compliance.
+    force
+        Of a typical contact [N], at which terms that depend on its size are taken.
+
+    Returns
+    -------
+        Compliance ``(4 N, 4 N)`` of screw and nut [m/N]; e and h ``(N, 4)``; the ball's coupling g ``(4,)``; assumptions.
     """
     problem, scene = b.problem, b.problem.scene
     N, layout = problem.layout.z.size, problem.layout
@@ -273,8 +296,7 @@ def own_bodies(
 
 
 def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
-    """Motions (4 N, 6 m) of the outer flanks of all balls, then of the cups of all rollers, by those of m housings; and of
-    the inner flanks that housings carry."""
+    """Return motions ``(4 N, 6 m)`` of outer flanks and cups by those of m housings, and of inner flanks on them."""
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
     for b in system.balls:
@@ -289,10 +311,14 @@ def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]
 
 
 def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
-    """Arrays for the kernels.
+    """Return a system ready for the kernels.
 
-    Some set has balls, and the system has the `section_of` the backend. Raises ValueError for inner rings on housings that
-    stand on springs, too many elements, or bodies that the dimensions make impossible.
+    Some set has balls, and the system was built with `section_of` the backend.
+
+    Raises
+    ------
+    ValueError
+        Inner rings on housings that stand on springs, too many elements, or bodies with impossible dimensions.
     """
     rollers = roller_elements(system.rollers)
     balls = system.contacts.r_ball.size
@@ -384,7 +410,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
 
 
 def ball_roots(elastic: ElasticSets) -> list[Array]:
-    """Square roots S_i (rows, 8) of the balls' stiffness by the motion of their flanks."""
+    """Return square roots S_i ``(rows, 8)`` of the balls' stiffness by the motion of their flanks."""
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
     elastic.engine.ball_rows(elastic.given.contacts, elastic.state.contact, S, counts)
@@ -392,7 +418,7 @@ def ball_roots(elastic: ElasticSets) -> list[Array]:
 
 
 def spread(S: list[Array]) -> Array:
-    """Square roots of all balls (rows, 8 N)."""
+    """Return the square roots of all balls as one matrix ``(rows, 8 N)``."""
     out = np.zeros((sum(len(s) for s in S), 8 * len(S)))
     row = 0
     for i, s in enumerate(S):
@@ -402,7 +428,7 @@ def spread(S: list[Array]) -> Array:
 
 
 def both(first: Array, second: Array) -> Array:
-    """Compliance (8 N, 8 N) of all flanks, ball by ball, from that of the screw's and of the nut's (4 N, 4 N)."""
+    """Return the compliance ``(8 N, 8 N)`` of all flanks, ball by ball, from that of screw and nut ``(4 N, 4 N)``."""
     N = len(first) // 4
     out = np.zeros((N, 2, 4, N, 2, 4))
     out[:, 0, :, :, 0] = first.reshape(N, 4, N, 4)
@@ -411,7 +437,7 @@ def both(first: Array, second: Array) -> Array:
 
 
 def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> Array:
-    """Stiffness (6, 6) of one set with its own elastic bodies: its inner part moved rigidly, its outer one held."""
+    """Return the stiffness ``(6, 6)`` of one set with its elastic bodies, inner part moved rigidly, outer part fixed."""
     root = spread(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
     rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
@@ -420,7 +446,7 @@ def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> A
 
 
 def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
-    """Tangent stiffness (6, 6) of the whole at the row that is asked about, as `whole_stiffness` of the model lin."""
+    """Return the tangent stiffness ``(6, 6)`` of the whole at the reported row, as `whole_stiffness` of the model lin."""
     system, structure = elastic.system, elastic.system.structure
     row = asked_row(system)
     if row < 0:
@@ -465,10 +491,26 @@ def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
 def solve_refined(
     assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
 ) -> AxisResult:
-    """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
+    """Compute loads, stiffness and motions of an assembly with elastic bodies.
 
-    Rollers by themselves leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
-    for inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies that cannot be.
+    An assembly with rollers only has nothing elastic but the beam and the line contacts: the model lin.
+
+    Parameters
+    ----------
+    assembly
+        The assembly.
+    engine, member
+        As for `solve_assembly`.
+    backend
+        Model of the bodies' compliance.
+    name
+        Of the model, for the record.
+
+    Raises
+    ------
+    ValueError
+        Inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies with impossible
+        dimensions.
     """
     rigid = rigid_rings(assembly)
     if not assembly.ball_count:
@@ -484,6 +526,6 @@ def solve_refined(
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """A sentence each on what rows of rollers and inner rings on housings leave out."""
+    """Return sentences on what rows of rollers and inner rings on housings leave out."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

@@ -1,5 +1,7 @@
-"""What holds several rolling sets: rigid motions of shaft and housings that nothing resists, found before anything is
-solved, and whether loads can be carried at all, by a linear program on contact forces that push.
+"""Motions of shaft and housings that nothing resists, and whether contacts can carry the loads of an assembly at all.
+
+Rigid motions without resistance are found before anything is solved; whether loads can be carried is decided by a linear
+program on compressive contact forces.
 
 As in `lowfi.statics.held` for one set: either compressive forces at the nominal contacts of balls and rollers, with what
 supports and springs do, balance the loads, or a motion of shaft and housings as rigid bodies opens every contact, or leaves
@@ -25,17 +27,20 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class Loose:
-    """Rigid motions that nothing resists: whether the loads drive one, its words, and freedoms (rows, freedom) to hold."""
+    """Rigid motions of shaft and housings that nothing resists."""
 
+    #: Whether the loads drive one.
     driven: bool
+    #: Description of the motions.
     text: str
+    #: Row and freedom of each pin.
     pins: tuple[tuple[int, int], ...] = ()
 
 
 def loose_motions(system: System) -> Loose:
-    """Motions of shaft and housings as rigid bodies without resistance from supports, springs or rolling elements.
+    """Return the motions of shaft and housings as rigid bodies without resistance from supports, springs or elements.
 
-    As `lowfi.statics.held.free_motions`, the motion at a ball's centre stands for its flanks.
+    As in `lowfi.statics.held.free_motions`, the motion at a ball's centre represents its flanks.
     """
     s = system.structure
     motions = rigid_motions(s, system.arm)
@@ -61,7 +66,7 @@ def loose_motions(system: System) -> Loose:
     if not null.shape[0]:
         return Loose(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
-    text = words_for(system, free)
+    text = describe_motions(system, free)
     if drives(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
         return Loose(True, f"{text}: no support, spring or rolling element resists it, and the loads drive it")
     rows_of = [0, *range(n, s.stations.size)]
@@ -71,8 +76,8 @@ def loose_motions(system: System) -> Loose:
     return Loose(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
 
-def words_for(system: System, free: Array) -> str:
-    """Words for motions (r, 6) or (r, 6, k) of all rows as rigid bodies."""
+def describe_motions(system: System, free: Array) -> str:
+    """Return a description of motions ``(r, 6)`` or ``(r, 6, k)`` of all rows as rigid bodies."""
     free = free.reshape(len(free), 6, -1)
     s, n = system.structure, system.structure.nodes.size
     names = {row: name for name, row in s.row.items() if row >= 0}
@@ -87,7 +92,7 @@ def words_for(system: System, free: Array) -> str:
 
 
 def pinned(system: System, loose: Loose) -> System:
-    """The system with the loose motions held where they are."""
+    """Return the system with pins at its loose motions."""
     if not loose.pins:
         return system
     fixed = system.structure.fixed.copy()
@@ -97,15 +102,23 @@ def pinned(system: System, loose: Loose) -> System:
     return replace(system, structure=structure, axis=system.axis._replace(fixed=fixed))
 
 
-#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
+#: Contact angle [rad] below which a contact of a one-way row lies beyond the bottom of its groove, or on it.
 APEX = 1e-6
 
 
 def opening_motion(system: System) -> Array | None:
-    """Motion (r, 6) of all rows as rigid bodies [m, rad], of size one with rotations times the arm, that opens all
-    contacts at their nominal angles while the loads do work; None where compressive forces balance the loads.
+    """Return a motion of shaft and housings as rigid bodies that opens all contacts while the loads do work.
 
-    Raises ArithmeticError where the linear program finds neither.
+    Contacts at their nominal angles; a linear program.
+
+    Returns
+    -------
+        ``(r, 6)`` [m, rad], of size one with rotations times the arm; None where compressive forces balance the loads.
+
+    Raises
+    ------
+    ArithmeticError
+        The linear program finds neither.
     """
     from scipy.sparse import csr_array, hstack, vstack
 
@@ -124,9 +137,9 @@ def opening_motion(system: System) -> Array | None:
 
 
 def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
-    """Approach of every contact that a set uses, by the rigid motions and by the centres of all balls: it must not grow.
+    """Return the approach of every contact that a set uses, by the rigid motions and by the centres of all balls.
 
-    The one arc of a deep groove counts at its contact angle to either side.
+    It must not grow. The one arc of a deep groove counts at its contact angle to either side.
     """
     beta = b.problem.scene.track.contact_angle
     angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
@@ -136,7 +149,7 @@ def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
 
 
 def _roller_rows(system: System, by_row: Array) -> list[Array]:
-    """Approach of the slices of every row of rollers by the rigid motions."""
+    """Return the approach of the slices of every row of rollers by the rigid motions."""
     out = []
     for a in (x.arrays for x in system.rollers):
         ends = [np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.row[:, e]]) * (a.row[:, e] >= 0)[:, None] for e in range(2)]
@@ -145,19 +158,32 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 
 
 def unheld(system: System) -> Status:
-    """Status sentence of a shaft or a housing that ran away: not held only where the linear program proves it."""
+    """Return status of a shaft or housing that moved without limit: "not held" only where a linear program proves it."""
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(
-        partial(opening_motion, system), "the shaft or a ring", lambda motion: opens.format(words_for(system, motion))
+        partial(opening_motion, system),
+        "the shaft or a ring",
+        lambda motion: opens.format(describe_motions(system, motion)),
     )
 
 
-def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
-    """Status sentence of a one-way row whose balls carry load [N] across the bottom of the groove, at an angle [rad].
+def reversed_status(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
+    """Return the status of a one-way row whose balls carry load beyond the bottom of the groove.
 
-    Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on across the
+    Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on beyond the
     bottom the energy is convex, so its equilibrium is the only one. One with every loaded ball on the side that carries
     thrust would be an equilibrium of these arcs too, and so be the one that was found.
+
+    Parameters
+    ----------
+    system
+        The assembly.
+    name, thrust
+        Name of the row and the direction of thrust that it carries.
+    angle
+        Contact angle [rad].
+    load
+        Contact force [N].
     """
     try:
         opened = opening_motion(system) is not None

@@ -1,4 +1,4 @@
-"""Preload by a force at mounting: the shift of each outer part that brings it about."""
+"""Preload by a force at mounting: the shift of each outer part that produces it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DIFFERENCE = 1e-3
 #: differences of their logarithms over ``DIFFERENCE`` are known to this. Nuts that press one another carry one force: the
 #: slope then has no other direction.
 NOISE = ACCEPTED / DIFFERENCE
-#: Relative errors of a preload that are told, and that are a failure.
+#: Relative errors of a preload that are reported, and that are a failure.
 TOLD, FAILED = 1e-8, 1e-4
 #: Springs [N/m, N m] that tie an outer part to a housing that moves, in all but the axis.
 TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
@@ -33,7 +33,7 @@ TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 @dataclass(frozen=True)
 class _Mounting:
-    """An assembly as it is mounted, and what solves it: ``key`` names the latter."""
+    """Assembly as it is mounted, and what solves it; ``key`` identifies the latter."""
 
     bare: Assembly
     key: tuple[object, ...]
@@ -41,10 +41,20 @@ class _Mounting:
 
 
 def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tuple[str, ...], Status | None]:
-    """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads
-    and before the shaft warms.
+    """Return the assembly with offsets in place of its preloads by force.
 
-    Returns the assembly, notes, and a status for preloads that are not met (else None).
+    At these offsets each such set carries its force, without loads and before the shaft warms.
+
+    Parameters
+    ----------
+    assembly
+        The assembly.
+    solve
+        Solves an assembly.
+
+    Returns
+    -------
+        The assembly, notes, and a status for preloads that are not reached (else None).
     """
     numbers = _preloaded(assembly)
     if not numbers:
@@ -56,17 +66,18 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
 
 
 def _preloaded(assembly: Assembly) -> list[int]:
-    """Places of the sets that are preloaded by a force."""
+    """Return the indices of the sets that are preloaded by a force."""
     return [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
 
 
 @lru_cache(maxsize=4)
 def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
-    """Shifts [m] against their rows of the sets that are preloaded by a force (None: they come to no rest), notes, status;
-    kept for the load cases of an assembly, which all are mounted alike.
+    """Return the shifts [m] of the sets preloaded by a force against their rows, notes, and a status.
+
+    None for shifts that find no equilibrium; cached for the load cases of an assembly, which all are mounted alike.
 
     The energy is convex in the shifts too: outer parts that slide along the axis and are pushed by their preloads come to
-    rest where these are met, or at none, which the solution then proves. Where a housing moves, to which they are only
+    rest where these are reached, or at none, which the solution then proves. Where a housing moves, to which they are only
     tied, Newton's method on the logarithms of the forces corrects their shifts. Parts that may be moved all together are
     moved as far one way as the other.
     """
@@ -113,8 +124,10 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
 
 
 def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:
-    """Shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads; None where they
-    come to no rest, and the status of that solution."""
+    """Return the shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads.
+
+    None where they find no equilibrium, and the status of that solution.
+    """
     sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}
     seats: list[tuple[str, str | None, float]] = []
     for i in numbers:
@@ -137,7 +150,7 @@ def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], 
 
 
 def closing(rolling: RollingSet) -> float:
-    """Shift [m] that closes a row to its preload, all else rigid."""
+    """Return the shift [m] that closes a row to its preload, with everything else rigid."""
     if isinstance(rolling.parts, RollerRow):
         bearing = tapered(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))
@@ -147,7 +160,7 @@ def closing(rolling: RollingSet) -> float:
 
 
 def _shifted(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
-    """The assembly with some rows closed by shifts [m] of their outer parts, in place of their preloads."""
+    """Return the assembly with some rows closed by shifts [m] of their outer parts, in place of their preloads."""
     sets = list(assembly.sets)
     for i, x in zip(numbers, shift, strict=True):
         away = -float(x) if sets[i].thrust == "+z" else float(x)

@@ -1,5 +1,6 @@
-"""Equilibrium of several rolling sets on one shaft: one energy, Newton's method; by the source's model (`lin`) here, with
-elastic bodies in `lowfi.statics.axis.elastic`.
+"""Equilibrium of several rolling sets on one shaft: one energy, Newton's method.
+
+By Lin's model (`lin`) here, with elastic bodies in `lowfi.statics.axis.elastic`.
 
 Flanks that load and preload open are left out: such a flank needs no node of the shaft and no rows of the matrix. The
 energy is convex: where every ball clears the flanks left out at the solution without them, that is the solution with them.
@@ -44,14 +45,14 @@ from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
+    Description,
     Prepared,
     SetFlanks,
-    Words,
     least_residual,
     options_of,
     report_of,
     settled,
-    verdict,
+    status_of,
 )
 from rollbench.lowfi.statics.shape import lifted, rigid_transport
 from rollbench.lowfi.statics.static import Engine, pick_engine
@@ -64,7 +65,7 @@ from rollbench.meshes.section import BeamSection, contact_stations
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
-    """Sides (4,) of each set of balls that thrust, load and offsets leave it: a guess, to be tested by ``clear``."""
+    """Return the flanks ``(4,)`` of each set of balls that thrust, load and offsets leave: a guess, tested by `clear`."""
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
         return all_sides(assembly)
@@ -73,7 +74,10 @@ def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
 
 
 def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
-    """Where along z the shaft goes [m], all else rigid: where it is held, or where the sets' forces balance its load."""
+    """Return the axial position of the shaft [m] with everything else rigid.
+
+    Where it is fixed, or where the sets' forces balance its load.
+    """
     held = [value for s in assembly.supports for name, value in s.fixed if name == "uz"]
     force = sum(x.force[2] for x in assembly.loads)
     if held:
@@ -91,7 +95,10 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
 
 
 def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
-    """A shaft that moves by ``shift`` > 0 along z in its nut closes SL-NR and opens SR-NL, by the contact angle's sine."""
+    """Return the flanks that a set uses when the shaft moves by ``shift`` [m] along z.
+
+    A positive shift closes SL-NR and opens SR-NL, by the contact angle's sine.
+    """
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile.shape[1]:
         return use
@@ -102,7 +109,7 @@ def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) ->
 
 
 def clear(system: System, state: RowState) -> bool:
-    """Whether all balls clear the flanks that a set could use and that were left out, at a solution without them."""
+    """Return whether all balls clear the flanks that a set could use and that were left out."""
     return all(_set_clear(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use))
 
 
@@ -117,7 +124,7 @@ def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
 
 
 def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
-    """Motion (N, 2) [m] of a screw flank that has no node: the beam's at its station."""
+    """Return the motion ``(N, 2)`` [m] of a screw flank that has no node: the beam's at its station."""
     stations = contact_stations(b.problem.scene, b.problem.layout)[:, s]
     j, m = motions_of(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
@@ -125,21 +132,21 @@ def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
 
 
 def all_sides(assembly: Assembly) -> list[Mask]:
-    """All sides (4,) that each set of balls can use."""
+    """Return all flanks ``(4,)`` that each set of balls can use."""
     return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
 def complete(uses: Sequence[Mask], assembly: Assembly) -> bool:
-    """Whether nothing that the sets can use is left out."""
+    """Return whether nothing that the sets can use is left out."""
     return all(np.array_equal(a, b) for a, b in zip(uses, all_sides(assembly), strict=True))
 
 
 def whole_stiffness(
     system: System, engine: ModuleType, given: AxisSystem, state: RowState, hessians: Array
 ) -> Array | None:
-    """Stiffness (6, 6) [N/m, N, N m] against wrenches on the row that is asked about, all else free to follow.
+    """Return stiffness ``(6, 6)`` [N/m, N, N m] against wrenches on the reported row, with everything else free to follow.
 
-    Rows and columns of held freedoms are nan. None where the row stands, or where contacts carry too little to be stiff.
+    Rows and columns of fixed freedoms are nan. None where the row is fixed, or where contacts carry too little to be stiff.
     """
     row = asked_row(system)
     if row < 0:
@@ -160,8 +167,10 @@ def whole_stiffness(
 
 
 def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
-    """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units.
-    None for what is no compliance: contacts that carry nothing leave round-off.
+    """Return the stiffness ``(6, 6)`` of the free freedoms from a compliance, nan for the others.
+
+    None for a matrix that is no compliance: contacts that carry nothing leave round-off. arm [m]: makes rotations
+    comparable.
     """
     rows = np.flatnonzero(free)
     out = np.full((6, 6), np.nan)
@@ -180,17 +189,17 @@ def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | N
 
 
 def rigid_rows(b: BallSet, stations: Array) -> Array:
-    """Motion (N, 4, 6) of the inner flanks of a set, two axes each, by its inner part as a rigid body at its position.
+    """Return the motion ``(N, 4, 6)`` of the inner flanks of a set, two axes each, by its inner part as a rigid body.
 
-    stations: of all rows [m].
+    The motion is taken at the set's position. stations: of all rows [m].
     """
     return b.moved(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
 
 
 def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
-    """Stiffness (6, 6) of a set of N balls against motions of its inner part at its position, the outer one held.
+    """Return the stiffness ``(6, 6)`` of a set against motions of its inner part at its position, the outer part fixed.
 
-    hessians (N, 4, 4): of the balls' energy by the motion of their screw flanks [N/m].
+    hessians ``(N, 4, 4)``: second derivatives of the balls' energy by the motion of their screw flanks [N/m].
     """
     rows = rigid_rows(b, stations)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
@@ -202,43 +211,46 @@ FAR = 0.1
 
 @dataclass(kw_only=True)
 class Sets(Prepared):
-    """An assembly ready for the kernels."""
+    """Assembly ready for the kernels."""
 
+    #: The assembly as arrays.
     system: System
 
     @property
     def problems(self) -> Sequence[Problem]:
-        """Of each set of balls."""
+        """Problem of each set of balls."""
         return [b.problem for b in self.system.balls]
 
     @abstractmethod
     def rows(self) -> tuple[RowState, Array]:
-        """Motions of all rows with the contacts there, and the forces (r, 6) of what holds them."""
+        """Return the motions of all rows with the contacts there, and the forces of what fixes them ``(r, 6)``."""
 
     @abstractmethod
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Stiffness (6, 6) of each set of balls, and of the whole where it is asked for."""
+        """Return the stiffness ``(6, 6)`` of each set of balls, and of the whole at the reported row."""
 
 
 @dataclass(kw_only=True)
 class RigidSets(Sets):
-    """Shaft a beam, outer parts rigid."""
+    """Assembly with the shaft as a beam and rigid outer parts."""
 
     SOLVER = "solve_axis"
+    #: Shaft and rolling elements as the kernels take them.
     given: AxisSystem
+    #: Motions, deformations and contacts.
     state: RowState
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Contacts at the state."""
+        """Return the contacts at the state."""
         return set_flanks(self.system, self.state)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """As `Prepared.with_arms`."""
+        """Return the system with longer lever arms, as `Prepared.with_arms`."""
         system = with_arms(self.system, arms)
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
     def round_off(self) -> float:
-        """By the largest motions and the stiffest contact, and by the springs, however little they are strained."""
+        """Return the residual that rounding leaves, by the largest motions and the stiffest contact, and by the springs."""
         state, v0 = self.state, self.given.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
@@ -246,34 +258,34 @@ class RigidSets(Sets):
         springs = spring_terms(self.system.structure, state.q, self.system.arm)
         return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
-    def words(self) -> Words:
-        """What is assumed stands in the model."""
-        return Words("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
+    def description(self) -> Description:
+        """Return the description of the model; its assumptions are part of the model."""
+        return Description("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
     def slopes(self) -> Slopes:
-        """Derivatives of the energy at the state."""
+        """Return the derivatives of the energy at the state."""
         out = Slopes(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
         self.engine.evaluate_axis(self.given, self.state, out)
         return out
 
     def rows(self) -> tuple[RowState, Array]:
-        """Held is the gradient at the held freedoms."""
+        """Return motions and reactions; these are the gradient at the fixed freedoms."""
         return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """As `Sets.stiffness`."""
+        """Return stiffness matrices, as `Sets.stiffness`."""
         system, hessians = self.system, self.slopes().hessians
         sets = [set_stiffness(b, system.structure.stations, hessians[b.balls, :4, :4]) for b in system.balls]
         return sets, whole_stiffness(system, self.engine, self.given, self.state, hessians)
 
 
 def far_off(q: Array, system: System) -> bool:
-    """Whether rows go so far by their motions q (r, 6) that contacts may hold by a curvature that linear motions lack."""
+    """Return whether rows move so far that contacts may resist by a curvature that linear motions lack; q ``(r, 6)``."""
     return not float((np.abs(q) / np.repeat([system.arm, 1.0], 3)).max()) <= FAR
 
 
 def prepare(system: System, engine: ModuleType) -> RigidSets:
-    """Arrays for the kernels, with a start that meets the prescribed displacements."""
+    """Return a system ready for the kernels, with a start that has the prescribed displacements."""
     s, n = system.structure, system.structure.nodes.size
     scale, furthest = scale_of(system), float(system.contacts.r_ball.max(initial=0.0))
     q = np.zeros((s.stations.size, 6))
@@ -288,29 +300,49 @@ def prepare(system: System, engine: ModuleType) -> RigidSets:
 
 
 class Model(NamedTuple):
-    """How a model solves an assembly: its name, what it assumes and leaves out, what makes a system ready for the kernels;
-    section: of the threaded shaft, None: the scene's; fewer: whether sides that load and offsets open are left out."""
+    """Model of an assembly."""
 
+    #: Its name.
     name: str
+    #: Its assumptions.
     assumed: tuple[str, ...]
+    #: What it leaves out.
     left_out: tuple[str, ...]
+    #: Makes a system ready for the kernels.
     ready: Callable[[System, ModuleType], Sets]
+    #: Section of the threaded shaft; None: the scene's.
     section: BeamSection | None
+    #: Whether flanks that load and offsets open are left out.
     fewer: bool
 
 
 def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int = 0) -> AxisResult:
-    """Loads, stiffness and motions of an assembly in static equilibrium, screw a beam, outer parts rigid.
+    """Compute loads, stiffness and motions of an assembly in static equilibrium, shaft a beam, outer parts rigid.
 
-    engine: interpreted, compiled, or chosen by size; member: which specimen of random errors. Never raises for a scene
-    without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
+    Parameters
+    ----------
+    assembly
+        The assembly.
+    engine
+        Kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, by size.
+    member
+        Number of the specimen, for random errors.
+
+    Returns
+    -------
+        The result; for an assembly without equilibrium its ``status`` gives the reason.
+
+    Raises
+    ------
+    ValueError
+        Dimensions that leave no body.
     """
     model = Model("lin", AXIS_ASSUMPTIONS, (), prepare, None, True)
     return equilibrium(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
 
 
 def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, again: partial[AxisResult]) -> AxisResult:
-    """As `solve_assembly`, by a model; again: solves the assembly as it is mounted."""
+    """Solve an assembly by a model, as `solve_assembly`; again: solves the assembly as it is mounted."""
     start = perf_counter()
 
     def failed(status: Status) -> AxisResult:
@@ -335,19 +367,19 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
     state, held = prepared.rows()
     proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
-    status = verdict(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
+    status = status_of(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
     if outcome.status in NO_LOADS:
         return failed(status)
-    words, (sets, whole) = prepared.words(), prepared.stiffness()
+    description, (sets, whole) = prepared.description(), prepared.stiffness()
     ending = Ending(
         status=status,
-        report=report_of(outcome, prepared, words, prepared.system.structure.nodes.size - 1, (start, ready), notes),
+        report=report_of(outcome, prepared, description, prepared.system.structure.nodes.size - 1, (start, ready), notes),
         loose=loose.text,
         held=held,
         sets=sets,
         whole=whole,
         model=model.name,
-        assumed=(*model.assumed, *words.assumed),
+        assumed=(*model.assumed, *description.assumed),
         left_out=model.left_out,
         shifts=[x.shift for x in prepared.flanks()],
         scale=outcome.scale,
@@ -356,7 +388,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
-    """Interpreted kernels for one small solve, compiled ones for many elements, several solves, or where they are ready."""
+    """Return kernels: interpreted for one small solve, compiled for many elements, several solves, or where available."""
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)
     return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))

@@ -1,4 +1,4 @@
-"""Shaft, housings and springs of an assembly as rows of motions: what moves, what holds it, what is free."""
+"""Shaft, housings and springs of an assembly as rows of motions, with their fixed freedoms."""
 
 from __future__ import annotations
 
@@ -19,33 +19,39 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Structure:
-    """r rows of motions (6 each): n nodes of the shaft at ``nodes`` [m], then the housings that move, at ``at`` [m].
+    """Assembly without its rolling elements: r rows of six motions, of n shaft nodes and then of the moving housings."""
 
-    sections: of the elements; fixed, prescribed, load ``(r, 6)``; ends ``(k, 2)``, reach ``(k, 2, 6, 6)``, springs
-    ``(k, 6, 6)``: see `lowfi.statics.kernel_types.AxisArrays`; row: of each housing by its name, -1 for one that stands.
-    """
-
+    #: Stations of the shaft's nodes ``(n,)`` [m].
     nodes: Array
+    #: Stations of the moving housings ``(r - n,)`` [m].
     at: Array
+    #: Section of each element.
     sections: tuple[BeamSection, ...]
+    #: Fixed freedoms ``(r, 6)``.
     fixed: NDArray[np.bool_]
+    #: Their values ``(r, 6)`` [m, rad].
     prescribed: Array
+    #: Loads ``(r, 6)`` [N, N m].
     load: Array
+    #: Rows joined by each spring ``(k, 2)``, see `lowfi.statics.kernel_types.AxisArrays`.
     ends: Ints
+    #: Motion of the springs' ends by those rows ``(k, 2, 6, 6)``.
     reach: Array
+    #: Stiffness of the springs ``(k, 6, 6)``.
     springs: Array
+    #: Row of each housing by its name, -1 for one that is fixed.
     row: dict[str, int]
 
     @property
     def stations(self) -> Array:
-        """Station ``(r,)`` [m] at which each row's motion is taken."""
+        """Station at which each row's motion is taken ``(r,)`` [m]."""
         return np.concatenate([self.nodes, self.at])
 
 
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
-    """Nodes [m] at contact ``stations``, supports, loads, changes of section and the station that is asked about.
+    """Return the nodes [m] at contacts, supports, loads, changes of section and the station of the requested stiffness.
 
-    What lies beyond the outermost support, load or contact carries nothing and is left out. A support is a node itself.
+    The shaft beyond the outermost support, load or contact carries nothing and is left out. Every support is a node.
     """
     needed = [*stations, *(s.at for s in assembly.supports), *(x.at for x in assembly.loads)]
     if isinstance(assembly.stiffness_at, float):
@@ -65,7 +71,7 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
 
 
 def threaded(assembly: Assembly) -> Scene | None:
-    """Parts of the first ball nut, whose thread the shaft has."""
+    """Return the parts of the first ball nut, whose thread the shaft has; None without a ball nut."""
     for s in assembly.sets:
         if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0:
             return s.parts
@@ -73,7 +79,7 @@ def threaded(assembly: Assembly) -> Scene | None:
 
 
 def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | None = None) -> tuple[BeamSection, ...]:
-    """Section of each element: that of its plain stretch, else the threaded shaft's (``section``, where it is given)."""
+    """Return section of each element: that of its plain segment, else of the threaded shaft (``section``, where given)."""
     screw, thread = assembly.screw, threaded(assembly)
     plain_screw = partial(tube_section, screw.outer_diameter, screw.bore, screw.material)
     base = section or (plain_screw() if thread is None else screw_section(thread))
@@ -83,8 +89,10 @@ def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | No
 
 
 def structure_of(assembly: Assembly, stations: Array, section: BeamSection | None = None) -> Structure:
-    """Rows of an assembly whose contacts enter the shaft at ``stations``; section: of the threaded shaft, instead of the
-    scene's. Raises ValueError for a freedom held twice."""
+    """Return the rows of an assembly whose contacts load the shaft at ``stations`` [m].
+
+    section: of the threaded shaft, in place of the scene's. Raises ValueError for a freedom that is fixed twice.
+    """
     nodes = shaft_nodes(assembly, stations)
     moving = [h for h in assembly.housings if not h.stands]
     r = nodes.size + len(moving)
@@ -113,7 +121,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
 
 
 def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
-    """Springs to the frame and between housings."""
+    """Return the springs to the frame and between housings."""
     at = {h.name: h.at for h in moving}
     unit, none = np.eye(6), np.zeros((6, 6))
     springs: list[tuple[int, int, Array, Array, Array]] = [
@@ -129,7 +137,7 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
 
 
 def spring_terms(structure: Structure, q: Array, arm: float) -> float:
-    """Largest size [N] of the terms whose sum is a spring's force on a row at motions q (r, 6), moments over the arm [m].
+    """Return largest term [N] in the sums that are the springs' forces, at motions q ``(r, 6)``, moments over the arm [m].
 
     Stiff springs between bodies that move far together subtract large motions: the sum keeps the round-off of its terms.
     """
@@ -142,7 +150,7 @@ def spring_terms(structure: Structure, q: Array, arm: float) -> float:
 
 
 def rigid_motions(structure: Structure, arm: float) -> Array:
-    """Motions ``(6 r, 6 (1 + m))`` of all rows with shaft and housings as rigid bodies, rotations by the arm [m]."""
+    """Return motions ``(6 r, 6 (1 + m))`` of all rows with shaft and housings as rigid bodies, rotations by the arm [m]."""
     scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     n, m = structure.nodes.size, structure.at.size
     out = np.zeros((n + m, 6, 6 * (1 + m)))
@@ -153,7 +161,10 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
 
 
 def held_rows(structure: Structure, motions: Array) -> Array:
-    """Rows of supports and springs against rigid motions: zero for motions without resistance, each of size about one."""
+    """Return the rows of supports and springs against rigid motions, each of size about one.
+
+    Zero for motions without resistance.
+    """
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]
     for (a, b), near, K in zip(structure.ends, structure.reach, structure.springs, strict=True):

@@ -1,4 +1,4 @@
-"""From the kernels' arrays to the result of an assembly: contacts and sums of each set, housings, balance, stiffness."""
+"""Result of an assembly from the solver's arrays: contacts and sums of each set, housings, balance, stiffness."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.rollers import slice_contacts, tapered
-from rollbench.lowfi.statics.axis.held import APEX, crossed
+from rollbench.lowfi.statics.axis.held import APEX, reversed_status
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
@@ -52,25 +52,34 @@ NOTHING = 10.0 * ACCEPTED
 
 @dataclass(frozen=True)
 class Ending:
-    """How a solve ended: status, report, words for what was held because nothing resists it; held (r, 6): forces of what
-    holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, what it assumes
-    and leaves out; shifts (N, 4, 2): of the flanks of each set of balls [m]; scale: largest force met [N]."""
+    """Outcome of a solve of an assembly."""
 
+    #: Status by the solver.
     status: Status
+    #: Effort and accuracy.
     report: SolverReport
+    #: Description of the motions that are pinned because nothing resists them.
     loose: str
+    #: Forces and moments of what fixes the rows ``(r, 6)`` [N, N m].
     held: Array
+    #: Stiffness of each set of balls ``(6, 6)``.
     sets: Sequence[Array]
+    #: Stiffness of the whole ``(6, 6)``; None where it is not defined.
     whole: Array | None
+    #: Name of the model.
     model: str
+    #: Its assumptions.
     assumed: tuple[str, ...]
+    #: What it leaves out.
     left_out: tuple[str, ...]
+    #: Motions of the flanks of each set of balls ``(N, 4, 2)`` [m].
     shifts: Sequence[Array]
+    #: Largest force met [N].
     scale: float
 
 
 def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
-    """Result of a finished solve."""
+    """Return the result of a finished solve."""
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
     by_name = {b.of.name: ball_result(system, i, state, end) for i, b in enumerate(system.balls)}
@@ -82,7 +91,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     warnings = tuple(w.of(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s)))
     status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
     if status == "converged":
-        status = crossed_row(system, sets, end.scale) or status
+        status = reversed_row(system, sets, end.scale) or status
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     at = asked(assembly)
     station = None if isinstance(at, str) else float(structure.nodes[asked_row(system)])
@@ -106,7 +115,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
 
 
 def judged_axis(status: Status, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> Status:
-    """The status, or what is out of balance of shaft, balls and housings, as `lowfi.statics.summary.judged`."""
+    """Return the status, or what is out of balance of shaft, balls and housings (`lowfi.statics.summary.judged`)."""
     frozen, ball = system.assembly.ingredients.arm == "nominal", ""
     for b in system.balls:
         if b.balls.start < balance.worst_ball <= b.balls.stop:
@@ -119,21 +128,23 @@ def judged_axis(status: Status, system: System, balance: Equilibrium, housings: 
     return status
 
 
-def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
-    """Status of a row that carries thrust one way and is pulled the other way, past its balls; None where none is. scale:
-    largest force met [N]."""
+def reversed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
+    """Return the status of a one-way row that is loaded against its direction; None where there is none.
+
+    scale: largest force met [N].
+    """
     for s in sets:
         if s.balls is not None and s.of.thrust in ("+z", "-z"):
             past = (s.balls.contact_angle < APEX) & (s.balls.load > NOTHING * scale)
             if past.any():
                 worst = int(np.where(past, s.balls.load, 0.0).argmax())
                 load, angle = s.balls.load.flat[worst], s.balls.contact_angle.flat[worst]
-                return crossed(system, s.of.name, s.of.thrust, float(angle), float(load))
+                return reversed_status(system, s.of.name, s.of.thrust, float(angle), float(load))
     return None
 
 
 def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResult:
-    """Contacts and sums of a set of balls, by its number."""
+    """Return the contacts and sums of a set of balls, by its number."""
     b = system.balls[i]
     problem = b.problem
     contact = state.contact[b.balls]
@@ -152,7 +163,7 @@ def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResu
 
 
 def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
-    """Loads, sums and stiffness of a row of rollers."""
+    """Return the loads, sums and stiffness of a row of rollers."""
     slices = state.slices[x.slices]
     inner = float(stations[x.arrays.row[0, 0]])
     B = x.arrays.B[:, 0] @ rigid_transport(inner - x.of.position)
@@ -164,20 +175,20 @@ def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
 
 
 def _outer(x: BallSet | RollerSet, state: RowState, stations: Array) -> Array:
-    """Motion (6,) of a set's outer part at its position, with its offset."""
+    """Return the motion ``(6,)`` of a set's outer part at its position, with its offset."""
     row = x.outer if isinstance(x, BallSet) else int(x.arrays.row[0, 1])
     moved = rigid_transport(x.of.position - float(stations[row])) @ state.q[row] if row >= 0 else np.zeros(6)
     return np.asarray(moved + np.array([0.0, 0.0, x.of.offset, 0.0, 0.0, 0.0]))
 
 
 def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
-    """Sum of forces (N, s, 3) [N] at points (N, s, 3) [m], and of their moments about the axis at a station [m]."""
+    """Return sum of forces ``(N, s, 3)`` [N] at points ``(N, s, 3)`` [m], and of their moments about an axis point [m]."""
     arm = points - np.array([0.0, 0.0, station])
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 
 
 def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
-    """Loads, reactions and the sets' forces on the shaft; moments about the origin."""
+    """Return the balance of loads, reactions and the sets' forces on the shaft; moments about the origin."""
     nodes = system.structure.nodes
     applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
     reaction = about_origin(nodes, end.held[: nodes.size])
@@ -195,7 +206,7 @@ def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult
 
 
 def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end: Ending) -> HousingResult:
-    """Balance of one housing: its load, what holds it, its springs, and the sets it carries."""
+    """Return the balance of one housing: its load, its fixed freedoms, its springs, and the sets that it carries."""
     structure = system.structure
     row = structure.nodes.size + i
     at = float(structure.at[i])
@@ -223,7 +234,7 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
 def failed_axis(
     assembly: Assembly, model: str, status: Status, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
 ) -> AxisResult:
-    """Result of an assembly without equilibrium: no loads, and the reason; assumed: what the model assumes."""
+    """Return the result of an assembly without equilibrium: no loads, and the reason."""
     report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")
     return AxisResult(
         model=model,
@@ -238,7 +249,10 @@ def failed_axis(
 
 
 def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]:
-    """Warnings of a row of rollers; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the shaft's centreline."""
+    """Return the warnings of a row of rollers.
+
+    z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the shaft's centreline.
+    """
     if not isinstance(s.of.parts, RollerRow) or s.line_loads is None:
         return ()
     bearing = tapered(s.of.parts)

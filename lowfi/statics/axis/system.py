@@ -1,8 +1,8 @@
-"""An assembly as arrays for the kernels: balls and rollers of all sets between the rows of a `Structure`.
+"""Arrays of an assembly for the kernels: balls and rollers of all sets between the rows of a `Structure`.
 
 Between elastic bodies a roller is one element: a ring moves as a rigid body, so that a slice's approach is that of the
-roller's middle plus its place times the slope along the roller: two motions at each ring hold all slices, and the slices'
-law is that of the model lin.
+roller's middle plus its position times the slope along the roller: two motions at each ring determine all slices, and the
+slices' law is that of the model lin.
 """
 
 from __future__ import annotations
@@ -45,57 +45,76 @@ USE = {
 
 @dataclass
 class BallSet:
-    """Balls of one set: their problem with the nodes of the whole shaft, its place ``balls`` among all, the row of its
-    housing (-1: it stands); row ``(N, 4)``, B ``(N, 4, 2, m)`` and v0 ``(N, 4, 2)`` [m] of its flanks as in `AxisBalls`."""
+    """Balls of one set among all, with N balls."""
 
+    #: The set.
     of: RollingSet
+    #: Its problem, with the nodes of the whole shaft.
     problem: Problem
+    #: Indices of its balls among those of all sets.
     balls: slice
+    #: Row of its housing, -1 for a fixed one.
     outer: int
+    #: First row that moves each flank ``(N, 4)``, as in `AxisBalls`.
     row: Ints
+    #: Motion of the flanks by those rows ``(N, 4, 2, m)``.
     B: Array
+    #: Prescribed motion of the flanks ``(N, 4, 2)`` [m].
     v0: Array
 
     def moved(self, motions: Array) -> Array:
-        """Motions ``(N, 4, 2, ...)`` of the flanks by those of all rows ``(r, 6, ...)``."""
+        """Return the motions ``(N, 4, 2, ...)`` of the flanks by those of all rows ``(r, 6, ...)``."""
         flat = motions.reshape(-1, *motions.shape[2:])
         found = np.einsum("nsak,nsk...->nsa...", self.B, flat[6 * self.row[..., None] + np.arange(self.B.shape[3])])
         found[self.row < 0] = 0.0
         return np.asarray(found)
 
     def of_one_row(self, flanks: slice) -> Array:
-        """B ``(N, 2, 2, 6)`` of two flanks that one row moves."""
+        """Return B ``(N, 2, 2, 6)`` of two flanks that one row moves."""
         B = self.B[:, flanks]
         return np.asarray(B.reshape(*B.shape[:3], -1, 6).sum(axis=3))
 
 
 @dataclass(frozen=True)
 class RollerSet:
-    """Slices of one row of rollers, and their place among all slices; the row's azimuths (count,) [rad]."""
+    """Slices of one row of rollers among all."""
 
+    #: The set.
     of: RollingSet
+    #: The row of rollers.
     row: RollerRow
+    #: Indices of its slices among those of all rows.
     slices: slice
+    #: Of its rollers ``(count,)`` [rad].
     azimuths: Array
+    #: Its slices as the kernels take them.
     arrays: AxisRollers
 
 
 @dataclass
 class System:
-    """An assembly ready for the kernels. arm: largest pitch radius [m], which makes forces of moments."""
+    """Assembly ready for the kernels."""
 
+    #: The assembly.
     assembly: Assembly
+    #: Shaft, housings and springs.
     structure: Structure
+    #: Its sets of balls.
     balls: list[BallSet]
+    #: Its rows of rollers.
     rollers: list[RollerSet]
+    #: Largest pitch radius [m], which makes forces of moments.
     arm: float
+    #: Structure as the kernels take it.
     axis: AxisArrays = field(repr=False)
+    #: All balls.
     contacts: AxisBalls = field(repr=False)
+    #: All slices.
     slices: AxisRollers = field(repr=False)
 
 
 def placed(assembly: Assembly, member: int = 0) -> list[Placed]:
-    """Places of the balls of each ball set, and its specimen of random errors."""
+    """Return the positions of the balls of each set, and its specimen of random errors."""
     scenes = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     layouts = [ball_layout(scene) for scene in scenes]
     return [(x, specimen(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
@@ -108,10 +127,25 @@ def build(
     places: Sequence[Placed] | None = None,
     section: BeamSection | None = None,
 ) -> System:
-    """Arrays of an assembly; uses: the sides (4,) of each ball set that are built (None: all that its thrust allows);
-    places: what ``placed`` finds, where that is known; section: of the threaded shaft, instead of the scene's.
+    """Return the arrays of an assembly.
 
-    Raises ValueError for dimensions that leave no shaft or a freedom that is held twice.
+    Parameters
+    ----------
+    assembly
+        The assembly.
+    member
+        Number of the specimen, for random errors.
+    uses
+        Flanks of each set of balls that are built ``(4,)``; None: all that its direction of thrust allows.
+    places
+        What `placed` returns, where that is known.
+    section
+        Section of the threaded shaft, in place of the scene's.
+
+    Raises
+    ------
+    ValueError
+        Dimensions that leave no shaft, or a freedom that is fixed twice.
     """
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
@@ -194,7 +228,7 @@ def _ball_set(
 
 
 def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
-    """First nodes (k,) around stations (k,) [m] of the shaft, and the motions there (k, 6, 12) by those of both."""
+    """Return first nodes ``(k,)`` around stations ``(k,)`` [m], and motions there by both nodes ``(k, 6, 12)``."""
     nodes = structure.nodes
     element = np.clip(np.searchsorted(nodes, stations, side="right") - 1, 0, nodes.size - 2)
     sections = [structure.sections[e] for e in element]
@@ -203,8 +237,10 @@ def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
 
 
 def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
-    """First rows, and coefficients (..., width) of their motions and, beyond 6, of the next one's, where ``row`` alone
-    counts with B (..., 6): the last of all ``rows`` as the second of two."""
+    """Return rows and coefficients ``(..., width)`` of two neighbouring rows for motions of one row, B ``(..., 6)``.
+
+    The last of all ``rows`` is taken as the second of two.
+    """
     if B.shape[-1] == width:
         return row, B
     last = row == rows - 1
@@ -213,7 +249,7 @@ def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
 
 
 def with_arms(system: System, arms: Sequence[Array]) -> System:
-    """The system at its Hertz constants with lever arms of all ball sets longer by (N, 4, 2) [m]."""
+    """Return the system with its Hertz constants and lever arms of all ball sets longer by ``(N, 4, 2)`` [m]."""
     balls = []
     for b, m in zip(system.balls, arms, strict=True):
         p = b.problem
@@ -224,21 +260,25 @@ def with_arms(system: System, arms: Sequence[Array]) -> System:
 
 
 def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> list[SetFlanks]:
-    """Contacts, centres and flank motions of each set of balls; shifts (N, 4, 2) [m]: of all flanks, where they are not
-    those of the rows."""
+    """Return the contacts, centres and flank motions of each set of balls.
+
+    shifts ``(N, 4, 2)`` [m]: of all flanks, where they are not those of the rows.
+    """
     moved = [moved_flanks(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
     contact, centre = state.contact, state.p
     return [SetFlanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
 
 
 def moved_flanks(b: BallSet, q: Array) -> Array:
-    """Motions (N, 4, 2) [m] of a set's flanks by those of the rows (r, 6)."""
+    """Return the motions ``(N, 4, 2)`` [m] of a set's flanks by those of the rows ``(r, 6)``."""
     return np.asarray(b.v0 + b.moved(q))
 
 
 def _all_balls(sets: list[BallSet]) -> AxisBalls:
-    """Balls of all sets one after the other, of whose rows their problems then hold views; profiles are filled up with
-    zeros."""
+    """Return the balls of all sets one after the other; the sets' problems then hold views of them.
+
+    Profiles are padded with zeros.
+    """
     degree = max((b.problem.drawn.profile.shape[1] for b in sets), default=0)
     row, profile = [], []
     for b in sets:
@@ -267,8 +307,10 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
 
 
 def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
-    """Slices of a row on the generators of the cup, along whose normal cone and cup approach; race and rib together give
-    the cone the same line of action (`lowfi.rollers`)."""
+    """Return the slices of a row on the generators of the cup, along whose normal cone and cup approach.
+
+    Race and rib together give the cone the same line of action (`lowfi.rollers`).
+    """
     n, bearing = structure.nodes.size, tapered(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
     outer = -1 if rolling.housing is None else structure.row[rolling.housing]
@@ -300,7 +342,7 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
 
 
 def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
-    """Slices of all rows one after the other."""
+    """Return the slices of all rows one after the other."""
     if not sets:
         none = np.zeros(0)
         return AxisRollers(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 6)), none, none, none, none)
@@ -308,7 +350,10 @@ def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
 
 
 def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
-    """Arrays of shaft, housings and springs, with the envelope: each housing comes right after the last node it meets."""
+    """Return the arrays of shaft, housings and springs, with the matrix envelope.
+
+    Each housing comes right after the last node with which it has common contacts.
+    """
     n, r = structure.nodes.size, structure.stations.size
     pairs = np.array([(a, b) for a in range(4) for b in range(a)])
     used = contacts.geometry[..., 5] > 0.0
@@ -350,30 +395,32 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
 
 
 def applied(system: System) -> float:
-    """Loads on shaft and housings [N], moments over the largest pitch radius; what holds a warm shaft does not count."""
+    """Return sum of the loads on shaft and housings [N], moments over the largest pitch radius, without thermal loads."""
     bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
     return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.arm for x in bodies))
 
 
 def pair_compliance(b: BallSet) -> float:
-    """C of two opposite contacts in series [m/N^(2/3)]."""
+    """Return C of two opposite contacts in series [m/N^(2/3)]."""
     return float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
 
 
 def squeeze(b: BallSet) -> float:
-    """Approach [m] of a set's contacts by oversized balls or the shift of its outer part, all else held."""
+    """Return the approach [m] of a set's contacts by oversized balls or the shift of its outer part, all else fixed."""
     shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
     return max(tightest(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
 
 
 def mean_share(system: System) -> float:
-    """Share [N] of all loads that a rolling element has."""
+    """Return the mean share of all loads of a rolling element [N]."""
     return applied(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
 
 
 def typical_force(system: System, b: BallSet) -> float:
-    """Force [N] of a typical contact of a set: its mean share of the loads, or what it is squeezed by; a micrometre's where
-    only displacements are given. At least 1e-6 N."""
+    """Return the force of a typical contact of a set, at least 1e-6 N.
+
+    Its mean share of the loads, or its preload; that of an approach of a micrometre where only displacements are given.
+    """
     pair = pair_compliance(b)
     force = max(mean_share(system), float(contact_force(squeeze(b), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
@@ -382,8 +429,11 @@ def typical_force(system: System, b: BallSet) -> float:
 
 
 def scale_of(system: System) -> Scale:
-    """The scale of all sets. A contact that counts as none has the round-off of a typical force, or where nothing presses
-    any, what an approach by round-off brings about."""
+    """Return the scales of all sets.
+
+    A contact that counts as unloaded has the round-off of a typical force, or where nothing presses any, the force of an
+    approach by round-off.
+    """
     load, share = system.structure.load, mean_share(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.balls:
@@ -408,13 +458,16 @@ def scale_of(system: System) -> Scale:
 
 @dataclass(frozen=True)
 class RollerElements:
-    """M rollers of all rows. node (M,): of the shaft; outer (M,): row of the cup's motions, -1 where it stands; B
-    (M, 2, 2, 6): the normal motion of cone and cup at the roller's middle, and its slope along the roller times the
-    length [m], by the motions of those rows."""
+    """M rollers of all rows as elements between elastic bodies."""
 
+    #: Node of the shaft ``(M,)``.
     node: NDArray[np.int64]
+    #: Row of the cup's motions ``(M,)``, -1 for a fixed one.
     outer: NDArray[np.int64]
+    #: Normal motion of cone and cup at the roller's middle, and its slope along the roller times the length, by those rows
+    #: ``(M, 2, 2, 6)``.
     B: Array
+    #: Their slices.
     contacts: RollerContacts
 
     @property
@@ -424,7 +477,7 @@ class RollerElements:
 
 
 def roller_elements(sets: list[RollerSet]) -> RollerElements:
-    """Rollers of all rows, one after the other."""
+    """Return the rollers of all rows, one after the other."""
     M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
     node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
     B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
@@ -446,16 +499,20 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 
 
 def roller_springs(count: int, stiffness: float) -> Array:
-    """Linear springs between cone and cup at the rollers' middles in place of slices, (count, 2, 8), as
-    `lowfi.statics.response.spring_rows`."""
+    """Return linear springs between cone and cup at the rollers' middles in place of slices ``(count, 2, 8)``.
+
+    As `lowfi.statics.response.spring_rows`.
+    """
     rows = np.zeros((count, 2, 8))
     rows[:, 0, 0], rows[:, 0, 4] = np.sqrt(stiffness), -np.sqrt(stiffness)
     return rows
 
 
 def asked(assembly: Assembly) -> float | str:
-    """Station [m] or housing whose motion and stiffness are asked for: as the assembly says, else the first housing that is
-    loaded, the first load, the first set."""
+    """Return the station [m] or housing whose motion and stiffness are reported.
+
+    That of the assembly, else the first loaded housing, the first load, the first set.
+    """
     if assembly.stiffness_at is not None:
         return assembly.stiffness_at
     loaded = [h.name for h in assembly.housings if any(h.force) or any(h.moment)]
@@ -465,13 +522,13 @@ def asked(assembly: Assembly) -> float | str:
 
 
 def asked_row(system: System) -> int:
-    """Row of motions whose stiffness is asked for; -1 for a housing that stands."""
+    """Return the row of motions whose stiffness is reported; -1 for a fixed housing."""
     at, s = asked(system.assembly), system.structure
     return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
 
 
 def left_out(system: System) -> tuple[str, ...]:
-    """Sentences on the sides that were left out though their sets could use them."""
+    """Return sentences on the flanks that were left out though their sets could use them."""
     notes = []
     for b in system.balls:
         idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]

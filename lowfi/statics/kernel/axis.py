@@ -1,8 +1,8 @@
-"""Newton's method on the energy of a shaft, the bodies beside it and the rolling elements between them.
+"""Newton's method on the energy of a shaft, the bodies on it and the rolling elements between them.
 
 E(q) = shaft + springs - f q + sum over balls of min over the centre of their contact energies + sum over rollers. The
-unknowns are the motions of the shaft's nodes and of the bodies; the matrix is held in its envelope (``matrices``), so that
-the cost is linear in the number of sets. See ``beam`` for the case of one set whose nut stands.
+unknowns are the motions of the shaft's nodes and of the bodies; the matrix is stored in its envelope (``matrices``), so
+that the cost is linear in the number of sets. See ``beam`` for the case of one set whose nut is fixed.
 """
 
 from collections.abc import Callable
@@ -114,7 +114,7 @@ def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Arra
 
 @kernel
 def turned_block(left: Array, h: Array, right: Array, block: Array) -> None:
-    """block (6, 6) = left^T h right, of the first six columns of left and right (2, 6 or more) and h (2, 2)."""
+    """Write block (6, 6) = left^T h right, of the first six columns of left and right (2, 6 or more) and h (2, 2)."""
     for j in range(6):
         x = left[0, j] * h[0, 0] + left[1, j] * h[1, 0]
         z = left[0, j] * h[0, 1] + left[1, j] * h[1, 1]
@@ -157,7 +157,7 @@ def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
 
 
 def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
-    """As ``loop_balls``, for the interpreter."""
+    """Add the balls' stiffness as `loop_balls`, for the interpreter."""
     six, spans = np.arange(6), range(balls.B.shape[3] // 6)
     for s, t, a, b in product(range(4), range(4), spans, spans):
         both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0))
@@ -178,7 +178,7 @@ KEPT = 0.0
 
 @kernel
 def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[float, float]:
-    """Energy and gradient at the state; fills out; returns energy and the largest force met [N]."""
+    """Return the energy and the largest force met [N] at the state; fill out."""
     axis, balls, rollers = given
     q, _, p, contact, slices = state
     gradient, hessians = out
@@ -203,7 +203,7 @@ def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[floa
 
 @kernel
 def evaluate_structure(axis: AxisArrays, state: RowState, gradient: Array) -> tuple[float, float]:
-    """Energy of shaft, bodies beside it and springs, and the largest force on them [N]; fills the gradient."""
+    """Return the energy of shaft, bodies and springs, and the largest force on them [N]; fill the gradient."""
     load, q = axis.load, state.q
     energy, scale = evaluate_beam(axis, q, state.d, gradient)
     for i in range(state.d.shape[0] + 1, q.shape[0]):
@@ -244,7 +244,7 @@ def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 
 @kernel
 def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
-    """Motions (4, 2) [m] of the flanks of ball i."""
+    """Write the motions (4, 2) [m] of the flanks of ball i."""
     flat = q.ravel()
     for s in range(4):
         row = balls.row[i, s]
@@ -258,9 +258,9 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
 
 @kernel
 def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
-    """Factor (in ``values``) of the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive.
+    """Factor (in ``values``) the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive.
 
-    base: stiffness of shaft and springs, of ``add_axis``.
+    base: stiffness of shaft and springs, of `add_axis`.
     """
     axis, balls, rollers = given
     values[:] = base
@@ -272,7 +272,7 @@ def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, va
 
 @kernel
 def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
-    """Motions (r, 6) by loads (r, 6) from the factor; held freedoms do not move."""
+    """Write the motions (r, 6) by loads (r, 6) from the factor; fixed freedoms do not move."""
     b = np.zeros(6 * loads.shape[0])
     for i in range(loads.shape[0]):
         for k in range(6):
@@ -286,13 +286,13 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 @kernel
 def energy_at(given: AxisSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
-    """``evaluate_axis``, for the driver."""
+    """Return `evaluate_axis`, for the driver."""
     return evaluate_axis(given, state, room.slopes)
 
 
 @kernel
 def find_step(given: AxisSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
-    """Newton's step."""
+    """Write Newton's step."""
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm
     if not tangent(given, state, room.slopes.hessians, room.base, room.matrix, diagonal):
@@ -303,7 +303,7 @@ def find_step(given: AxisSystem, state: RowState, options: Options, room: RowRoo
 
 @kernel
 def reach_of(given: AxisSystem, room: RowRoom) -> float:
-    """Largest motion [m] by the step of a flank that is used, against its opposite."""
+    """Return the largest motion [m] by the step of a flank that is used, against its opposite."""
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.row.shape[0]):
         ball_shift(balls, room.step, i, shift)

@@ -1,13 +1,14 @@
-"""One ball in its grooves, for up to four contacts: its centre, and the amplitude of its own body where it has one,
-eliminated from the contact energy.
+"""One ball in its grooves, for up to four contacts.
 
-Packed rows, one per side SL, SR, NL, NR:
+Its centre, and the amplitude of its body's deformation where it is elastic, are eliminated from the contact energy.
+
+Packed rows, one per flank SL, SR, NL, NR:
 geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz
 constant C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of
 the contact direction;
 contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m];
 local (4, 3), or (0, 3) for a ball that is rigid beyond its contacts: e [m/N] and h [m/N^(4/3)] of ``contact_law``, and
-between them what a unit amplitude of the ball's own body takes from the approach [m].
+between them what a unit amplitude of the ball's body takes from the approach [m].
 """
 
 from math import sqrt
@@ -26,12 +27,13 @@ SETTLING, HALVINGS = 60, 30
 
 @kernel
 def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Starting centre: two-contact solutions of the diagonal pairs that close, or of the only one, whose flanks share the
-    gap; else the mean shift of the flanks.
+    """Write a start for the centre p (2,), relative to the nominal one; return how many diagonal pairs close.
 
-    With D = o_a - o_b between opposite groove centres the interference is its nominal value ``closure`` (2,) plus
-    |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks). Writes p (2,), relative to
-    the nominal centre; returns how many pairs close.
+    The two-contact solutions of the diagonal pairs that close, or of the only one, whose flanks share the gap; else the
+    mean
+    shift of the flanks. With D = o_a - o_b between opposite groove centres the interference is its nominal value
+    ``closure``
+    (2,) plus |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks).
     """
     count = 0
     x, z = 0.0, 0.0
@@ -39,13 +41,14 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
         b = 3 - a
         if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
             continue
+        # D = o_a - o_b, from the nominal w of both flanks, and its change v_a - v_b
         dx, dz = geometry[b, WX] - geometry[a, WX], geometry[b, WZ] - geometry[a, WZ]
         vx, vz = shift[a, 0] - shift[b, 0], shift[a, 1] - shift[b, 1]
         dist0 = sqrt(dx * dx + dz * dz)
         dist = sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
         if dist <= 1e-30 or dist0 <= 1e-30:
             continue
-        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)  # |D + v| - |D| without cancellation
         total, alone = closure[a] + change, geometry[1 - a, USE] == 0.0 and geometry[2 + a, USE] == 0.0
         if total > 0.0 or alone:
             # from b's groove centre along D + v by the size of w_b that gives b its share of the interference; the
@@ -71,7 +74,7 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
 
 @kernel
 def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -> tuple[float, float, float, float]:
-    """Approach, normal and curvature term of the ball at (ux, uz) from its nominal place on one flank, arc or not."""
+    """Return approach, normal and curvature term of the ball at (ux, uz) from its nominal position on one flank."""
     if profile.shape[0] == 0:
         return arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
     return flank(ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ])
@@ -81,11 +84,13 @@ def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -
 def touch(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Contact forces and stiffnesses with the ball's centre at (x, z) and the amplitude y of its body; returns the energy
-    [J] (Lin 2.14 integrated)."""
+    """Write contact forces and stiffnesses with the ball's centre at (x, z) and the amplitude y; return the energy [J].
+
+    Lin 2.14 integrated.
+    """
     if profile.shape[1] > 0 or local.shape[0] > 0:
         return touch_any(x, z, y, shift, geometry, local, r_ball, profile, contact)
-    energy = 0.0  # arcs by themselves, no rows taken out: the compiler puts it where it is called
+    energy = 0.0  # a separate loop for arcs, without views of rows, so that the compiler inlines it
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] != 0.0:
@@ -102,8 +107,8 @@ def touch(
 def touch_any(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """``touch`` for flanks that are no arcs, and for elastic bodies."""
-    energy = 0.5 * y * y
+    """Write and return the same as `touch` for flanks that are no arcs, and for elastic bodies."""
+    energy = 0.5 * y * y  # of the body's amplitude, scaled to a stiffness of one
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
@@ -123,7 +128,7 @@ def touch_any(
 
 @kernel
 def net_force(contact: Array) -> tuple[float, float]:
-    """Size of the net force on the ball and the largest single force [N]."""
+    """Return the size of the net force on the ball and the largest single force [N]."""
     gx, gz, scale = 0.0, 0.0, 0.0
     for s in range(4):
         f = contact[s, FORCE]
@@ -136,7 +141,7 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 @kernel
 def body_force(y: float, contact: Array, local: Array) -> float:
-    """Net force on the amplitude y of the ball's body, as a force [N] on a contact."""
+    """Return the net force on the amplitude y of the ball's body, as a force [N] on a contact."""
     net, reach = y, 0.0
     for s in range(4):
         reach = max(reach, abs(local[s, BODY]))
@@ -146,8 +151,10 @@ def body_force(y: float, contact: Array, local: Array) -> float:
 
 @kernel
 def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
-    """Newton step of centre and amplitude, and the slope of the energy along it; of a rigid ball down the gradient where
-    the Hessian is singular."""
+    """Return the Newton step of centre and amplitude, and the slope of the energy along it.
+
+    Of a rigid ball down the gradient where the Hessian is singular.
+    """
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
     gy, hxy, hzy, hyy = y, 0.0, 0.0, 1.0
     for s in range(4):
@@ -156,16 +163,18 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
             mx, mz, kn, kt = contact[s, MX], contact[s, MZ], contact[s, KN], contact[s, KT]
             gx += f * mx
             gz += f * mz
+            # block centre-centre: F' m m^T + F kt t t^T, as in `block`
             hxx += kn * mx * mx + kt * mz * mz
             hzz += kn * mz * mz + kt * mx * mx
             hxz += (kn - kt) * mx * mz
             if local.shape[0] > 0:
                 g = local[s, BODY]
                 gy -= f * g
+                # blocks centre-amplitude and amplitude-amplitude: the approach is m . w - g y
                 hxy -= kn * mx * g
                 hzy -= kn * mz * g
                 hyy += kn * g * g
-    bump = 1e-14 * (hxx + hzz)
+    bump = 1e-14 * (hxx + hzz)  # a ball on one contact is free across it
     hxx += bump
     hzz += bump
     if local.shape[0] > 0:
@@ -184,8 +193,11 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
 def body_step(
     gx: float, gz: float, gy: float, hxx: float, hxz: float, hzz: float, hxy: float, hzy: float, hyy: float
 ) -> tuple[float, float, float, float]:
-    """Newton step of a centre (x, z) and an amplitude y by Cholesky's method, and the slope along it; none where the
-    Hessian is singular."""
+    """Return the Newton step of a centre (x, z) and an amplitude y by Cholesky's method, and the slope along it.
+
+    Zeros where the Hessian is singular.
+    """
+    # L L^T of the Hessian in the order (x, z, y)
     if hxx <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     lxx = sqrt(hxx)
@@ -199,6 +211,7 @@ def body_step(
     if left <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     lyy = sqrt(left)
+    # forward and backward substitution of -gradient
     sx = -gx / lxx
     sz = (-gz - lxz * sx) / lzz
     sy = (-gy - lxy * sx - lzy * sz) / lyy / lyy
@@ -209,7 +222,7 @@ def body_step(
 
 @kernel
 def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float:
-    """Interference [m] of the diagonal pair a between its groove centres where both its flanks take part, else -1."""
+    """Return interference [m] of the diagonal pair a between its groove centres where both flanks take part, else -1."""
     b = 3 - a
     if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
         return -1.0
@@ -224,10 +237,11 @@ def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float
 
 @kernel
 def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, contact: Array) -> float:
-    """Contacts of a ball that the diagonal pair a of arcs holds alone, with the interference ``total`` [m]: closed form.
+    """Write the contacts of a ball that only the diagonal pair a of arcs touches, with the interference ``total`` [m].
 
-    Forces are opposite, so each contact takes its share C/(C_a + C_b) of the interference, on the line of the groove
-    centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball there.
+    In closed form: forces are opposite, so each contact takes its share C/(C_a + C_b) of the interference, on the line of
+    the
+    groove centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball there.
     """
     b = 3 - a
     C_pair = geometry[a, HERTZ] + geometry[b, HERTZ]
@@ -259,7 +273,7 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
 
 @kernel
 def loosened(contact: Array, tiny: float, energy: float) -> float:
-    """The energy [J], zero where no contact carries more than ``tiny`` [N]: its forces are then set to none."""
+    """Return the energy [J]; zero where no contact carries more than ``tiny`` [N], with all forces set to zero."""
     for s in range(4):
         if contact[s, FORCE] > tiny:
             return energy
@@ -280,8 +294,7 @@ def settle_ball(
     tiny: float,
     contact: Array,
 ) -> float:
-    """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre and the
-    amplitude of its own body, where it has one.
+    """Minimise the contact energy of one ball at given motions of its flanks, over its centre and its body's amplitude.
 
     shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];
     profile (4, d): see ``contact.flank``; tiny [N]: forces below it count as none. Fills p [m], (2,), or (3,) with the
@@ -293,7 +306,7 @@ def settle_ball(
     if profile.shape[1] == 0 and not elastic:
         first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
         energy = -1.0
-        if first > 0.0 and second <= 0.0:  # the pair by its number: the compiler then knows the places of its data
+        if first > 0.0 and second <= 0.0:  # the pair as a literal: the compiler then knows the offsets of its data
             energy = press_pair(0, first, p, shift, geometry, contact)
         elif second > 0.0 and first <= 0.0:
             energy = press_pair(1, second, p, shift, geometry, contact)
@@ -336,7 +349,10 @@ def settle_ball(
 
 @kernel
 def ball_mismatch(contact: Array, scale: float) -> float:
-    """Largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5). The beam's equations do not see it."""
+    """Return the largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5).
+
+    The beam's equations do not contain it.
+    """
     worst = 0.0
     for i in range(contact.shape[0]):
         worst = max(worst, net_force(contact[i])[0])
@@ -345,7 +361,7 @@ def ball_mismatch(contact: Array, scale: float) -> float:
 
 @kernel
 def block(contact: Array, s: int) -> tuple[float, float, float]:
-    """Stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
+    """Return the stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
     if contact[s, FORCE] <= 0.0:
         return 0.0, 0.0, 0.0
     mx, mz, kn, kt = contact[s, MX], contact[s, MZ], contact[s, KN], contact[s, KT]
@@ -354,25 +370,26 @@ def block(contact: Array, s: int) -> tuple[float, float, float]:
 
 @kernel
 def flank_hessian(contact: Array, out: Array) -> None:
-    """Hessian of the ball's energy by the motion of its flanks, its centre eliminated: out (4, 4) of the screw's, or (8, 8)
-    of all [N/m], in the order SL x, SL z, SR x, ...
+    """Write the Hessian of the ball's energy by the motion of its flanks, its centre eliminated.
 
-    With H the sum of the blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed,
-    not subtracted: no cancellation).
+    out (4, 4) of the screw's flanks, or (8, 8) of all [N/m], in the order SL x, SL z, SR x, ... With H the sum of the
+    blocks
+    h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed, not subtracted: no cancellation).
     """
     out[:, :] = 0.0
-    txx, txz, tzz = 0.0, 0.0, 0.0
+    txx, txz, tzz = 0.0, 0.0, 0.0  # H, the sum of all blocks h_s
     for s in range(4):
         x, y, z = block(contact, s)
         txx, txz, tzz = txx + x, txz + y, tzz + z
     det = txx * tzz - txz * txz
     if det <= 0.0:
         return
-    ixx, ixz, izz, flanks = tzz / det, -txz / det, txx / det, out.shape[0] // 2
+    ixx, ixz, izz, flanks = tzz / det, -txz / det, txx / det, out.shape[0] // 2  # H^-1
     for s in range(flanks):
         if contact[s, FORCE] <= 0.0:
             continue
         hxx, hxz, hzz = block(contact, s)
+        # a = h_s H^-1
         a00, a01 = hxx * ixx + hxz * ixz, hxx * ixz + hxz * izz
         a10, a11 = hxz * ixx + hzz * ixz, hxz * ixz + hzz * izz
         o = 2 * s
@@ -380,6 +397,7 @@ def flank_hessian(contact: Array, out: Array) -> None:
             if t == s or contact[t, FORCE] <= 0.0:
                 continue
             hxx, hxz, hzz = block(contact, t)
+            # h_s H^-1 h_t = ((x, y), (z, w)): added to block (s, s), negative in block (s, t)
             x, y = a00 * hxx + a01 * hxz, a00 * hxz + a01 * hzz
             z, w = a10 * hxx + a11 * hxz, a10 * hxz + a11 * hzz
             out[o, o] += x

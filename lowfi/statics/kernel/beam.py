@@ -1,5 +1,6 @@
-"""A screw that is a Timoshenko beam, and its balls: regularised Newton with line search on the convex energy (seed audit;
-Lin 2.23-2.25).
+"""Screw as a Timoshenko beam, and its balls: regularised Newton with line search on the convex energy.
+
+Lin 2.23-2.25 with the corrections of the seed audit.
 
 E(q) = beam(q) - f q + sum over balls of min over the centre of the contact energies. One unknown motion (6) per node;
 banded Cholesky, so the cost is linear in the number of balls.
@@ -37,9 +38,10 @@ from .matrices import factor_band, substitute_band
 
 @kernel
 def element_constants(length: float, section: Array) -> tuple[float, float, float, float, float]:
-    """Stiffnesses of an element's end deformation: k_uu, k_uu L/2, k_rr, axial, torsional (mends Lin D.1, D.2).
+    """Return the stiffnesses of an element's end deformation: k_uu, k_uu L/2, k_rr, axial, torsional.
 
     section (4,): EA, EI, GJ, kappa G A. k_uu = 1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr = k_uu L^2/3 + k_uu EI/(kGA).
+    Corrects Lin D.1, D.2.
     """
     kuu = 1.0 / (length * (length * length / (12.0 * section[1]) + 1.0 / section[3]))
     krr = kuu * (length * length / 3.0 + section[1] / section[3])
@@ -48,7 +50,8 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 
 @kernel
 def force_of(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
-    """Force and moment (6,) at node 2 that the deformation d (6,) of an element takes, from its constants."""
+    """Write the force and moment (6,) at node 2 that the deformation d (6,) of an element needs, from its constants."""
+    # plane x-z: u_x with r_y; plane y-z: u_y with r_x, of the other sign; then axial force and torque
     kuu, kur, krr, ka, kt = constants
     out[0] = kuu * d[0] - kur * d[4]
     out[4] = krr * d[4] - kur * d[0]
@@ -62,12 +65,13 @@ def force_of(d: Array, constants: tuple[float, float, float, float, float], out:
 def add_element(band: Array, node: int, length: float, section: Array) -> None:
     """Add an element's stiffness between ``node`` and the next one to the lower band (see ``matrices``)."""
     kuu, kur, krr, ka, kt = element_constants(length, section)
-    off = length * kur - krr
+    off = length * kur - krr  # between the rotations of both nodes
     i, j = 6 * node, 6 * node + 6
     # plane x-z (ux, ry): sign +; plane y-z (uy, rx): sign -
     for plane in range(2):
         sign = 1.0 if plane == 0 else -1.0
         u, r = (0, 4) if plane == 0 else (1, 3)
+        # node 1 with itself, then node 1 with node 2 (columns j), then node 2 with itself
         band[i + u, 0] += kuu
         band[i + r, 0] += krr
         band[i + u, r - u] += sign * kur
@@ -103,7 +107,7 @@ ROUND_OFF = 1e-17
 
 @kernel
 def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
-    """Motions [m] of the screw's flanks at ball i by the nodal motions (6 n,); shift (4, 2)."""
+    """Write the motions [m] of the screw's flanks at ball i by the nodal motions (6 n,); shift (4, 2)."""
     B = contacts.B
     for s in range(2):
         if contacts.geometry[i, s, USE] != 0.0:
@@ -124,8 +128,11 @@ def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: floa
 
 @kernel
 def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
-    """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
-    energy of beam and loads; returns that energy and the largest force of either. Rows beyond the nodes are left alone."""
+    """Return the energy of beam and loads and the largest force of either; fill nodal motions and gradient.
+
+    The nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the energy.
+    Rows beyond the nodes are left unchanged.
+    """
     last, energy, scale = d.shape[0], 0.0, 0.0
     fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, y, z, a, b, c = q[0, 0], q[0, 1], q[0, 2], q[0, 3], q[0, 4], q[0, 5]
@@ -135,6 +142,7 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
         scale = max(scale, abs(p[0]), abs(p[1]), abs(p[2]))
         g[0], g[1], g[2], g[3], g[4], g[5] = fx - p[0], fy - p[1], fz - p[2], mx - p[3], my - p[4], mz - p[5]
         if i < last:
+            # strain d of the element, its end force k d, and the motion of the next node, T q + d
             e, k, length = d[i], beam.constants[i], beam.lengths[i]
             dx, dy, dz, da, db, dc = e[0], e[1], e[2], e[3], e[4], e[5]
             fx, fy, fz = k[0] * dx - k[1] * db, k[0] * dy + k[1] * da, k[3] * dz
@@ -151,7 +159,7 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
 
 @kernel
 def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, float]:
-    """Energy and gradient at the state; fills out; returns energy and scale.
+    """Return energy and scale at the state; fill out.
 
     The scale [N] is the largest force met: applied, in an element, or of a contact.
     """
@@ -198,8 +206,10 @@ def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m:
 
 @kernel
 def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, room: Array) -> None:
-    """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2) between them, to the lower
-    band from ``rows`` and ``columns`` on; room (2, m)."""
+    """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2), to the lower band.
+
+    From ``rows`` and ``columns`` on; room (2, m): work array.
+    """
     m = b.shape[1]
     for a in range(2):
         for k in range(m):
@@ -212,14 +222,14 @@ def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: i
 
 @kernel
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
-    """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
+    """Write Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     fixed, node, B = beam.fixed, contacts.node, contacts.B
     band[:] = beam.band
     m = B.shape[3]
     room = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
-            o, t = 2 * s, 2 - 2 * s
+            o, t = 2 * s, 2 - 2 * s  # rows of this flank and of the other one in the ball's Hessian
             stiffness = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
             if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue
@@ -239,7 +249,7 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
 
 @kernel
 def hold(band: Array, i: int) -> None:
-    """Take the unknown i out of the equations."""
+    """Remove the unknown i from the equations."""
     width = band.shape[1]
     for w in range(width):
         band[i, w] = 0.0
@@ -250,7 +260,10 @@ def hold(band: Array, i: int) -> None:
 
 @kernel
 def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Array, step: Array, t: float) -> None:
-    """State at (q0, d0) plus t step, the shaft in element deformations: the strain of the step is taken from the step."""
+    """Set the state to (q0, d0) plus t step, the shaft in element deformations.
+
+    The strain of the step is taken from the step.
+    """
     q, d, lengths = state.q, state.d, shaft.lengths
     for k in range(6):
         q[0, k] = q0[0, k] + t * step[0, k]
@@ -266,13 +279,13 @@ def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Arra
 
 @kernel
 def energy_at(given: BeamSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
-    """``evaluate``, for the driver."""
+    """Return `evaluate`, for the driver."""
     return evaluate(given, state, room.slopes)
 
 
 @kernel
 def find_step(given: BeamSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
-    """Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
+    """Write Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
     beam, band = given.shaft, room.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
@@ -295,7 +308,7 @@ def step_down(given: BeamSystem, room: RowRoom) -> None:
 
 @kernel
 def residual_at(given: Rows, state: RowState, options: Options, room: RowRoom, scale: float) -> float:
-    """Largest free component of the gradient over the scale [N]; moments divided by the arm."""
+    """Return the largest free component of the gradient over the scale [N]; moments divided by the arm."""
     gradient, worst = room.slopes.gradient, 0.0
     for i in range(gradient.shape[0]):
         for k in range(6):
@@ -306,7 +319,7 @@ def residual_at(given: Rows, state: RowState, options: Options, room: RowRoom, s
 
 @kernel
 def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
-    """Slope of the energy along the step."""
+    """Return the slope of the energy along the step."""
     gradient, step, total = room.slopes.gradient, room.step, 0.0
     for i in range(step.shape[0]):
         for k in range(6):
@@ -317,7 +330,7 @@ def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
 
 @kernel
 def reach_of(given: BeamSystem, room: RowRoom) -> float:
-    """Largest motion [m] of a flank by the step."""
+    """Return the largest motion [m] of a flank by the step."""
     contacts, motion = given.contacts, room.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.node.shape[0]):
@@ -332,25 +345,27 @@ def reach_of(given: BeamSystem, room: RowRoom) -> float:
 
 @kernel
 def keep(state: RowState, room: RowRoom) -> None:
-    """Note where the step begins."""
+    """Store where the step begins."""
     room.q0[:], room.d0[:] = state.q, state.d
 
 
 @kernel
 def move(given: Rows, state: RowState, room: RowRoom, t: float) -> None:
-    """State t steps from where the step begins."""
+    """Set the state to t steps from where the step begins."""
     advance(given.shaft, state, room.q0, room.d0, room.step, t)
 
 
 @kernel
 def finish(given: Rows, state: RowState, room: RowRoom) -> None:
-    """Nothing is left to find again."""
+    """Do nothing: there is nothing to compute again."""
 
 
 @kernel
 def least_force(given: Rows, state: RowState, options: Options) -> float:
-    """Least force [N] that residuals are measured by: a screw bent by moments alone, or pushed off its last contact, has no
-    force left to compare with."""
+    """Return the least force [N] that residuals are measured by.
+
+    A screw bent by moments only, or pushed off its last contact, has no force left to compare with.
+    """
     floor, f = options.floor, np.empty(6)
     for e in range(state.d.shape[0]):
         c = given.shaft.constants[e]
@@ -362,7 +377,7 @@ def least_force(given: Rows, state: RowState, options: Options) -> float:
 
 @kernel
 def furthest(given: Rows, state: RowState) -> float:
-    """Furthest motion [m] of a row."""
+    """Return the furthest motion [m] of a row."""
     q, moved = state.q, 0.0
     for i in range(q.shape[0]):
         moved = max(moved, q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2)
@@ -371,7 +386,7 @@ def furthest(given: Rows, state: RowState) -> float:
 
 @kernel
 def unbalanced(state: RowState, scale: float) -> float:
-    """Largest net force on a ball over ``scale`` [N]."""
+    """Return the largest net force on a ball over ``scale`` [N]."""
     return ball_mismatch(state.contact, scale)
 
 
@@ -410,7 +425,7 @@ def shorten_first_step(given: Rows, state: RowState, options: Options, room: Row
 
 @kernel
 def room_for(given: BeamSystem, state: RowState) -> RowRoom:
-    """Room for an iteration."""
+    """Return work arrays for an iteration."""
     n, band = state.q.shape[0], given.shaft.band
     slopes = Slopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
     return RowRoom(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))

@@ -58,7 +58,7 @@ def search(given: Any, state: Any, room: Any, energy: float, slope: float, limit
 
 @kernel
 def judge(given: Any, state: Any, options: Options, room: Any, scale: float, start: float) -> tuple[float, float]:
-    """Scale [N], at least the least force that residuals are measured by, and the residual over it, at the state.
+    """Return the scale [N], at least the least force that residuals are measured by, and the residual over it.
 
     That of the start (``start``) where only displacements are given, which may meet no resistance in the end.
     """
@@ -80,7 +80,7 @@ def minimise(given: Any, state: Any, options: Options, room: Any) -> Outcome:
     progress = Progress(residual, energy, 0, 0)
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         return Outcome(CONVERGED, iteration, evaluations, residual, energy, scale)
-    for iteration in range(1, options.most + 1):  # noqa: B007 - told at the end
+    for iteration in range(1, options.most + 1):  # noqa: B007 - reported at the end
         solved = False
         for _ in range(SHIFTS):
             shift = amount * options.stiffness * min(1.0, residual)

@@ -2,12 +2,15 @@
 
 The flanks move by v = v_0 + G phi + R a: G the compliance of the bodies, R motions that nothing but the contacts resists.
 Every ball takes the forces f(v) on its flanks; at the solution phi = f(v). With the stiffness S^T S of all balls, factored
-ball by ball, a step solves (I + S G S^T) u = S (G (f - phi) + R da), R^T (f - S^T u) + work = 0: Newton on the convex
-energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes.
+ball by ball, a step solves
 
-A ball has its centre and one amplitude of its own body for unknowns, eliminated inside, and every contact has parts e F and
-h F^(4/3) besides Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball knows only their relative motion, and
-has a closed form.
+    (I + S G S^T) u = S (G (f - phi) + R da),    R^T (f - S^T u) + work = 0:                                           (1)
+
+Newton on the convex energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes.
+
+A ball has its centre and one amplitude of its body's deformation for unknowns, eliminated inside, and every contact has
+parts e F and h F^(4/3) besides Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball depends only on their
+relative motion, and has a closed form.
 """
 
 from collections.abc import Callable
@@ -37,7 +40,7 @@ from .rollers import roller_elements, roller_rows
 
 @kernel
 def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
-    """out (N, d) = G phi: first and second body act on the first and second half of the flanks (one body: on all)."""
+    """Write out (N, d) = G phi: first and second body act on the first and second half of the flanks (one body: on all)."""
     first, second = bodies.first, bodies.second
     n, d = phi.shape
     if second.shape[0] == 0:
@@ -50,7 +53,7 @@ def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
 
 @kernel
 def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
-    """M (q, q) = I + S G S^T."""
+    """Write M (q, q) = I + S G S^T of (1)."""
     half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
     add_body(bodies.first, rows, 0, half, M)
@@ -94,7 +97,7 @@ def triangular(M: Array, b: Array) -> None:
 
 @kernel
 def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
-    """out (q,) = S x for motions x (N, d)."""
+    """Write out (q,) = S x for motions x (N, d)."""
     S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
@@ -103,7 +106,7 @@ def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
 
 @kernel
 def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
-    """out (N, d) -= S^T u."""
+    """Subtract S^T u from out (N, d)."""
     S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
@@ -112,10 +115,11 @@ def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
 
 @kernel
 def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: float, out: Array) -> bool:
-    """Amplitudes a (k,) of the free motions R (N, d, k) with (S R)^T u = target (k,), and u (q,) with them.
+    """Return whether the free motions are resisted; write their amplitudes out (k,), and u with them.
 
-    u holds M^-1 b on entry and M^-1 (b + S R a) on return, L the factor of M; hold [N/m]: stiffness added to the free
-    motions. Fills out with a; False where a free motion is not held.
+    Amplitudes a of the free motions R (N, d, k) with (S R)^T u = target (k,). u holds M^-1 b on entry and M^-1 (b + S R a)
+    on
+    return, L the factor of M; hold [N/m]: stiffness added to the free motions.
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
@@ -123,6 +127,7 @@ def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: fl
         apply_rows(rows, R[:, :, c], plain[c])
         Z[c] = plain[c]
         triangular(L, Z[c])
+    # Schur complement of the bordered system: (S R)^T M^-1 (S R)
     schur = np.dot(plain, Z.T) + hold * np.eye(k)
     if not cholesky_lower(schur):
         return False
@@ -134,7 +139,7 @@ def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: fl
 
 @kernel
 def flank_rows(contact: Array, local: Array, rows: Array) -> int:
-    """Rows S (6, 8) with S^T S the ball's Hessian by the motions of its flanks; returns how many.
+    """Write rows S (6, 8) with S^T S the ball's Hessian by the motions of its flanks; return how many.
 
     The square roots sqrt(k) d of the contacts' stiffnesses by the flanks are orthogonalised (Householder) against those by
     centre and amplitude: no difference of large numbers.
@@ -149,16 +154,17 @@ def flank_rows(contact: Array, local: Array, rows: Array) -> int:
         for tangential in range(2):
             k = sqrt(contact[s, KN] if tangential == 0 else contact[s, KT])
             dx, dz = (mx, mz) if tangential == 0 else (-mz, mx)
+            # columns of A: centre x, z and amplitude; of B: motions of the flanks
             A[n, 0], A[n, 1] = k * dx, k * dz
             A[n, 2] = -k * local[s, BODY] if tangential == 0 else 0.0
             B[n, 2 * s], B[n, 2 * s + 1] = k * dx, k * dz
             n += 1
     if n == 0:
         return 0
-    A[n, 2] = 1.0
+    A[n, 2] = 1.0  # the amplitude's stiffness
     n += 1
     used = min(3, n)
-    for c in range(used):
+    for c in range(used):  # what is left of B below A's triangle is orthogonal to centre and amplitude
         norm = 0.0
         for i in range(c, n):
             norm += A[i, c] * A[i, c]
@@ -183,7 +189,7 @@ def flank_rows(contact: Array, local: Array, rows: Array) -> int:
 
 @kernel
 def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> None:
-    """Householder reflection of x[first:last] by ``direction`` of squared length ``size``."""
+    """Apply the Householder reflection of x[first:last] by ``direction`` of squared length ``size``."""
     dot = 0.0
     for i in range(first, last):
         dot += direction[i] * x[i]
@@ -194,7 +200,7 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 
 @kernel
 def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array) -> tuple[float, float]:
-    """Forces f (N, 8) of all balls on their flanks at motions v (N, 8); returns energy and the largest contact force.
+    """Write the forces f (N, 8) of all balls on their flanks at motions v (N, 8); return energy and largest force.
 
     Fills inner (N, 3) and contact (N, 4, 5). Rollers come after the balls.
     """
@@ -215,11 +221,13 @@ def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f
 
 @kernel
 def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
-    """As ``full_balls`` for balls between two opposite arcs a and b, v (N, 2) the motion of a less that of b.
+    """Write and return the same as `full_balls` for balls between two opposite arcs a and b.
 
-    The ball's centre lies on the line of the arcs' centres D + v, and the interference is its nominal value plus
-    |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|, nominal interference, C, e and h of
-    both contacts together; contact (N, 5) as one contact on flank a.
+    v (N, 2): motion of a less that of b. The ball's centre lies on the line of the arcs' centres D + v, and the
+    interference is
+    its nominal value plus |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|, nominal interference,
+    C,
+    e and h of both contacts together; contact (N, 5) as one contact on flank a.
     """
     pair = contacts.pair
     energy, scale = 0.0, 0.0
@@ -246,7 +254,7 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tu
 
 @kernel
 def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array) -> tuple[float, float]:
-    """Forces of all balls at motions v, by ``pair_balls`` or ``full_balls``."""
+    """Write the forces of all balls at motions v, by `pair_balls` or `full_balls`; return energy and largest force."""
     if v.shape[1] == 2:
         return pair_balls(v, contacts, state.contact[:, 0], f)
     return full_balls(v, contacts, state.inner, state.contact, f)
@@ -254,7 +262,7 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array)
 
 @kernel
 def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
-    """Rows S (N, 6 or 2, d) of all balls and rollers, and their numbers; returns the total."""
+    """Write rows S (N, 6 or 2, d) of all balls and rollers, and their numbers; return the total."""
     total = 0
     d = S.shape[2]
     for i in range(S.shape[0]):
@@ -264,6 +272,7 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
             counts[i] = flank_rows(contact[i], contacts.local[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]
+            # rows along the normal and the tangent
             kn, kt = sqrt(contact[i, 0, KN]), sqrt(contact[i, 0, KT])
             S[i, 0, 0], S[i, 0, 1] = kn * mx, kn * mz
             S[i, 1, 0], S[i, 1, 1] = -kt * mz, kt * mx
@@ -298,7 +307,7 @@ def add_free(R: Array, a: Array, out: Array) -> None:
 
 @kernel
 def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
-    """Energy of the bodies less the work of the loads on the free motions."""
+    """Return the energy of the bodies less the work of the loads on the free motions."""
     return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work * state.a))
 
 
@@ -312,29 +321,36 @@ def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
 
 @kernel
 def apart(v: Array) -> float:
-    """Largest motion [m] of a flank of the first body against that of the second; v (N, d): of the flanks, d = 2 where it
-    is of both against one another."""
+    """Return the largest motion [m] of a flank of the first body against that of the second.
+
+    v (N, d): of the flanks, d = 2 where it is of both against one another.
+    """
     half = v.shape[1] // 2
     return float(np.max(np.abs(v)) if half == 1 else np.max(np.abs(v[:, :half] - v[:, half:])))
 
 
 @kernel
 def unbalanced(state: BodyState, scale: float) -> float:
-    """Largest net contact force on a ball over ``scale`` [N]; none on balls between two opposite arcs, by closed form."""
+    """Return the largest net contact force on a ball over ``scale`` [N].
+
+    None on balls between two opposite arcs, by closed form.
+    """
     return 0.0 if state.contact.shape[1] == 1 else ball_mismatch(state.contact, scale)
 
 
 @kernel
 def energy_at(given: BodySystem, state: BodyState, room: BodyRoom) -> tuple[float, float]:
-    """Energy of bodies and balls, and the largest contact force; fills the forces on the flanks."""
+    """Return the energy of bodies and balls, and the largest contact force; fill the forces on the flanks."""
     energy, scale = evaluate_balls(room.v, given.contacts, state, room.f)
     return energy + stored(given.bodies, state, room.g), scale
 
 
 @kernel
 def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, shift: float, fresh: bool) -> bool:
-    """Newton's step of forces and free motions; shift [N/m]: stiffness that keeps free motions from running away where no
-    contact holds them."""
+    """Write Newton's step of forces and free motions.
+
+    shift [N/m]: stiffness that limits free motions where no contact resists them.
+    """
     bodies, rows, f = given.bodies, room.rows, room.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
     dphi, dv, da = room.step
@@ -357,7 +373,10 @@ def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyR
 
 @kernel
 def residual_at(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, scale: float) -> float:
-    """Largest difference of assumed and true flank forces, and unbalanced load on a free motion, over ``scale`` [N]."""
+    """Return the largest difference of assumed and true flank forces over ``scale`` [N].
+
+    And of the unbalanced loads on free motions.
+    """
     bodies = given.bodies
     worst = float(np.max(np.abs(room.f - state.phi)))
     for c in range(bodies.work.shape[0]):
@@ -367,26 +386,26 @@ def residual_at(given: BodySystem, state: BodyState, options: Options, room: Bod
 
 @kernel
 def slope_along(given: BodySystem, state: BodyState, room: BodyRoom) -> float:
-    """Slope of the energy along the step."""
+    """Return the slope of the energy along the step."""
     step = room.step
     return float(np.sum(step.dphi * room.g) - np.sum(room.f * step.dv) - np.sum(given.bodies.work * step.da))
 
 
 @kernel
 def reach_of(given: BodySystem, room: BodyRoom) -> float:
-    """Largest motion [m] by the step of a flank of the first body against that of the second."""
+    """Return the largest motion [m] by the step of a flank of the first body against that of the second."""
     return apart(room.step.dv)
 
 
 @kernel
 def keep(state: BodyState, room: BodyRoom) -> None:
-    """Note where the step begins."""
+    """Store where the step begins."""
     room.begin.phi[:], room.begin.a[:], room.begin.g[:], room.begin.v[:] = state.phi, state.a, room.g, room.v
 
 
 @kernel
 def move(given: BodySystem, state: BodyState, room: BodyRoom, t: float) -> None:
-    """State t steps from where the step begins, with the motions of bodies and flanks there."""
+    """Set the state to t steps from where the step begins, with the motions of bodies and flanks there."""
     begin, step = room.begin, room.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
     room.v[:], room.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
@@ -395,20 +414,20 @@ def move(given: BodySystem, state: BodyState, room: BodyRoom, t: float) -> None:
 
 @kernel
 def finish(given: BodySystem, state: BodyState, room: BodyRoom) -> None:
-    """Contacts at the state itself, without the round-off of the steps to it."""
+    """Compute the contacts at the state, without the round-off of the steps to it."""
     place_flanks(given.bodies, state, room.g, room.v)
     evaluate_balls(room.v, given.contacts, state, room.f)
 
 
 @kernel
 def least_force(given: BodySystem, state: BodyState, options: Options) -> float:
-    """Least force [N] that residuals are measured by."""
+    """Return the least force [N] that residuals are measured by."""
     return options.floor
 
 
 @kernel
 def furthest(given: BodySystem, state: BodyState) -> float:
-    """Furthest free motion [m]."""
+    """Return the furthest free motion [m]."""
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
@@ -433,11 +452,11 @@ def solve_forces(given: BodySystem, state: BodyState, options: Options, start: b
 
 @kernel
 def start_on_springs(given: BodySystem, state: BodyState, options: Options, room: BodyRoom) -> None:
-    """Go to the equilibrium of the bodies on one linear spring between opposite flanks in place of two contacts, where it
-    can be found.
+    """Go to the equilibrium of the bodies on one linear spring between opposite flanks in place of two contacts.
 
-    No flank goes further from its opposite than ``options.furthest``, as in ``beam``, unless the loads alone carry it
-    there: a shaft that only contacts hold is far away without their forces.
+    Where it can be found. No flank goes further from its opposite than ``options.furthest``, as in ``beam``, unless the
+    loads
+    carry it there: a shaft that only contacts support is far away without their forces.
     """
     bodies, springs, v = given.bodies, given.springs, room.v
     balls, width = springs.shape[0], springs.shape[1]

@@ -52,7 +52,7 @@ def ldl_substitute(band: Array, b: Array) -> None:
 
 
 def _filled(band: Array) -> Array:
-    """A band (n, w) filled up to whole blocks of w - 1 freedoms by a unit matrix, without what lies beyond the matrix."""
+    """Return a band (n, w) filled up to whole blocks of w - 1 freedoms by a unit matrix."""
     n, width = band.shape
     size = max(width - 1, 1)
     filled = np.zeros((-(-n // size) * size, size + 1))
@@ -64,9 +64,11 @@ def _filled(band: Array) -> Array:
 
 
 def _views(filled: Array) -> tuple[Array, Array]:
-    """Views of the blocks (m, b, b) of a filled band: those on the diagonal, which are lower triangles, and those below
-    them, upper ones. Its columns lie one after the other, A[i, j] at j (b + 1) + i - j = j b + i: a block is b columns b
-    apart, and the other triangle of a view belongs to other blocks."""
+    """Return views of the blocks (m, b, b) of a filled band on its diagonal, lower triangles, and below them, upper ones.
+
+    Its columns lie one after the other, A[i, j] at j (b + 1) + i - j = j b + i: a block is b columns b apart, and the other
+    triangle of a view belongs to other blocks.
+    """
     size = filled.shape[1] - 1
     flat = filled.reshape(-1, size * (size + 1))
     on, below = (x.reshape(-1, size, size).transpose(0, 2, 1) for x in (flat[:, : size * size], flat[:, size:]))
@@ -74,8 +76,10 @@ def _views(filled: Array) -> tuple[Array, Array]:
 
 
 def _block_factor(band: Array) -> bool:
-    """Overwrite ``band`` with the inverses of the factor's blocks on the diagonal and the blocks below them; False where
-    the matrix is not positive definite."""
+    """Overwrite ``band`` with the inverses of the factor's blocks on the diagonal and the blocks below them.
+
+    False where the matrix is not positive definite.
+    """
     filled = _filled(band)
     factor = np.zeros_like(filled)
     (on, below), (inverse, under) = _views(filled), _views(factor)
@@ -94,7 +98,7 @@ def _block_factor(band: Array) -> bool:
 
 
 def inverse_blocks(band: Array) -> tuple[Array, Array]:
-    """What `substitute_blocks` takes of a factored band: inverses of the blocks on the diagonal, and those below them."""
+    """Return inverses of a factored band's blocks on the diagonal, and the blocks below them, for `substitute_blocks`."""
     on, below = _views(_filled(band))
     return np.tril(on), np.triu(below)
 

@@ -1,6 +1,6 @@
-"""Rollers as slices of line contacts: between rows of motions, or as elements beside the balls between elastic bodies.
+"""Rollers as slices of line contacts: between rows of motions, or as elements between elastic bodies.
 
-A roller of a row between elastic bodies has four motions, held in the places of a ball's flanks SL (cone) and NL (cup):
+A roller of a row between elastic bodies has four motions, stored in place of a ball's flanks SL (cone) and NL (cup):
 that of the ring along the normal of the roller's middle, and its slope along the roller times the roller's length [m].
 """
 
@@ -14,13 +14,13 @@ from .contact import SETTLED
 
 #: Flanks of a ball whose places a roller's cone and cup take.
 CONE, CUP = 0, 2
-#: Approach of a slice over the sum of the sizes of its terms up to which round-off alone closes it: it counts as open.
+#: Approach of a slice over the sum of the sizes of its terms up to which only round-off closes it: it counts as open.
 ROUND_OFF = 2.0**-52
 
 
 @kernel
 def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
-    """Line load q [N/m], its slope by the approach, and energy [J/m], of delta = q (g - S ln q), delta > 0.
+    """Return line load q [N/m], its slope by the approach, and energy [J/m], of delta = q (g - S ln q), delta > 0.
 
     Beyond exp(-3) of the load at which the law bends back, far above any real one, it goes on along its tangent, so that
     the energy stays convex.
@@ -48,7 +48,7 @@ def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
 
 @kernel
 def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array) -> tuple[float, float]:
-    """Forces and stiffnesses of all slices; adds them to the gradient; returns their energy and the largest force."""
+    """Write forces and stiffnesses of all slices and add them to the gradient; return energy and largest force."""
     energy, scale = 0.0, 0.0
     for i in range(rollers.drop.shape[0]):
         delta, terms = -rollers.drop[i], abs(rollers.drop[i])
@@ -76,9 +76,9 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
 
 @kernel
 def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
-    """Forces f (M, 8) of the rollers on their rings at motions v (M, 8); returns energy [J] and the largest force [N].
+    """Write forces f (M, 8) of the rollers on their rings at motions v (M, 8); return energy [J] and the largest force [N].
 
-    contact (M, 4, 5): force and direction as of a ball's contacts; the stiffness by the two relative motions stands in KN
+    contact (M, 4, 5): force and direction as of a ball's contacts; the stiffness by the two relative motions is in KN
     and KT of the cone's (its first row) and KN of the cup's (the last entry).
     """
     energy, scale = 0.0, 0.0
@@ -114,7 +114,7 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
 
 @kernel
 def roller_rows(contact: Array, rows: Array) -> int:
-    """Rows S (6, 8) with S^T S the roller's stiffness by the motions of its rings (of ``contact``); returns how many."""
+    """Write rows S (6, 8) with S^T S roller's stiffness by the motions of its rings (of ``contact``); return how many."""
     if contact[CONE, FORCE] <= 0.0:
         return 0
     root = sqrt(contact[CONE, KN])

@@ -1,4 +1,4 @@
-"""What all of Newton's iterations here share: where to try next along a step on a convex energy, and when to end."""
+"""Parts common to all Newton iterations here: the next trial along a step on a convex energy, and when to end."""
 
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Progress, Trial
@@ -28,16 +28,17 @@ FALLS = 1e-6
 
 @kernel
 def first_trial(energy: float, slope: float, limit: float) -> Trial:
-    """The whole step, or the longest that ``limit`` allows; energy and slope < 0 along the step where the search begins.
+    """Return the whole step, or the longest that ``limit`` allows, as the first trial.
 
-    limit: largest step length: a step that carries flanks past their balls says nothing of the contacts.
+    energy and slope < 0 along the step where the search begins; limit: largest step length: a step that carries flanks past
+    their balls gives no information on the contacts.
     """
     return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 
 
 @kernel
 def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
-    """The trial that follows one of energy ``new`` and slope ``ahead``, and whether the search goes on to it.
+    """Return the trial that follows one of energy ``new`` and slope ``ahead``, and whether the search goes on to it.
 
     The step is shrunk on overshoot, and stretched while the slope does not change (open gaps).
     """
@@ -61,7 +62,7 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
 
 @kernel
 def got_on(progress: Progress, residual: float, energy: float, tried: int) -> tuple[Progress, bool]:
-    """The progress after an iteration that searched ``tried`` times, and whether it is the last one."""
+    """Return the progress after an iteration that searched ``tried`` times, and whether it is the last one."""
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
     stuck = progress.stuck + (1 if tried >= TRIALS else 0)

@@ -146,11 +146,11 @@ def state(load: float) -> ThrustState:
 
 
 @cache
-def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Sheet:
+def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
     """Figure 2-10 at a thrust [lbf]."""
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
-    return as_printed.sheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
+    return as_printed.spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
 
 def sheet_tangent(pounds: float) -> float:

@@ -1,5 +1,7 @@
-"""Banded linear systems by elimination with row exchange: friction between balls makes a matrix unsymmetric and, beyond a
-fold, indefinite."""
+"""Banded linear systems by elimination with row exchange.
+
+Friction between balls makes a matrix unsymmetric and, beyond a fold, indefinite.
+"""
 
 from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.jit import kernel
@@ -7,7 +9,7 @@ from rollbench.lowfi.jit import kernel
 
 @kernel
 def solve_with_pivots(K: Array, x: Array, half: int) -> float:
-    """Overwrites right-hand sides x (n, c) by the solutions, K by its factors; beyond all bounds where K is singular.
+    """Overwrite right-hand sides x (n, c) by the solutions, K by its factors; beyond all bounds where K is singular.
 
     Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for what row exchange fills in. Returns the
     sign of the determinant.

@@ -20,7 +20,7 @@ from rollbench.lowfi.jit import kernel
 
 @kernel
 def _series(x: float, y: float, mean: float) -> float:
-    """R_D (x + ..)^(3/2) about equal arguments, to the seventh order (DLMF 19.36.2); x, y: relative deviations."""
+    """Return R_D (x + ..)^(3/2) about equal arguments, to the seventh order (DLMF 19.36.2); x, y: relative deviations."""
     z = -(x + y) / 3.0
     xy, zz = x * y, z * z
     e2 = xy - 6.0 * zz
@@ -34,7 +34,7 @@ def _series(x: float, y: float, mean: float) -> float:
 
 @kernel
 def _series_slope(x: float, y: float, dx: float, dy: float) -> float:
-    """Derivative of the bracket of ``_series`` along (dx, dy)."""
+    """Return the derivative of the bracket of `_series` along (dx, dy)."""
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
     dxy, dzz = dx * y + x * dy, 2.0 * z * dz
@@ -50,10 +50,13 @@ def _series_slope(x: float, y: float, dx: float, dy: float) -> float:
 
 @kernel
 def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
-    """R_D(x, y, z) and -(4/3) dR_D/dy = integral over t of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2), t = 0 to infinity.
+    """Return R_D(x, y, z) and -(4/3) dR_D/dy.
 
-    x >= 0, y, z > 0, dimensionless. The second is (2/3) (R_D(x, z, y) - R_D(x, y, z)) / (z - y) without its
-    cancellation at y = z. Duplication (Carlson 1995), differentiated step by step.
+    The second is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2), for x >= 0, y, z > 0, which
+    is
+    (2/3) (R_D(x, z, y) - R_D(x, y, z))/(z - y) without its cancellation at y = z. Duplication (Carlson 1995),
+    differentiated
+    step by step.
     """
     dx, dy, dz = 0.0, 1.0, 0.0
     total, d_total, scale = 0.0, 0.0, 1.0
@@ -91,7 +94,7 @@ _U2, _W = _NODES[12:] ** 2, _WEIGHTS[12:].copy()
 
 @kernel
 def coordinate(x: float, y: float, h: float, b2: float) -> float:
-    """Largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1, zero inside the ellipse at h = 0."""
+    """Return the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1, zero inside the ellipse at h = 0."""
     x2, y2, h2 = x * x, y * y, h * h
     p = x2 + y2 - 1.0 - b2
     q = b2 * (x2 - 1.0) + y2
@@ -117,7 +120,8 @@ def coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 @kernel
 def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """The potential by Carlson's integrals for the confocal coordinate ``low`` <= 1."""
+    """Return the potential by Carlson's integrals for the confocal coordinate ``low`` <= 1."""
+    # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
     p, t = rd_and_slope(low, cy, cx)
     q = p + 1.5 * (1.0 - b2) * t
@@ -128,6 +132,7 @@ def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     i_h = i_x + i_xh
     i_hh = 2.0 / (edge * cy * cx) - i_xh - i_yh if h > 0.0 else 0.0
     x2, y2, h2 = x * x, y * y, h * h
+    # psi_i = x_i f_i, then second derivatives
     f_x = 0.75 * (i_x - x2 * i_xx - y2 * i_xy - h2 * i_xh)
     f_y = 0.75 * (i_y - x2 * i_xy - y2 * i_yy - h2 * i_yh)
     f_h = 0.75 * (i_h - x2 * i_xh - y2 * i_yh - h2 * i_hh)
@@ -153,9 +158,9 @@ def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
 
 @kernel
 def far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """The potential for ``low`` >= 1 by Gauss sums over u = sqrt(low / s); N and H r are summed without cancellation.
+    """Return the potential for ``low`` >= 1 by Gauss sums over u = sqrt(low/s); N and H r are summed without cancellation.
 
-    Integration by parts of s U^2 / S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s)
+    Integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s)
     and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
     """
     rho = sqrt(low)
@@ -200,7 +205,7 @@ def far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
 
 @kernel
 def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: float) -> DissipationTerms:
-    """D = int p sqrt(|v|^2 + speed^2) dA / F with v = (vx + spin z, vz - spin x), and its derivatives.
+    """Return D = int p sqrt(|v|^2 + speed^2) dA/F with v = (vx + spin z, vz - spin x), and its derivatives.
 
     a >= b > 0: semi-axes along x and z [m]; vx, vz, speed >= 0 [m/s]; spin [rad/s]; p: Hertz pressure of the force F.
     Friction is -mu F dD/dv; the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D is convex,
@@ -213,6 +218,7 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
     size = abs(turn)
     if size == 0.0:
         return DissipationTerms(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    # centre of rotation in units of a, and the regularising speed as the height above the ellipse
     x, y, h, b2 = vz / turn, -vx / turn, speed / size, (b / a) * (b / a)
     low = coordinate(x, y, h, b2)
     value, g_x, g_y, g_h, moment, xx, xy, yy, r_x, r_y, r_r = (
@@ -236,6 +242,6 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 
 @kernel
 def dissipation_many(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
-    """``dissipation`` of n contacts; a, b (n,); motion (n, 3): vx, vz, spin; out (n, 11) is written."""
+    """Write `dissipation` of n contacts to out (n, 11); a, b (n,); motion (n, 3): vx, vz, spin."""
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

@@ -1,7 +1,7 @@
 """Motion of least dissipation with contacts at rest: a falling regularising speed, then rest imposed exactly.
 
 Dissipation of a body at elliptical contacts, and Newton's method for its minimum: unknown is the motion q (n,). Contact i
-sees (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength mu F. The convex function is sum_i strength_i
+has (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength mu F. The convex function is sum_i strength_i
 D_i(v_i; speed) - push . q.
 """
 
@@ -19,7 +19,7 @@ from .dissipation import dissipation
 def evaluate(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
-    """Value of the function at q and its part from the speed; writes gradient (n,) and Hessian (n, n).
+    """Return the value of the function at q and its part from the speed; write gradient (n,) and Hessian (n, n).
 
     shape (m, 3): semi-axes a, b [m] and strength mu F [N]; maps (m, 3, n); drives (m, 3); push (n,).
     The second value is sum_i strength_i speed dD_i/dspeed, the excess of the function over the friction loss.
@@ -54,7 +54,7 @@ def evaluate(
 
 @kernel
 def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
-    """Writes the step (n,) of the lower triangle ``hess`` by Cholesky, pivots kept above a tiny fraction of the largest."""
+    """Write the step (n,) of the lower triangle ``hess`` by Cholesky, pivots above a tiny fraction of the largest."""
     n = grad.shape[0]
     top = 0.0
     for j in range(n):
@@ -82,7 +82,7 @@ def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
 
 @kernel
 def column_units(shape: Array, maps: Array) -> Array:
-    """Speed of contact surfaces per unit of each unknown (n,): root of the sum of squares of vx, vz and a spin."""
+    """Return speed of contact surfaces per unit of each unknown (n,): root of the sum of squares of vx, vz and a spin."""
     n = maps.shape[2]
     units = np.empty(n)
     for j in range(n):
@@ -97,7 +97,7 @@ def column_units(shape: Array, maps: Array) -> Array:
 
 @kernel
 def residual(grad: Array, units: Array) -> float:
-    """Largest component of the gradient as a force [N]."""
+    """Return the largest component of the gradient as a force [N]."""
     worst = 0.0
     for j in range(grad.shape[0]):
         worst = max(worst, abs(grad[j]) / units[j])
@@ -159,7 +159,10 @@ def descend(
 
 @kernel
 def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
-    """Motion (n,) of least squared surface speed, weighted by the strengths: linear, unique up to idle motions."""
+    """Return the motion (n,) of least squared surface speed, weighted by the strengths.
+
+    Linear, unique up to motions without surface speed.
+    """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
     for i in range(shape.shape[0]):
@@ -175,7 +178,7 @@ def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
 
 @kernel
 def drive_speed(shape: Array, drives: Array) -> float:
-    """Largest surface speed [m/s] that the drives impose on a loaded contact."""
+    """Return the largest surface speed [m/s] that the drives impose on a loaded contact."""
     top = 0.0
     for i in range(shape.shape[0]):
         if shape[i, 2] > 0.0:
@@ -186,7 +189,7 @@ def drive_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def speeds_at(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Contact motions (m, 3) at q and their surface speeds (m,) [m/s]."""
+    """Return the contact motions (m, 3) at q and their surface speeds (m,) [m/s]."""
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
     for i in range(m):
@@ -207,7 +210,7 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 
 @kernel
 def friction_of(shape: Array, motion: Array, speed: float, forces: Array) -> None:
-    """Writes strength times the derivative of D by (vx, vz, spin) to forces (m, 3): friction is its opposite."""
+    """Write strength times the derivative of D by (vx, vz, spin) to forces (m, 3): friction is its opposite."""
     for i in range(shape.shape[0]):
         f = shape[i, 2]
         d = dissipation(shape[i, 0], shape[i, 1], motion[i, 0], motion[i, 1], motion[i, 2], speed)
@@ -216,7 +219,7 @@ def friction_of(shape: Array, motion: Array, speed: float, forces: Array) -> Non
 
 @kernel
 def holds(shape: Array, force: Array) -> bool:
-    """Whether one contact, shape (1, 3), holds the generalised force (3,) at rest.
+    """Return whether one contact, shape (1, 3), resists the generalised force (3,) at rest.
 
     It does where D(v; 1 m/s) - force . v has a minimum: the force is then a gradient of D, inside the limit surface.
     """
@@ -227,7 +230,7 @@ def holds(shape: Array, force: Array) -> bool:
 
 @kernel
 def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float) -> int:
-    """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrites q (n,); steps."""
+    """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrite q (n,); return the steps."""
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
         reduced[i] = maps[i] @ basis.T
@@ -249,10 +252,10 @@ def reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Completes ``forces`` by what rest needs for balance; inverse (n, 3k): pseudo-inverse of the rows of the k contacts
-    at rest, numbers ``resting``.
+    """Complete ``forces`` by what rest needs for balance; return what stays out of balance.
 
-    Where the reactions are not unique they are those nearest to the forces given. Returns what stays out of balance.
+    inverse (n, 3k): pseudo-inverse of the rows of the k contacts at rest, numbers ``resting``. Where the reactions are not
+    unique they are those nearest to the forces given.
     """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
@@ -272,7 +275,7 @@ def reactions(
 
 @kernel
 def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
-    """Pseudo-inverse (n, 3k) of the resting rows (3k, n), and the motions (f, n) that leave those contacts at rest."""
+    """Return the pseudo-inverse (n, 3k) of the resting rows (3k, n), and motions (f, n) that keep them at rest."""
     n = rows.shape[1]
     left, size, right = np.linalg.svd(rows, True)
     rank = 0
@@ -286,7 +289,7 @@ def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
 def lock(
     shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
 ) -> tuple[bool, float, int]:
-    """Impose rest on contacts slower than ``still`` [m/s] and minimise over the others; overwrites q, forces, rest.
+    """Impose rest on contacts slower than ``still`` [m/s] and minimise over the others; overwrite q, forces, rest.
 
     Returns whether that is the least dissipation (rest possible, every reaction inside its limit surface), the largest
     force out of balance [N], and the steps.
@@ -319,7 +322,7 @@ def lock(
 def least_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, start: int, q: Array, forces: Array, rest: Array, bounds: Array
 ) -> tuple[int, float, int]:
-    """Motion of least dissipation; arguments as in ``evaluate``; writes q (n,), forces (m, 3), rest (m,), bounds (2,).
+    """Write the motion of least dissipation: q (n,), forces (m, 3), rest (m,), bounds (2,); arguments as in `evaluate`.
 
     A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
     the verge of slip), each minimum the start of the next; then contacts at rest are locked. bounds: the least
@@ -375,7 +378,7 @@ def least_dissipation(
 def least_dissipation_many(
     shape: Array, maps: Array, drives: Array, q: Array, forces: Array, rest: Array, outcome: Array
 ) -> None:
-    """``least_dissipation`` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).
+    """Write `least_dissipation` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).
 
     q (N, n): motions of a similar state, nan where none is known. Writes q, forces (N, m, 3), rest (N, m), outcome (N, 2):
     status and largest force out of balance [N].

@@ -20,7 +20,7 @@ LONGEST_STEP = 0.3
 def hertz_contact(
     start_x: float, start_z: float, move_x: float, move_z: float, interference: float, C: float
 ) -> tuple[float, float, float, float, float]:
-    """Hertz force [N], its direction (x3, z3) on the groove, approach/C and distance [m] after a ball's move."""
+    """Return Hertz force [N], its direction (x3, z3) on the groove, approach/C and distance [m] after a ball's move."""
     x, z = start_x + move_x, start_z + move_z
     size = sqrt(x * x + z * z)
     # growth of the distance, built as a change so that its round-off is that of the motion
@@ -31,7 +31,7 @@ def hertz_contact(
 
 @kernel
 def press(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Elastic energy [J] at positions of balls (N, 2) and inner body (m,) [m]; writes ``state``.
+    """Return the elastic energy [J] at positions of balls (N, 2) and inner body (m,) [m]; write ``state``.
 
     sum (2/5) C^(-3/2) <approach>^(5/2); less push . p + pull . u, which ``state`` derives too, it is convex.
     """
@@ -67,7 +67,7 @@ def press(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
 
 @kernel
 def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
-    """Writes Newton's step of balls (N, 2) and inner body (m,); the balls are eliminated."""
+    """Write Newton's step of balls (N, 2) and inner body (m,); the balls are eliminated."""
     section, ball, inner, stiff = cell.section, state.ball, state.inner, state.stiffness
     n, m = ball.shape[0], inner.shape[0]
     schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -inner
@@ -108,14 +108,14 @@ def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du:
 
 @kernel
 def copy(source: CellState, to: CellState) -> None:
-    """Overwrites ``to`` by ``source``."""
+    """Overwrite ``to`` by ``source``."""
     to.ball[:], to.inner[:], to.stiffness[:] = source.ball, source.inner, source.stiffness
     to.force[:], to.normal[:] = source.force, source.normal
 
 
 @kernel
 def largest(balls: Array, inner: Array) -> float:
-    """Largest entry in size of (N, 2) and (m,)."""
+    """Return the largest entry in size of (N, 2) and (m,)."""
     size = 0.0
     for k in range(balls.shape[0]):
         size = max(size, abs(balls[k, 0]), abs(balls[k, 1]))
@@ -126,7 +126,7 @@ def largest(balls: Array, inner: Array) -> float:
 
 @kernel
 def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
-    """Minimum of the energy from (p, u), which are overwritten as ``state`` is; returns the steps.
+    """Minimise the energy from (p, u), which are overwritten as ``state`` is; return the steps.
 
     load: sum of the sizes of the given forces [N]. Ends where nothing is out of balance by more than ``goal`` of the
     sum of all forces, or where round-off lets neither energy nor imbalance fall.
@@ -178,9 +178,10 @@ def minimise_each(
     goal: float,
     limit: int,
 ) -> None:
-    """``minimise_energy`` of N balls, each with an inner body of its own that moves along ``along`` (2,).
+    """Minimise the energy of N balls, each with an inner body that moves along ``along`` (2,); see `minimise_energy`.
 
-    start, interference as in ``CellArrays``; C (N, 4); given (N, 3): forces on ball and inner body [N]. Overwrites places
+    start, interference as in ``CellArrays``; C (N, 4); given (N, 3): forces on ball and inner body [N]. Overwrites
+    positions
     x (N, 3) [m], forces (N, 4), normals (N, 4, 2), and writes the largest force out of balance left (N,) [N].
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))

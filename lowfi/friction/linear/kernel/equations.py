@@ -1,9 +1,9 @@
-"""Equations of a chain of balls: friction at the grooves and between balls, which the contact force itself bounds.
+"""Equations of a chain of balls: friction at the grooves and between balls, which the contact force bounds.
 
 Velocities are in units of the carriage's speed, forces in units of the largest friction bound of a ball. Unknowns of a
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y), and
-last z of the contact with the next ball: its force where z is positive and, turned round, the rate of its gap where it is
-negative. F = max(z, 0), rate = max(-z, 0) are complementary by themselves. Smoothed, F rate = ``smooth`` instead of zero.
+last z of the contact with the next ball: its force where z is positive, and minus the rate of its gap where it is
+negative. F = max(z, 0), rate = max(-z, 0) are complementary by construction. Smoothed, F rate = ``smooth`` instead of zero.
 Exact, the rate is in units of eps, what sticking contacts yield to a force, so that Newton's method passes z = 0 with ease.
 
 Newton's method solves them.
@@ -31,7 +31,7 @@ FILLED = 16
 
 @kernel
 def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
-    """Solve K ``(n, 11)`` for x and y in place, with room A ``(n, 16)``; sign of K's determinant."""
+    """Solve K ``(n, 11)`` for x and y in place, with work array A ``(n, 16)``; return the sign of K's determinant."""
     both = np.empty((x.size, 2))
     A[:, :WIDTH], A[:, WIDTH:] = K, 0.0
     both[:, 0], both[:, 1] = x, y
@@ -42,15 +42,16 @@ def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
 
 @kernel
 def slide_and_spin(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
-    """Friction of one elliptical contact sliding at s along its minor axis and spinning at w / a, per unit bound.
+    """Return the friction of one elliptical contact sliding at s along its minor axis and spinning at w/a, per unit bound.
 
-    shape: (b/a, q0, k1, k3), see ``contact_shape``. Returns force and moment / a, the gradient of the dissipation
+    shape: (b/a, q0, k1, k3), see ``contact_shape``. Returns force and moment/a, the gradient of the dissipation
     s f + w m, a norm, and its Hessian (3: ss, sw, ww); not at rest.
     """
     ratio, q0, k1, k3 = shape
-    if abs(s) >= abs(w):
+    if abs(s) >= abs(w):  # the centre of rotation lies outside the ellipse
         d = dissipation(1.0, ratio, 0.0, s, w, 0.0)
         return d.by_vz, d.by_spin, d.zz, d.z_spin, d.spin_spin
+    # t = c/a: closed form of `contact_shape`, and its derivatives
     t, sign = s / w, 1.0 if w > 0.0 else -1.0
     h = (k1 - 3.0 * k3 * t * t) / abs(w)
     return sign * t * (k1 - k3 * t * t), sign * (q0 - t * t * (0.5 * k1 - 0.75 * k3 * t * t)), h, -h * t, h * t * t
@@ -58,9 +59,9 @@ def slide_and_spin(s: float, w: float, shape: Array) -> tuple[float, float, floa
 
 @kernel
 def regularised(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
-    """Gradient (2) and Hessian (3: ss, sw, ww) of the convex energy sqrt(phi2 + eps2) - eps per unit bound by (s, w).
+    """Return gradient (2) and Hessian (3: ss, sw, ww) by (s, w) of the convex energy sqrt(phi^2 + eps^2) - eps.
 
-    The force is phi / sqrt(phi2 + eps2) times Coulomb's, so contacts stick at creeping speeds below eps.
+    The force is phi/sqrt(phi^2 + eps^2) times Coulomb's, so contacts stick at creeping speeds below eps.
     """
     if s == 0.0 and w == 0.0:
         return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
@@ -73,7 +74,7 @@ def regularised(s: float, w: float, shape: Array, eps: float) -> tuple[float, fl
 
 @kernel
 def push_and_rate(z: float, smooth: float) -> tuple[float, float, float]:
-    """Contact force, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
+    """Return contact force, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
     if smooth == 0.0:
         return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
     root = sqrt(z * z + 4.0 * smooth)
@@ -85,7 +86,7 @@ def push_and_rate(z: float, smooth: float) -> tuple[float, float, float]:
 
 @kernel
 def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
-    """Adds friction at the grooves to g ``(4N,)`` and K ``(4N, 11)``."""
+    """Add friction at the grooves to g ``(4N,)`` and K ``(4N, 11)``."""
     contacts, slip = chain.contacts, point.slip
     for j in range(contacts.shape[0]):
         for i in range(contacts.shape[1]):
@@ -94,6 +95,7 @@ def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g:
                 continue
             f, m, ss, sw, ww = regularised(slip[j, i, 0], slip[j, i, 1], chain.shape, eps)
             nx, ny, arm = contacts[j, i, 0], contacts[j, i, 1], contacts[j, i, 4]
+            # slip and spin by v, R omega_x, R omega_y (Lin 3.22-3.24)
             rows = ((1.0, 0.0), (ny, arm * nx), (-nx, arm * ny))
             for k in range(3):
                 a, b = rows[k]
@@ -106,7 +108,7 @@ def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g:
 
 @kernel
 def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
-    """Friction between balls k and k+1 that slide at ``pair[k, 1:]``; slope: growth of its bound with z."""
+    """Add friction between balls k and k+1 that slide at ``pair[k, 1:]``; slope: growth of its bound with z."""
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
     across = (tx / eta, ty / eta)
@@ -115,6 +117,7 @@ def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K:
             g[row] += bound * across[a]
             K[row, HALF + i + 3 - row] += slope * across[a]
             for b in range(2):
+                # (I - t t^T)/|sliding|: turn of the sliding direction
                 h = bound * ((1.0 if a == b else 0.0) - across[a] * across[b]) / eta
                 for column in (i + 1 + b, i + 5 + b):
                     K[row, HALF + column - row] += h
@@ -122,7 +125,7 @@ def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K:
 
 @kernel
 def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
-    """Forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
+    """Write forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
     pair, drift, z = point.pair, point.drift, point.z
     eps, share, smooth, spring = law
     closed, mu, hold = chain.closed, chain.mu, chain.hold
@@ -141,6 +144,7 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
             g[i] = -z[k]
             continue
         force, rate, slope = push_and_rate(z[k], smooth)
+        # axial balance of balls k and k + 1 (Lin 3.25)
         g[i - 3] += force
         g[i + 1] -= force
         K[i - 3, HALF + 3] += slope
@@ -148,6 +152,7 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
         stiff, scale = 1.0, 1.0
         if smooth == 0.0:
             stiff, scale = 1.0 / eps, 1.0 / (1.0 + rate)
+        # v_(k+1) - v_k = rate of the gap (Lin 3.30, 3.31)
         g[i] = scale * (stiff * pair[k, 0] + rate)
         K[i, HALF - 3] = scale * stiff
         K[i, HALF + 1] = -scale * stiff
@@ -158,7 +163,7 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
 
 @kernel
 def _move(contacts: Array, point: ChainPoint, x: Array) -> None:
-    """Adds motions x ``(N, 3)`` of the balls to slips and differences of neighbours."""
+    """Add motions x ``(N, 3)`` of the balls to slips and differences of neighbours."""
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
     slip[:, :, 0] += x[:, 0:1] + ny * p - nx * q
@@ -169,7 +174,7 @@ def _move(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 @kernel
 def rebuild(chain: ChainArrays, point: ChainPoint) -> None:
-    """Slips and differences of neighbours from the drift of the motion."""
+    """Write slips and differences of neighbours from the drift of the motion."""
     point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
     _move(chain.contacts, point, chain.nominal + point.drift)
 
@@ -194,7 +199,7 @@ def reopen(point: ChainPoint, eps: float) -> None:
 
 @kernel
 def copied(point: ChainPoint) -> ChainPoint:
-    """A copy of the point."""
+    """Return a copy of the point."""
     return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
 
 
@@ -213,7 +218,7 @@ SOFTEST = 1e-14
 
 @kernel
 def largest(x: Array) -> float:
-    """Largest size of an entry; nan where there is one."""
+    """Return the largest size of an entry; nan where there is one."""
     size = 0.0
     for i in range(x.shape[0]):
         if not abs(x[i]) <= size:
@@ -223,7 +228,7 @@ def largest(x: Array) -> float:
 
 @kernel
 def _reach(step: Array) -> float:
-    """Part of the step after which no velocity has changed by more than ``LONGEST``."""
+    """Return the part of the step after which no velocity has changed by more than ``LONGEST``."""
     return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
 
@@ -231,7 +236,7 @@ def _reach(step: Array) -> float:
 def semismooth_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
-    """Semismooth Newton's method on the coupled equations, steps halved until the residual falls.
+    """Iterate by a semismooth Newton method on the coupled equations, steps halved until the residual falls.
 
     Where it does not, velocities are damped by up to ``firmest``: steps of motions without resistance are noise.
     Returns iterations and the largest residual; leaves ``work`` as assembled at the point.
@@ -275,7 +280,7 @@ def semismooth_newton(
 def leap(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
+    """Iterate by undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
 
     Returns iterations and the largest residual; the point is left where it was if that has not fallen.
     """

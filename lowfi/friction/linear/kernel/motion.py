@@ -33,9 +33,9 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 @kernel
 def stage(s: float, eps: float) -> Smoothing:
-    """Law at parameter s of the path, 0 to 1: friction between balls comes early, creeping speeds fall to ``eps``.
+    """Return law at parameter s of the path, 0 to 1: friction between balls comes early, creeping speeds fall to ``eps``.
 
-    Springs keep motions without resistance in place where forces are known to no more than ``ON_PATH``.
+    Springs keep motions without resistance fixed where forces are known to no more than ``ON_PATH``.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
@@ -44,13 +44,13 @@ def stage(s: float, eps: float) -> Smoothing:
 
 @kernel
 def convex_sign(point: ChainPoint) -> float:
-    """Sign of the Jacobian's determinant without friction between balls: each force and the idle row turn it."""
+    """Return the sign of the Jacobian's determinant without friction between balls: each force and the idle row turn it."""
     return 1.0 if point.drift.shape[0] % 2 == 0 else -1.0
 
 
 @kernel
 def _tangent(chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: Work, change: Array, tau: Array) -> float:
-    """Tangent tau of the path, four entries a ball and last s, unit length, s rising; 1 if the path goes on so, or -1.
+    """Return 1 if the path goes on with the tangent tau, or -1; tau: four entries a ball and last s, unit length, s rising.
 
     Needs ``work`` as assembled at the point; change: the residual's derivative by s.
     """
@@ -79,7 +79,7 @@ def _correct(
     length: float,
     fixed: bool,
 ) -> tuple[bool, int, float]:
-    """Newton steps back to the path, across tau or, fixed, at the same s; whether they arrived, how many, and s.
+    """Iterate back to the path, across tau or, fixed, at the same s; return whether it arrived, the steps, and s.
 
     Given up where they lead farther than most of the step's ``length``: it may be another path.
     """
@@ -105,7 +105,7 @@ def _correct(
 
 @kernel
 def _cap(tau: Array) -> float:
-    """Longest step: what moves no velocity by more than 0.5 and s by more than 0.1."""
+    """Return the longest step: what moves no velocity by more than 0.5 and s by more than 0.1."""
     n = tau.shape[0] - 1
     return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
 
@@ -177,7 +177,7 @@ STARTS, PRESSED = 3, 3.0
 
 @kernel
 def _order(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
-    """The one solution without friction between balls at creeping speed ``FIRST``, from any drift; Newton steps."""
+    """Solve without friction between balls at creeping speed ``FIRST``, from any drift; return the Newton steps."""
     rebuild(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
@@ -189,7 +189,7 @@ def _order(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
 
 @kernel
 def _supported(contacts: Array) -> bool:
-    """Whether every ball has at least ``SUPPORTS`` loaded contacts."""
+    """Return whether every ball has at least ``SUPPORTS`` loaded contacts."""
     return bool(np.min((contacts[:, :, 3] > 0.0).sum(axis=1)) >= SUPPORTS)
 
 
@@ -197,9 +197,9 @@ def _supported(contacts: Array) -> bool:
 def _descend_eps(
     chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
-    """Equations at creeping speeds from ``FIRST`` to ``eps_end``, with a share of the friction between balls.
+    """Solve at creeping speeds from ``FIRST`` to ``eps_end``, with a share of the friction between balls.
 
-    Returns Newton steps and whether all went well: a determinant of the other sign tells of another branch.
+    Returns Newton steps and whether all went well: a determinant of the other sign indicates another branch.
     """
     total, eps = 0, FIRST
     while True:
@@ -218,11 +218,12 @@ def _descend_eps(
 def chain_motion(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Motion of the balls and forces between them, from the drift of the point; returns iterations and largest residual.
+    """Solve for the motion of the balls and forces between them, from the drift of the point.
 
-    The first step has no ball-to-ball friction, so that only a convex problem decides where the answer starts from.
+    The first step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
-    once while creeping speeds fall, the path by ``trace`` decides, unless the balls all part without that friction.
+    once while creeping speeds fall, the path by `trace` decides, unless the balls all part without that friction. Returns
+    iterations and largest residual.
     """
     total = _order(chain, point, work)
     first = copied(point)
@@ -249,8 +250,10 @@ def chain_motion(
 def other_motion(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
-    """As ``chain_motion``, from another of ``STARTS`` starts: the end of the path, the balls as they are without friction
-    between them, all pairs pressed together."""
+    """Solve as `chain_motion`, from another of ``STARTS`` starts.
+
+    The end of the path, the balls as they are without friction between them, all pairs pressed together.
+    """
     total = _order(chain, point, work)
     if start == 0:
         used, _ = trace(chain, point, eps, work, limit)
@@ -267,14 +270,14 @@ def other_motion(
 
 @kernel
 def motion_from(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
-    """As ``chain_motion``, by Newton's method only, from the state given, one of a similar chain."""
+    """Solve as `chain_motion`, by Newton's method only, from the state given, one of a similar chain."""
     reopen(point, eps)
     return _settle(chain, point, work, eps, tolerance)
 
 
 @kernel
 def _settle(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
-    """Newton steps on the exact equations from the point, and the largest residual."""
+    """Iterate on the exact equations from the point; return the steps and the largest residual."""
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:

@@ -1,6 +1,6 @@
 """Balance of many balls in motion with ball-to-ball contact as a complementarity problem, and Newton's method on it.
 
-Here too: what the contacts of balls in motion see, with grooves and with each other, friction and losses.
+Also relative motion at the contacts of balls with grooves and with each other, friction and losses.
 """
 
 from math import sqrt
@@ -20,7 +20,7 @@ hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_w
 
 @kernel
 def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
-    """Writes semi-axes (N, 4) [m] of Hertz contacts of forces (N, 4) [N]; unloaded ones keep a vanishing ellipse."""
+    """Write semi-axes (N, 4) [m] of Hertz contacts of forces (N, 4) [N]; unloaded ones keep a vanishing ellipse."""
     least = max(1e-9 * np.max(force), 1e-30)
     for k in range(force.shape[0]):
         for i in range(4):
@@ -30,7 +30,7 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 
 @kernel
 def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
-    """Writes the map (3, 4) of a contact in direction (n_x, n_z)."""
+    """Write the map (3, 4) of a contact in direction (n_x, n_z)."""
     affine = groove.affine
     for r in range(3):
         for j in range(4):
@@ -39,7 +39,7 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 
 @kernel
 def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
-    """Motion (vx, vz, spin) of contact i with the map ``rows`` (3, 4) in the ball's motion x (4,)."""
+    """Return the motion (vx, vz, spin) of contact i with the map ``rows`` (3, 4) in the ball's motion x (4,)."""
     orbit = x[0] - groove.ride[i]
     return (
         rows[0, 0] * orbit + rows[0, 1] * x[1] + rows[0, 2] * x[2] + rows[0, 3] * x[3],
@@ -50,9 +50,9 @@ def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, fl
 
 @kernel
 def friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
-    """Writes what the contacts see (N, 4, 3), friction on the balls (N, 4, 3) and losses (N, 4) at motions (N, 4).
+    """Write relative motions (N, 4, 3), friction on the balls (N, 4, 3) and losses (N, 4) at motions x (N, 4).
 
-    In the contacts' own axes: along x, z, about y. Motions as parts of ``speed``, forces in the unit of ``BallArrays``.
+    In the contacts' axes: along x, z, about y. Motions as parts of ``speed``, forces in the unit of ``BallArrays``.
     """
     shape, maps, drives = balls.shape, balls.maps, balls.drives
     for k in range(x.shape[0]):
@@ -73,7 +73,7 @@ def friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array
 
 @kernel
 def rubbing(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
-    """Sliding (2) of a ball of motion (4,) on the next one, and its size above ``eps``."""
+    """Return the sliding (2) of a ball of motion (4,) on the next one, and its size above ``eps``."""
     first, second = groove.first, groove.second
     u, v = 0.0, 0.0
     for j in range(4):
@@ -94,7 +94,7 @@ def meeting(
     on_ball: Array,
     loss: Array,
 ) -> None:
-    """Writes what neighbours do to balls (N, 3) [N] and the losses (N,) [W] where ball k slides on k + 1.
+    """Write forces of neighbours on balls (N, 3) [N] and the losses (N,) [W] where ball k slides on k + 1.
 
     f (N,): forces between them [N]; push (2, 3), slide (2, 2, 3): as in ``screw_groove.PairGeometry``.
     """
@@ -111,8 +111,8 @@ def meeting(
 
 
 @kernel
-def alone(balls: BallArrays, x: Array) -> None:
-    """Overwrites the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
+def move_without_neighbours(balls: BallArrays, x: Array) -> None:
+    """Overwrite the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
         if np.sum(balls.shape[k, :, 2]) > 0.0:
@@ -128,15 +128,15 @@ REACH = 0.3
 
 
 @kernel
-def room(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
-    """What is left of the slack between ball k and the next, scaled."""
+def slack_left(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
+    """Return the rest of the slack between ball k and the next, scaled."""
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
 
 
 @kernel
 def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
-    """Writes ``parts`` at motions x (N, 4) and forces f (N,) from ball k to k + 1; returns the root of the squares.
+    """Write ``parts`` at motions x (N, 4) and forces f (N,) from ball k to k + 1; return the root of the sum of squares.
 
     Complementarity by Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2).
     """
@@ -152,6 +152,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
             hessian[k, j, j] += hold[k]
             for q in range(j):
                 hessian[k, q, j] = hessian[k, j, q]
+    # what neighbours add: sliding friction and the force along the path (Lin 3.73-3.75)
     for k in range(n):
         ahead = (k + 1) % n
         u, v, size = rubbing(groove, x[k], x[ahead], eps)
@@ -163,7 +164,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
         balance[ahead, 0] -= closing * f[k]
         comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
         if balls.allowed[k] > 0.0:
-            left = room(groove, balls, x, k)
+            left = slack_left(groove, balls, x, k)
             size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
             comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
     return float(sqrt(np.sum(balance * balance) + np.sum(comp * comp)))
@@ -171,7 +172,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
 
 @kernel
 def worst(parts: BalanceParts) -> float:
-    """Largest entry of balance and complementarity."""
+    """Return the largest entry of balance and complementarity."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
@@ -179,7 +180,7 @@ def worst(parts: BalanceParts) -> float:
 def couple(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
 ) -> None:
-    """Writes the blocks (4, 5, 5) that ball k and the next share: on k, right of it, below it, on the next."""
+    """Write the blocks (4, 5, 5) that ball k and the next share: on k, right of it, below it, on the next."""
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = rubbing(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size
@@ -190,14 +191,16 @@ def couple(
         one, two = u * first[0, j] + v * first[1, j], u * second[0, j] + v * second[1, j]
         for q in range(4):
             r_one, r_two = u * first[0, q] + v * first[1, q], u * second[0, q] + v * second[1, q]
+            # I - t t^T between the sliding directions, t the direction of sliding: by the motion of first and second
             ff = first[0, j] * first[0, q] + first[1, j] * first[1, q] - one * r_one
             fs = first[0, j] * second[0, q] + first[1, j] * second[1, q] - one * r_two
             sf = second[0, j] * first[0, q] + second[1, j] * first[1, q] - two * r_one
             ss = second[0, j] * second[0, q] + second[1, j] * second[1, q] - two * r_two
             out[0, j, q], out[1, j, q], out[2, j, q], out[3, j, q] = bite * ff, -bite * fs, -bite * sf, bite * ss
-        out[0, j, 4], out[2, j, 4] = sliding * one, -sliding * two
+        out[0, j, 4], out[2, j, 4] = sliding * one, -sliding * two  # column 4: by the force between the balls
     out[0, 0, 4] += closing
     out[2, 0, 4] -= closing
+    # row 4: Fischer-Burmeister function by gap and force
     out[0, 4, 0], out[1, 4, 0] = -closing * slopes[k, 1], closing * slopes[k, 1]
     out[0, 4, 4] = slopes[k, 0]
 
@@ -206,7 +209,7 @@ def couple(
 def jacobian(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
 ) -> None:
-    """Writes the banded Jacobian (see ``band``) of motions and forces with ball ``start`` first, cut open before it."""
+    """Write the banded Jacobian (see ``band``) of motions and forces with ball ``start`` first, cut open before it."""
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
     for k in range(n):
@@ -228,10 +231,10 @@ def jacobian(
 
 @kernel
 def opening(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
-    """The ball after the contact that is most clearly open: there a closed track may be cut."""
+    """Return the ball after the contact that is most clearly open: there a closed track may be cut."""
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
-        left = room(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
+        left = slack_left(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
         if left > most:
             start, most = (k + 1) % f.shape[0], left
     return start
@@ -241,7 +244,7 @@ def opening(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
 def step(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
 ) -> None:
-    """Writes Newton's step (N, 4), (N,)."""
+    """Write Newton's step (N, 4), (N,)."""
     n, start = f.shape[0], opening(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
     jacobian(groove, balls, x, f, parts, eps, start, K)
@@ -270,7 +273,9 @@ def newton(
     limit: int,
     parts: BalanceParts,
 ) -> tuple[float, int]:
-    """Newton from (x, f), overwritten, at one regularising speed, steps halved until the residual falls.
+    """Iterate by Newton's method from (x, f), overwritten, at one regularising speed.
+
+    Steps are halved until the residual falls.
 
     Ends at ``goal``, after ``limit`` steps, or where round-off lets the residual, below ``near``, fall no more.
     Returns its size and the steps; ``parts`` are those of the end.

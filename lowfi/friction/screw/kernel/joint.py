@@ -1,9 +1,9 @@
 """Loads, motions and ball-to-ball forces of balls as one system of equations, and Newton's method on it.
 
-Unknown of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
+Unknowns of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
 after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 
-`ball_rows` is what one ball adds to it at its place: forces out of balance and their derivatives.
+`ball_rows` is what one ball adds to it: forces out of balance and their derivatives.
 """
 
 from math import sqrt
@@ -14,7 +14,18 @@ from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays, JointMatrix, JointSystem, Place
 from rollbench.lowfi.jit import kernel
 
-from .balance import REACH, contact_map, couple, dissipation, hertz_contact, opening, room, rubbing, seen, solve_with_pivots
+from .balance import (
+    REACH,
+    contact_map,
+    couple,
+    dissipation,
+    hertz_contact,
+    opening,
+    rubbing,
+    seen,
+    slack_left,
+    solve_with_pivots,
+)
 
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
 ON_SCREW = 2
@@ -25,7 +36,7 @@ OWN_ROWS, OWN_COLUMNS = 9, 8
 
 @kernel
 def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
-    """Writes the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
+    """Write the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
 
     Semi-axes go with F^(1/3), and D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
@@ -33,8 +44,10 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
     vx, vz, spin = seen(groove, i, rows, x)
     d = dissipation(groove.C_a[i] * cube, groove.C_b[i] * cube, vx, vz, spin, eps * groove.speed)
     g[0], g[1], g[2] = d.by_vx, d.by_vz, d.by_spin
+    # rows 0 to 2: Hessian by (vx, vz, spin)
     h[0, 0], h[0, 1], h[0, 2], h[1, 1], h[1, 2], h[2, 2] = d.xx, d.xz, d.x_spin, d.zz, d.z_spin, d.spin_spin
     h[1, 0], h[2, 0], h[2, 1] = d.xz, d.x_spin, d.z_spin
+    # row 3: d(F g)/dF = g + F dg/dF; with semi-axes ~ F^(1/3) dg/dF = d(g)/d(spin) spin/(3 F), and g_spin ~ a more
     for r in range(3):
         h[3, r] = g[r] + spin * h[r, 2] / 3.0
     h[3, 2] += g[2] / 3.0
@@ -44,12 +57,13 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 def _acts(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Writes how a contact's normal force (9,) and friction per component (9, 3) act on the rows of ``ball_rows``.
+    """Write how a contact's normal force (9,) and friction per component (9, 3) act on the rows of `ball_rows`.
 
     rows: its map (3, 4); along: share of the friction along the path. Linear in (n_x, n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
+    # rows 0, 1: force on the ball in x3, z3; rows 2 to 5: gradient by its motion; rows 6 to 8: force on the screw
     pull[2:6] = rows.T / speed
     load[0], load[1], pull[0, 0], pull[1, 0] = n_x, n_z, share * n_z, -share * n_x
     if on:
@@ -60,7 +74,7 @@ def _acts(
 def ball_rows(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
-    """Writes out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
+    """Write out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
 
     Rows: force out of balance in x3, z3 with ``share`` of the friction, the grooves' gradient by the motion, force of
     the ball on the screw in x3, y3, z3.
@@ -85,14 +99,16 @@ def ball_rows(
             _law(groove, i, f, rows, x, eps, g, h)
         _acts(n_x, n_z, rows, speed, share, share, on, load, pull)
         out += f * load + mu * f * (pull @ g)
-        by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))
-        for c in range(2):  # by n_x and n_z, taken apart
+        by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))  # columns 2 to 5: by the ball's motion
+        for c in range(2):  # derivatives by n_x and by n_z, taken as independent
             _acts(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
             seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
             turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
+        # by the position: dF/d(approach) along the normal, and the turn of the normal across it
         by_force = (1.5 * sqrt(d) / C[i]) * (load + mu * (pull @ h[3]))
-        across = (turned[1] * n_x - turned[0] * n_z) / size  # by a turn of the normal
+        across = (turned[1] * n_x - turned[0] * n_z) / size
         b_x, b_z = by_force * n_x - across * n_z, by_force * n_z + across * n_x
+        # columns 0, 1: ball's position; columns 6, 7: screw's, of the opposite sign
         by[:, 0] += b_x
         by[:, 1] += b_z
         if on:
@@ -109,7 +125,7 @@ LONGEST_STEP = 0.1
 
 @kernel
 def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
-    """Adds what ball k and the next do to each other."""
+    """Add what ball k and the next do to each other."""
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
     x, f = at.motion, at.ball_force
@@ -121,19 +137,22 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     u, v = u / size, v / size
     mu = balls.mu[k]
     bite = mu * max(f[k], 0.0)
+    # sliding friction between the balls and their force along the path (Lin 3.73-3.75)
     for j in range(4):
         side[row + 2 + j] += bite * (u * first[0, j] + v * first[1, j])
         side[other + 2 + j] -= bite * (u * second[0, j] + v * second[1, j])
     side[row + 2] += closing * f[k]
     side[other + 2] -= closing * f[k]
     slopes, blocks = np.zeros((n, 2)), np.empty((4, 5, 5))
+    # row 6: complementarity of force and gap, Fischer-Burmeister
     side[row + 6], slopes[k, 0] = f[k], 1.0
     if balls.allowed[k] > 0.0:
-        left = room(groove, balls, x, k)
+        left = slack_left(groove, balls, x, k)
         root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - root
         slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
     couple(groove, balls, x, f, slopes, eps, k, blocks)
+    # blocks: ball k with itself, the next ball with itself, k with next, next with k
     for i in range(5):
         for j in range(5):
             K[row + 2 + i, HALF + j - i] += blocks[0, i, j]
@@ -157,7 +176,7 @@ def _pushed(
     share: float,
     matrix: JointMatrix,
 ) -> None:
-    """Adds the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
+    """Add the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
     u, v, size = rub
@@ -170,6 +189,7 @@ def _pushed(
         if which == 0 or joined:
             K[at, HALF + row + 6 - at] -= share * (push[which, c] + sliding * along)
         for j in range(4):
+            # derivative of the sliding direction by the motions of the first and the second ball
             one = s_u * first[0, j] + s_v * first[1, j] - along * (u * first[0, j] + v * first[1, j])
             two = s_u * second[0, j] + s_v * second[1, j] - along * (u * second[0, j] + v * second[1, j])
             if which == 0 or joined:
@@ -180,7 +200,7 @@ def _pushed(
 
 @kernel
 def assemble(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
-    """Writes residual and Jacobian with ball ``start`` first, a closed track cut open before it; root of the squares.
+    """Write residual and Jacobian with ball ``start`` first, a closed track cut open before it; return the residual's size.
 
     share: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
     """
@@ -200,6 +220,7 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
             for q in range(m):
                 shift[c] += section[k, c, q] * u[q]
         ball_rows(system, k, p[k], shift, x[k], share, eps, out, by)
+        # ball's rows: residual, its position and motion, columns of the screw
         for i in range(6):
             side[row + i] += out[i] / unit
             for j in range(6):
@@ -210,6 +231,7 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
         for j in range(4):
             side[row + 2 + j] += hold[k] * (x[k, j] - nominal[j])
             K[row + 2 + j, HALF] += hold[k]
+        # screw's rows: forces of the ball on it, projected on its free motions
         for q in range(m):
             for r in range(3):
                 side_u[q] -= rows[k, r, q] * out[6 + r] / unit
@@ -225,10 +247,10 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
 
 @kernel
 def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
-    """Overwrites the matrix by its factors and writes Newton's step to d; places that nothing holds stay."""
+    """Overwrite the matrix by its factors and write Newton's step to d; positions that nothing resists stay."""
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
-    top = 0.0
+    top = 0.0  # stiffest position: a tiny part of it keeps free positions where they are
     for k in range(n):
         top = max(top, K[SIZE * k, HALF], K[SIZE * k + 1, HALF])
     for k in range(n):
@@ -238,7 +260,7 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
     both[:, :m] = columns
     both[:, m] = -side
     solve_with_pivots(K, both, HALF)
-    if m > 0:
+    if m > 0:  # Schur complement of the balls for the screw's motions
         small, right = np.zeros((m, 3 * m + 1)), np.empty((m, 1))
         for q in range(m):
             right[q, 0] = -side_u[q] - np.sum(lines[q] * both[:, m])
@@ -259,7 +281,9 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
 
 @kernel
 def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
-    """Newton from ``at``, overwritten, steps halved until the residual falls; what is left and the steps.
+    """Iterate by Newton's method from ``at``, overwritten; return residual and steps.
+
+    Steps are halved until the residual falls.
 
     Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
     """
