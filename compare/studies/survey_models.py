@@ -123,8 +123,8 @@ def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpr
     start = perf_counter()
     try:
         result = run_model(scene, model, Options(discretisation=False, engine=engine))
-    except InputError as error:
-        return row | {"status": one_line(str(error), 300), "error": error}
+    except InputError as fault:
+        return row | {"status": one_line(str(fault), 300), "error": fault}
     seconds = perf_counter() - start
     if not result.converged:
         return row | {"status": str(result.status), "seconds": seconds}

@@ -1,4 +1,4 @@
-"""The page on which a solved scene can be turned: what it holds, and in Debian's Chromium, at the width of a screen and of a
+"""The page on which a solved scene can be turned: what it holds, and in Chromium, at the width of a screen and of a
 phone, without network: it draws, turns, and shows the numbers of the JSON, with nothing on its console."""
 
 import json
