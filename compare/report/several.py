@@ -112,10 +112,7 @@ def rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     found: list[Row] = []
     for group, key in keys:
         words, unit = split_unit(key)
-        row: Row = {
-            Quantity("quantity", "quantity", "", "s"): f"{group}: {words}",
-            Quantity("unit", "unit", "", "s"): unit,
-        }
+        row: Row = {Quantity("quantity", "quantity", "", "s"): f"{group}: {words}", Quantity("unit", "unit", "", "s"): unit}
         found.append(row | {Quantity(head, head): column.get((group, key)) for head, column in columns.items()})
     return found
 

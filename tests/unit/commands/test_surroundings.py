@@ -119,7 +119,7 @@ def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monk
             files.need_writable(bad)
     files.need_writable(tmp_path / "new" / "x.npz")
     assert list((tmp_path / "new").iterdir()) == []
-    monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
+    monkeypatch.setattr(several, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
 
