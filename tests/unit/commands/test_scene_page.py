@@ -139,9 +139,8 @@ def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None
     head, *lines = re.findall(r"<tr>(.*?)</tr>", index, flags=re.DOTALL)
     assert re.findall(r"<th[^>]*>([^<]*)", head)[2:] == ["two-balls", "two, balls", "two, push", "two, loose"]
     cells = {row[0]: row[2:] for row in (re.findall(r"<td[^>]*>([^<]*)", line) for line in lines)}
-    one, cases = (
-        read_page((folder / "out" / f"{name}.html").read_text(encoding="utf-8"))["results"] for name in ("two-balls", "two")
-    )
+    files = (folder / "out" / name for name in ("two-balls.html", "two.html"))
+    one, cases = (read_page(path.read_text(encoding="utf-8"))["results"] for path in files)
     summaries = [one["summary"], *(case["summary"] for case in cases["cases"])]
     for words, group, key in (
         ("loads: max", "loads", "max_N"),

@@ -10,7 +10,7 @@ import pytest
 from tests.processes import COMMAND, python, ran
 
 from rollbench.compare import cli, errors, files
-from rollbench.compare.report import scene_page, verify
+from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
