@@ -64,7 +64,7 @@ def whole(scene: Described, origin: str) -> Scene:
         advice = "leave the cases out here; solve, compare, check, friction, sweep and report take them"
         raise SceneError(origin, "cases", count_of(len(scene.cases), "case"), "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
-        advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
+        advice = "this command takes one nut or ring with its balls: take solve, view, compare, check, friction or sweep"
         raise SceneError(origin, "sets", count_of(len(scene.sets), "set"), "one set that stands", advice)
     advice = f"only friction solves this kind: rollbench friction {shlex.quote(origin)}"
     raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)

@@ -131,14 +131,6 @@ def test_a_new_scene_solves() -> None:
         rollbench.new("40")
 
 
-@pytest.mark.slow
-def test_the_loaded_screw_can_be_turned(tmp_path: Path) -> None:
-    path = rollbench.solve("two-balls", "lin").view(tmp_path / "screw.html")
-    assert "two-balls, lin" in path.read_text(encoding="utf-8")
-    with pytest.raises(ValueError, match="one set"):
-        rollbench.solve("double-nut", "lin").view(tmp_path / "none.html")
-
-
 def test_a_row_for_every_ball(solved: rollbench.Result) -> None:
     columns = solved.columns()
     assert len(columns["ball"]) == 32

@@ -5,8 +5,9 @@ import re
 from dataclasses import replace
 
 import pytest
+from tests.load_cases import written
 
-from rollbench.compare.report import scene_page, verify
+from rollbench.compare.report import scene_page, several, verify
 from rollbench.reports.cells import typeset
 from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
 
@@ -97,12 +98,105 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
         folder.mkdir()
     (old / "index.html").write_text(html, encoding="utf-8")
 
-    def written_later(scene: str, out, *_: object):
-        again = scene_page.page_of(scene, STORES)
+    def written_later(scenes, out, *_: object):
+        again = scene_page.page_of(*scenes, STORES)
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
         (out / "index.html").write_text(render(later), encoding="utf-8")
-        return later
+        return [later]
 
-    monkeypatch.setattr(verify, "make_page", written_later)
-    found = verify.run_page(SCENE, new, tmp_path, old)
+    monkeypatch.setattr(verify, "make_pages", written_later)
+    found = verify.run_pages([SCENE], new, tmp_path, old)
     assert (found.code, found.parts[-1]) == (0, "nothing moved")
+
+
+def test_the_page_can_be_turned_and_says_what_its_results_say(html: str) -> None:
+    view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
+    (one,) = view["cases"][0]["sets"]
+    balls = read_page(html)["results"]["balls"]
+    assert len(one["places"]) == len(balls)
+    sizes = [[sum(x * x for x in force) ** 0.5 for force in row] for row in one["forces"]]
+    assert sizes == [pytest.approx(list(ball["load_N"].values()), rel=1e-5) for ball in balls]
+    assert one["reference"]["label"] == "3D reference"
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """A report on two scenes, one of three load cases, and what the terminal is told."""
+    folder = tmp_path_factory.mktemp("several")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(several, "page_of", lambda *given: replace(scene_page.page_of(*given), picture=None))
+        said = verify.run_pages([SCENE, written(folder)], folder / "out", folder)
+    return folder, said
+
+
+def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None:
+    folder, said = both
+    assert said.code == 0
+    assert sorted(path.name for path in (folder / "out").iterdir()) == ["index.html", "two-balls.html", "two.html"]
+    index = (folder / "out" / "index.html").read_text(encoding="utf-8")
+    assert re.findall(r'<dt><a href="(.*?)">', index) == ["two-balls.html", "two.html"]
+    head, *lines = re.findall(r"<tr>(.*?)</tr>", index, flags=re.DOTALL)
+    assert re.findall(r"<th[^>]*>([^<]*)", head)[2:] == ["two-balls", "two, balls", "two, push", "two, loose"]
+    cells = {row[0]: row[2:] for row in (re.findall(r"<td[^>]*>([^<]*)", line) for line in lines)}
+    files = (folder / "out" / name for name in ("two-balls.html", "two.html"))
+    one, cases = (read_page(path.read_text(encoding="utf-8"))["results"] for path in files)
+    summaries = [one["summary"], *(case["summary"] for case in cases["cases"])]
+    for words, group, key in (
+        ("loads: max", "loads", "max_N"),
+        ("worst contact: pressure", "worst_contact", "pressure_MPa"),
+        ("static safety: factor", "static_safety", "factor"),
+    ):
+        assert [float(x) for x in cells[words]] == pytest.approx([s[group][key] for s in summaries], rel=6e-4), words
+    life = cells["life of all cases: L10 million revolutions"]
+    assert (life[0], float(life[1])) == ("–", pytest.approx(cases["summary"]["life"]["L10_million_revolutions"], rel=6e-4))
+
+
+def test_the_first_page_says_when_another_one_was_changed(both, command) -> None:
+    folder, _ = both
+    assert "hashes hold: the same inputs and code" in command.said("verify", folder / "out")
+    page = folder / "out" / "two.html"
+    text = page.read_text(encoding="utf-8")
+    page.write_text(text.replace("carries", "bears", 1), encoding="utf-8")
+    code, out, _ = command("verify", folder / "out")
+    page.write_text(text, encoding="utf-8")
+    assert (code, "changed  two.html" in out) == (1, True)
+
+
+def test_a_bad_file_among_several_is_one_line_and_leaves_what_was_there(both, command, monkeypatch) -> None:
+    folder, _ = both
+    before = {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
+    monkeypatch.setattr(several, "page_of", lambda *_: pytest.fail("work was done"))
+    assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "out")
+    assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "none")
+    assert "--against" in command.refused("report", SCENE, SCENE, "--against", folder / "out", "--out", folder / "none")
+    assert {path.name: path.read_bytes() for path in (folder / "out").iterdir()} == before
+    assert not (folder / "none").exists()
+
+
+def test_files_of_equal_names_have_pages_of_their_own() -> None:
+    assert several._files(["a/x.toml", "b/X.toml", "index.toml", "x y.toml"]) == [
+        "x.html",
+        "X-2.html",
+        "index-2.html",
+        "x-y.html",
+    ]
+
+
+def test_view_writes_a_file_and_shows_it(tmp_path, command, monkeypatch) -> None:
+    shown: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: bool(shown.append(address)) or True)
+    monkeypatch.setenv("BROWSER", "any")
+    out = tmp_path / "a view.html"
+    words = ("view", SCENE, "--model", "lin", "--out", out)
+    assert str(out) in command.said(*words)
+    assert shown == [out.as_uri()]
+    command.said(*words, "--no-open")
+    assert len(shown) == 1
+    for name in ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert ("no browser was found" in command.said(*words), len(shown)) == (True, 1)
+    other = tmp_path / "notes.html"
+    other.write_text("mine", encoding="utf-8")
+    assert "notes.html" in command.refused("view", SCENE, "--out", other)
+    assert other.read_text(encoding="utf-8") == "mine"
+    assert "only friction solves" in command.refused("view", "lin-pair-a", "--out", out)

@@ -10,7 +10,7 @@ import pytest
 from tests.processes import COMMAND, python, ran
 
 from rollbench.compare import cli, errors, files
-from rollbench.compare.report import scene_page, verify
+from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
@@ -119,7 +119,7 @@ def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monk
             files.need_writable(bad)
     files.need_writable(tmp_path / "new" / "x.npz")
     assert list((tmp_path / "new").iterdir()) == []
-    monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
+    monkeypatch.setattr(several, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
 
