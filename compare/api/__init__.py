@@ -9,8 +9,21 @@ from rollbench.compare.api.calls import (
     mesh_study,
     new,
     read,
+    side_by_side,
     solve,
     sweep,
 )
 
-__all__ = ["check", "compare_models", "ensemble", "friction", "load_curve", "mesh_study", "new", "read", "solve", "sweep"]
+__all__ = [
+    "check",
+    "compare_models",
+    "ensemble",
+    "friction",
+    "load_curve",
+    "mesh_study",
+    "new",
+    "read",
+    "side_by_side",
+    "solve",
+    "sweep",
+]

@@ -27,6 +27,7 @@ from rollbench.compare.results.data import (
     Statistics,
 )
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
+from rollbench.compare.results.side_by_side import Alternative
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.rib import RibContact
@@ -88,6 +89,12 @@ TABLES = (
         "Load curve",
         "Of `solve --curve`; the load goes from one sign to the other in place of the scene's loads.",
         (("", LoadCurve), ("points[].", CurvePoint)),
+    ),
+    Table(
+        "Scenes side by side",
+        "Of `solve A B`, in `scenes[]`; `difference_percent` has the same keys, each with a list: difference from the "
+        "first scene in per cent of its value, of a torque by the middle of its range.",
+        (("scenes[].", Alternative),),
     ),
     Table(
         "Contact, ellipse and static safety",

@@ -5,11 +5,10 @@
 >>> result.loads.shape, result.worst.element
 ((32, 4), 12)
 
-``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``load_curve`` and
-``friction``; ``compare_models`` with the
-3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads against it; ``sweep`` over keys of a scene;
-write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands by
-``to_dict()``. ``python -m rollbench`` is the command line.
+``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, several ``side_by_side``, its
+``load_curve`` and ``friction``; ``compare_models`` with the 3D reference, which ``mesh_study`` computes on several meshes;
+``check`` loads against it; ``sweep`` over keys of a scene; write a ``report``. Results are frozen records in SI units,
+tables in a notebook, and the JSON of the commands by ``to_dict()``. ``python -m rollbench`` is the command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
 """
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
         mesh_study,
         new,
         read,
+        side_by_side,
         solve,
         sweep,
     )
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Sweep
     from rollbench.compare.results.load_curve import LoadCurve
+    from rollbench.compare.results.side_by_side import SideBySide
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.verdict import Judgement, Verdict
     from rollbench.meshes.parts import Scene
@@ -55,6 +56,7 @@ __all__ = [
     "ModelAnswer",
     "Result",
     "Scene",
+    "SideBySide",
     "Status",
     "Sweep",
     "Verdict",
@@ -68,6 +70,7 @@ __all__ = [
     "new",
     "read",
     "report",
+    "side_by_side",
     "solve",
     "sweep",
 ]
@@ -78,6 +81,7 @@ _ELSEWHERE = {
     "LoadCurve": "rollbench.compare.results.load_curve",
     "ModelAnswer": "rollbench.compare.models.user_models",
     "Scene": "rollbench.meshes.parts",
+    "SideBySide": "rollbench.compare.results.side_by_side",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Sweep"), "rollbench.compare.results.data"),
