@@ -89,11 +89,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
         (
             Text(
                 (
-                    "Each case is solved by the convex energy from a cold start, by the force formulation of the same "
-                    "equations, whose loads must be the same, by the models with elastic bodies, and, of one set, by the "
-                    "source's plain Newton from three starts. Axes have nuts, bearings of balls and of tapered rollers. "
-                    "A case without equilibrium counts as solved when the mechanism is named. Residuals are the largest unbalanced force over the largest force; the "
-                    "bound is what double precision leaves at best.",
+                    "Each case is solved by the convex energy from a cold start; by the force formulation of the same "
+                    "equations, whose loads must be the same; by the models with elastic bodies; and, of one set, by the "
+                    "source's plain Newton from three starts. Axes have nuts, bearings of balls and of tapered rollers. A "
+                    "case without equilibrium counts as solved when the mechanism is named. Residuals are the largest "
+                    "unbalanced force over the largest force; the bound is what double precision leaves at best.",
                 )
             ),
             Table.of("stability-summary", "Cases solved", summary),

@@ -198,7 +198,10 @@ LONG = 6.0
 #: Offset of each row of the shipped axis [m].
 OFFSET = 5e-6
 #: Why a lone row of rollers does not hold a shaft that is pulled out of it.
-PULLED = UNHELD.format("motion")
+PULLED = (
+    "not held: the loads open every contact that could carry them (linear program: rigid motion of the shaft in ux, uy, "
+    "uz, rx, ry)"
+)
 
 
 def _part_cases(base: Scene) -> Iterator[Case]:

@@ -158,6 +158,7 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
     if any(one.shortest for one in found.scenes):
         rows.append(["shortest set", *(one.shortest or "–" for one in found.scenes)])
     warned = [(one.scene, above(one.warnings)) for one in found.scenes]
+    unknown = [of[key].label for key in NUMBERS if all(a[key] is None for a in answers)]
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in found.scenes if one.status != "converged"),
@@ -165,6 +166,7 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
         f"not the same in all: {', '.join(found.differ)}"
         if found.differ
         else "shaft, loads and operation are the same in all",
+        *([f"not answered: {', '.join(unknown)}; why: rollbench solve SCENE"] if unknown else []),
         "in per cent: difference from the first; all answers: rollbench solve SCENE",
     ]
 
