@@ -36,7 +36,7 @@ from rollbench.lowfi.statics.axis.system import (
 )
 from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
-from rollbench.lowfi.statics.kernel_types import AxisRollers, BallContacts, Bodies, BodyState, BodySystem, RowState
+from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, RowState
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.response import (
     LARGEST,
@@ -143,9 +143,9 @@ class ElasticSets(Sets):
         return Words(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
-        """Forces (N, 4, 2) [N] of the balls on their flanks."""
-        contact = self.state.contact
-        return np.asarray(contact[..., 0, None] * contact[..., 1:3])
+        """Forces (N, 4, 2) [N] of the balls on their flanks: those that the bodies are in equilibrium with, because a long
+        shaft makes motions of their difference from the contacts' law."""
+        return self.state.phi.reshape(-1, 4, 2)
 
     def shifts(self) -> Array:
         """Motions (N, 4, 2) [m] of all flanks."""
@@ -177,23 +177,11 @@ class ElasticSets(Sets):
         taken = np.concatenate([node_forces(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)])
         held = np.where(structure.fixed, taken - loads, 0.0)
         slices = np.zeros((system.slices.drop.size, 2))
-        of_rollers = self.shifts()[system.contacts.r_ball.size :, [0, 2]].reshape(-1, 4)
-        pairs = np.concatenate([of_rollers, np.zeros((len(of_rollers), 2))], axis=1)
-        self.engine.roller_forces(self.by_elements(), pairs, slices, np.zeros_like(pairs))
+        self.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))
         if self.squeeze is not None:
             q[:n] = self.squeeze.with_inside(q[:n], pushes, structure.fixed[:n])
         state = RowState(q, np.zeros((n - 1, 6)), self.state.inner[:, :2], self.state.contact, slices)
         return state, held
-
-    def by_elements(self) -> AxisRollers:
-        """Slices of all rollers by the two motions of cone and cup of each (`lowfi.statics.kernel.rollers`): those of the rows
-        have the round-off of the whole shaft."""
-        rollers = self.given.contacts.rollers
-        there = rollers.width > 0.0
-        of, x = np.nonzero(there)[0], rollers.place[there]
-        row, B = np.stack([of, np.full_like(of, -1)], axis=1), np.zeros((x.size, 2, 6))
-        B[:, 0, :4] = np.stack([np.ones_like(x), x, -np.ones_like(x), -x], axis=1)
-        return self.system.slices._replace(row=row, B=B)
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
         """As `Sets.stiffness`."""
