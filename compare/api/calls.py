@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rollbench.compare.models.registry import Options
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.load_curve import LoadCurve
+    from rollbench.compare.results.side_by_side import SideBySide
     from rollbench.compare.results.solved import Result
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
@@ -148,6 +149,36 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
     scene: Scene | Assembly = each_case(described, origin or described.name)[0]
     with named(scene.name, origin or scene.name):
         return load_curve(scene, course, model, options)
+
+
+@held_to_one_thread()
+def side_by_side(
+    scenes: Sequence[Described | str | Path], *, model: str = "", member: int = 0, stiffness_at: float | None = None
+) -> SideBySide:
+    """Two scenes or more side by side, such as one axis on ball bearings and on tapered rollers: stiffness, torque, life.
+
+    model: of all, refined unless given; member: as in `solve`; stiffness_at [m]: of several sets, where the stiffness is
+    taken in all of them, in place of where each asks for it. Of load cases the first, and the life over all. Raises
+    InputError; a scene without equilibrium has its status and no numbers.
+    """
+    origins = [str(x) if isinstance(x, (str, Path)) else x.name for x in scenes]
+    described = [_described(x) for x in scenes]
+    return side_by_side_described(described, origins, model, member, stiffness_at)
+
+
+def side_by_side_described(
+    described: Sequence[Described], origins: Sequence[str], model: str, member: int, stiffness_at: float | None
+) -> SideBySide:
+    """The same of scenes that are read; origins: what errors name them, and headings where two have one name."""
+    from rollbench.compare.models.registry import Options
+    from rollbench.compare.results.side_by_side import side_by_side_of
+
+    if len(described) < 2:
+        raise ArgumentError("scenes", str(len(described)), "two scenes or more", "`solve` answers one")
+    options, names = Options(member=member), [x.name for x in described]
+    pairs = zip(described, origins, strict=True)
+    found = [solve_described(x, model, options, stiffness_at, origin, stiffness=True) for x, origin in pairs]
+    return side_by_side_of(found, names if len(set(names)) == len(names) else origins)
 
 
 @held_to_one_thread()

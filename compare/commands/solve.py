@@ -207,7 +207,7 @@ def _stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array
 
 @app.command
 def solve(
-    scene: str,
+    scenes: list[str],
     *,
     model: Word = "",
     as_json: Json = False,
@@ -228,14 +228,15 @@ def solve(
     assumptions: Flag = False,
     program: OfProgram | None = None,
 ) -> int:
-    """Solve one scene with one model, or many members of a scene with random errors.
+    """Solve one scene with one model, several scenes side by side, or many members of a scene with random errors.
 
-    The answers come first: loads, rigidity, pressure, safety, preload, friction, life.
+    The answers come first: loads, rigidity, pressure, safety, preload, friction, life. Of several scenes, such as one axis
+    on bearings of balls and of tapered rollers: stiffness, torque, life in a column each.
 
     Parameters
     ----------
-    scene
-        Name of a shipped scene, or a scene file.
+    scenes
+        Name of a shipped scene, or a scene file; of several each is set against the first.
     model
         refined unless given, or "condensed" where its file is given; see: rollbench list.
     everything
@@ -279,6 +280,16 @@ def solve(
     model = model_of(program, model)
     if program is not None and time_limit is not None:
         raise ArgumentError("time_limit", f"{time_limit:g}", "without a program", "`model_seconds` limits each of its runs")
+    if len(scenes) > 1:
+        alone: dict[str, object] = {"matrix": matrix, "loads_csv": loads_csv, "csv": csv, "condensed": condensed}
+        alone |= {"members": members}
+        alone |= {"seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
+        alone |= {"everything": everything or None, "assumptions": assumptions or None}
+        for name in (k for k, v in alone.items() if v is not None):
+            raise ArgumentError(name, f"with {len(scenes)} scenes", "one scene", "solve each by itself for that")
+        choices = Choices(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
+        return print_answer(run_side_by_side(scenes, choices), as_json)
+    (scene,) = scenes
     if members is not None:
         from rollbench.compare.reference.jobs import Engine
 
@@ -293,6 +304,26 @@ def solve(
         model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, assumptions
     )
     return print_answer(run_curve(scene, curve, choices, csv) if curve else run_solve(scene, choices), as_json)
+
+
+def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
+    """Solve several scenes and set them side by side; exit code 1 where one did not converge. Raises InputError."""
+    from rollbench.compare.api.calls import side_by_side_described
+    from rollbench.compare.running import checked, watched
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import each_case
+    from rollbench.compare.text.solved import side_by_side_lines
+    from rollbench.lowfi.warned import above
+
+    described = [catalogue.any_scene(name) for name in names]
+    model, station = _checked(choices)
+    for one, name in zip(described, names, strict=True):
+        _check_parts(each_case(one, name)[0], choices, station)
+    at = station if choices.stiffness_at else None
+    with watched(f"{len(names)} scenes, model {one_line(model)}", checked(choices.time_limit)):
+        found = side_by_side_described(described, names, model, choices.member, at)
+    warned = choices.strict and any(above(one.warnings) for one in found.scenes)
+    return Answer(found.to_dict, side_by_side_lines(found), int(not found.converged or warned), folded=True)
 
 
 def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> Answer:

@@ -44,8 +44,11 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
     from rollbench.compare.studies.extremes import FORMULATIONS, tally, wide_rows
 
     words = ("case", *FORMULATIONS)
-    lines = ([*(str(line[f]) for f in words), cell(line["residual"], ".1e")] for line in wide_rows(rows))
-    yield ruled("stability: cases by formulations", (*words, "residual"), lines, words)
+    lines = (
+        [*(str(line[f]) for f in words), cell(line["residual"], ".1e"), cell(line["difference"], ".0e")]
+        for line in wide_rows(rows)
+    )
+    yield ruled("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
     for name, (solved, tried, total) in tally(rows).items():
         yield f"{name}: {solved} of {tried} tried ({total} cases)"
     for row in bad:

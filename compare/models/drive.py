@@ -37,6 +37,7 @@ class SetDrive:
         parts="[]",
     )
     starting: Band | None = quantity("starting_Nmm", "the same from rest", parts="[]")
+    seals: float = quantity("seals_Nmm", "friction torque of its seals and wipers, as given", default=0.0)
     words: str = quantity("words", "why it is not known", show=lambda words: words or None, default="")
 
 
@@ -93,12 +94,13 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
         return None
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
     turning = [i for i, s in enumerate(result.sets) if s.of.carrier is None]
-    sets = tuple(
+    found = (
         _of_nut(result.sets[i].of.name, *nuts[i], sign)
         if i in nuts
         else _of_bearing(assembly, result.sets[i], answers.sets[i].torque)
         for i in turning
     )
+    sets = tuple(replace(x, seals=result.sets[i].of.seals) for x, i in zip(found, turning, strict=True))
     seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of(assembly)
     running = _budget(drive.torque, [s.running for s in sets], seals)
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
@@ -139,7 +141,7 @@ def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
 def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
     """Of a nut: what drives the shaft the way that it turns, the same from rest (Coulomb's friction)."""
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
-        return SetDrive(name, None, None, why or "no balance of friction found")
+        return SetDrive(name, None, None, words=why or "no balance of friction found")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
     return SetDrive(name, (torque, torque), (torque, torque))
 
@@ -154,7 +156,7 @@ def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> 
         if (row := roller_torque(s.of.parts, s.line_loads, speed, assembly.lubricant)) is not None:
             low, high = (row.torque if x is None else x for x in (row.low, row.high))
             ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
-    return SetDrive(s.of.name, *ends, "" if ends[0] is not None else NOT_RUNNING)
+    return SetDrive(s.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
 
 
 def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:

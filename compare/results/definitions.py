@@ -27,6 +27,7 @@ from rollbench.compare.results.data import (
     Statistics,
 )
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
+from rollbench.compare.results.side_by_side import Alternative
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.results.table import TableRow
 from rollbench.compare.scenes.duty_cycle import LoadCase
@@ -94,6 +95,12 @@ TABLES = (
         "Table over keys",
         "Of `table`; each row also has its place, by the keys that the table goes over and their units.",
         (("rows[].", TableRow),),
+    ),
+    Table(
+        "Scenes side by side",
+        "Of `solve A B`, in `scenes[]`; `difference_percent` has the same keys, each with a list: difference from the "
+        "first scene in per cent of its value, of a torque by the middle of its range.",
+        (("scenes[].", Alternative),),
     ),
     Table(
         "Contact, ellipse and static safety",

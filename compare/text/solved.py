@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import random_errors
-from rollbench.compare.quantities import as_json, count_of, shown
+from rollbench.compare.quantities import as_json, count_of, quantities, shown
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.scene_json import (
     cases_json,
@@ -21,9 +21,10 @@ from rollbench.compare.results.scene_json import (
     set_balls,
     sides_json,
 )
+from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text.entries import block, entry, life_words, load_error, modified_words
-from rollbench.compare.text.printing import Column, aligned, listed, plain, text_width
+from rollbench.compare.text.printing import Column, aligned, listed, plain, ruled, text_width
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
@@ -142,6 +143,42 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
+
+
+def side_by_side_lines(found: SideBySide) -> list[Any]:
+    """Scenes side by side for the terminal: a column for each, with its difference from the first."""
+    rows, of = [], quantities(Alternative)
+    answers = [as_json(one) or {} for one in found.scenes]
+    for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
+        off = found.difference_percent(key)
+        cells = [
+            _sized(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
+            for k, (a, x) in enumerate(zip(answers, off, strict=True))
+        ]
+        rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
+    if any(one.shortest for one in found.scenes):
+        rows.append(["shortest set", *(one.shortest or "–" for one in found.scenes)])
+    warned = [(one.scene, above(one.warnings)) for one in found.scenes]
+    unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
+    return [
+        *(f"{name}: {line}" for name, line in warned if line),
+        *(f"{one.scene}: {one.status}" for one in found.scenes if one.status != "converged"),
+        ruled(f"model {found.model}: scenes side by side", ["", *(one.scene for one in found.scenes)], rows, [""]),
+        f"not the same in all: {', '.join(found.differ)}"
+        if found.differ
+        else "shaft, loads and operation are the same in all",
+        *([f"not answered: {', '.join(unknown)}; why: rollbench solve SCENE"] if unknown else []),
+        "in per cent: difference from the first; all answers: rollbench solve SCENE",
+    ]
+
+
+def _sized(value: Any) -> str:
+    if value is None:
+        return "–"
+    if not isinstance(value, list):
+        return shown(value)
+    low, high = map(shown, value)
+    return low if low == high else f"{low} to {high}"
 
 
 def _balance(e: Equilibrium, *, several: bool) -> list[str]:

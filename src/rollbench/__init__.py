@@ -5,11 +5,11 @@
 >>> result.loads.shape, result.worst.element
 ((32, 4), 12)
 
-``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, its ``load_curve`` and
-``friction``; ``compare_models`` with the 3D reference, which ``mesh_study`` computes on several meshes; ``check`` loads
-against it; ``sweep`` over keys of a scene, ``table`` of its stiffness over them; write a ``report``. Results are frozen
-records in SI units, tables in a notebook, and the JSON of the commands by ``to_dict()``. ``python -m rollbench`` is the
-command line.
+``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, several ``side_by_side``, its
+``load_curve`` and ``friction``; ``compare_models`` with the 3D reference, which ``mesh_study`` computes on several meshes;
+``check`` loads against it; ``sweep`` over keys of a scene, ``table`` of its stiffness over them, ``survey`` of a model on
+drawn screws; write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands
+by ``to_dict()``. ``python -m rollbench`` is the command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
 """
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         mesh_study,
         new,
         read,
+        side_by_side,
         solve,
         survey,
         sweep,
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.data import Ensemble, Friction, MeshStudy, Survey, Sweep
     from rollbench.compare.results.load_curve import LoadCurve
+    from rollbench.compare.results.side_by_side import SideBySide
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Judgement, Verdict
@@ -59,6 +61,7 @@ __all__ = [
     "ModelAnswer",
     "Result",
     "Scene",
+    "SideBySide",
     "Status",
     "Survey",
     "Sweep",
@@ -75,6 +78,7 @@ __all__ = [
     "new",
     "read",
     "report",
+    "side_by_side",
     "solve",
     "survey",
     "sweep",
@@ -89,6 +93,7 @@ _ELSEWHERE = {
     "Scene": "rollbench.meshes.parts",
     "Table": "rollbench.compare.results.table",
     "model_command": "rollbench.compare.models.programs",
+    "SideBySide": "rollbench.compare.results.side_by_side",
     "report": "rollbench.compare.report.report",
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Survey", "Sweep"), "rollbench.compare.results.data"),

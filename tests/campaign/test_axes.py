@@ -15,6 +15,7 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import extremes
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.parts import Scene
 
 #: Axes that were wrong or without an answer, by seed and number: what they are now, by what they needed.
 ONCE_BAD = {
@@ -85,7 +86,7 @@ def test_a_scene_is_an_assembly_of_one_set():
     compared = 0
     for case in extremes.cases():
         scene = case.scene
-        if scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
+        if not isinstance(scene, Scene) or scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
             continue
         alone, found = solve_static(scene, engine="compiled"), solve_assembly(as_assembly(scene), engine="compiled")
         if not (alone.converged and found.converged and alone.load.max() > 0.0):

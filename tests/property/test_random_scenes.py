@@ -6,8 +6,10 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rollbench.compare.models.study import with_balls
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extremes import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
+from rollbench.compare.studies.extreme_cases import Case, conforming, shaft_scaled
+from rollbench.compare.studies.extremes import ENERGY, attempt
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")

@@ -84,6 +84,7 @@ DRIVE_COLUMNS: tuple[Column, ...] = (
     ("name", "name", "s"),
     ("running_Nmm", "at constant speed N mm", "s"),
     ("starting_Nmm", "from rest N mm", "s"),
+    ("seals_Nmm", "seals as given N mm", ".4g"),
 )
 OVER_COLUMNS: tuple[Column, ...] = (
     ("screw", "coefficient", ".4g"),
@@ -125,7 +126,7 @@ def _coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
     """The coefficients of the command line, or the scene's; none where bearings alone are asked about without one. Raises
     InputError where a nut has none."""
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
-    if not mu and assembly.friction is None and not any(parts.track.lead for parts in balls):
+    if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
         return []
     if not balls:
         raise ArgumentError("mu", f"with {assembly.name}", "a set of balls", "leave it out: its sets are rollers")
@@ -211,7 +212,8 @@ def _answer(
     lines = [*([of_balls, _energy_line(power)] if solved else []), *drive_lines(drive), left]
     tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
-        {k: band(x[k]) if k.endswith("Nmm") else x[k] for k, *_ in DRIVE_COLUMNS} for x in (drive or {}).get("sets", ())
+        {k: band(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
+        for x in (drive or {}).get("sets", ())
     ]
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
 

@@ -155,9 +155,11 @@ class ElasticSets(Sets):
         return Description(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
-        """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N]."""
-        contact = self.state.contact
-        return np.asarray(contact[..., 0, None] * contact[..., 1:3])
+        """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N]: those that the bodies are in equilibrium with.
+
+        A long shaft makes motions of their difference from the contacts' law.
+        """
+        return self.state.phi.reshape(-1, 4, 2)
 
     def shifts(self) -> Array:
         """Return the motions of all flanks ``(N, 4, 2)`` [m]."""

@@ -33,7 +33,7 @@ def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
     drive, of_nut = data["drive"], data["sets"][4]
     assert [x["name"] for x in drive["sets"]] == ["left +", "left -", "right +", "right -", "nut"]
     assert drive["sets"][4]["running_Nmm"] == pytest.approx([of_nut["driving_torque_on_screw_Nmm"]] * 2)
-    assert drive["seals_Nmm"] == pytest.approx(5 * 20.0)
+    assert drive["seals_Nmm"] == pytest.approx(5 * 20.0) == sum(x["seals_Nmm"] for x in drive["sets"])
     for whole, one in (("running_torque_Nmm", "running_Nmm"), ("starting_torque_Nmm", "starting_Nmm")):
         sums = np.sum([x[one] for x in drive["sets"]], axis=0) + 100.0 + 300.0
         assert drive[whole] == pytest.approx(sums, rel=1e-12)
@@ -76,6 +76,7 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
     low, high = found.data["drive"]["running_torque_Nmm"]
     assert low < 1e3 * sum(x.torque for x in by_hand) < high
     assert solve_axis(replace(axis, motion=None), LIN).data["drive"]["running_torque_Nmm"] is None
+    assert solve_axis(replace(axis, friction=Friction(0.1, 0.1)), LIN).data["drive"] == found.data["drive"]
     with pytest.raises(InputError, match="its sets are rollers"):
         solve_axis(axis, Choices(model="lin", mu=(0.1,)))
 

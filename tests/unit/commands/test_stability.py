@@ -1,8 +1,13 @@
 """The stability table: its cases, its verdicts, and a handful of its quickest rows (the command runs all)."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from tests.campaign import check_axes
 
 from rollbench.compare.studies import extremes
+from rollbench.lowfi.statics.axis.solve import solve_assembly
 
 CASES = {c.name: c for c in extremes.cases()}
 QUICK = (
@@ -11,7 +16,14 @@ QUICK = (
     *("shaft x 0.001, contacts unchanged", "all moduli x 0.001", "r_G/r_B 1.00001, lateral", "3 balls", "lead 0 mm"),
     *("contact angle 5 deg", "one ball, 5000 N", "no support", "bearing under torque"),
     *("moment 0.01 N m, clearance, clamped", "offset -3 mm, away from one loose ball"),
-    *("one ball, squeezed, free to move off",),
+    *("one ball, squeezed, free to move off", "polymer nut, lateral", "one ball 50 um too large, 5000 N"),
+    *("4 balls, lateral", "6 m shaft, lateral"),
+)
+#: Axes: balls and rollers, rollers alone.
+MIXED, ROLLERS = "axis of balls and rollers: ", "axis of rollers: "
+AXES = (
+    *(MIXED + x for x in ("across 1000 N", "-300 K", "4 balls in each set", "6 m shaft, across 1000 N", "100 rollers")),
+    *(ROLLERS + x for x in ("across 100000 N", "-300 K", "crown of 0.1 m, across")),
 )
 
 
@@ -48,3 +60,54 @@ def test_source_needs_a_start_with_contact_agrees_but_beyond_the_arc_and_is_not_
     assert row.unknowns > extremes.DENSE_LIMIT
     assert row.status == f"not attempted: dense Jacobian of {row.unknowns} unknowns"
     assert extremes.dense_unknowns(case.scene) > row.unknowns  # a node at every contact has more
+
+
+def test_the_table_has_every_kind_of_scene():
+    words = (
+        "across",
+        "+40 K",
+        "-300 K",
+        "polymer nut",
+        "ceramic balls",
+        "conformity 0.505",
+        "too large",
+        "4 balls",
+        "6 m shaft",
+    )
+    for kind in (*words, "no load", "one row of rollers"):
+        assert any(kind in name for name in CASES), kind
+        assert kind in ("no load", "too large") or any(kind in n and n.startswith(("axis", "one row")) for n in CASES), kind
+    assert len(CASES) == len(extremes.cases()) > 150
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_axes_are_solved_by_two_formulations_and_judged_by_what_shares_no_code(name):
+    case = CASES[name]
+    ours, other = (extremes.attempt(case, f) for f in (extremes.ENERGY, extremes.FORCES))
+    assert extremes.failures([ours, other]) == []
+    assert ours.converged
+    assert other.converged or "rollers alone" in other.status
+    assert check_axes.faults(case.scene, solve_assembly(case.scene, engine="compiled")) == ""
+
+
+def test_a_row_of_rollers_that_is_pulled_out_is_named_and_one_that_is_pushed_in_holds():
+    pulled, pushed = (CASES[f"one row of rollers: axial {x} N"] for x in ("1000", "-1000"))
+    assert extremes.failures([extremes.attempt(c, extremes.ENERGY) for c in (pulled, pushed)]) == []
+    assert check_axes.proven(pulled.scene, False)
+    assert not check_axes.proven(pushed.scene, False)
+
+
+def test_other_loads_than_the_law_of_a_slice_or_than_the_other_formulation_s_are_found():
+    case = CASES[MIXED + "across 1000 N"]
+    found = solve_assembly(case.scene, engine="compiled")
+    row = found.sets[3]
+    assert extremes.slice_fault(row, found) < 1e-12
+    lines = row.line_loads.copy()
+    lines[0, 0] *= 1.0 + 1e-6
+    wrong = replace(row, line_loads=lines)
+    assert extremes.slice_fault(wrong, found) > extremes.SLICES
+    other = extremes.attempt(case, extremes.FORCES)
+    assert extremes.failures([replace(other, difference_percent=0.1)])
+    tilted = found.centreline.copy()
+    tilted[int(np.abs(found.centreline_z - row.of.position).argmin()), 0] += 1e-9
+    assert extremes.slice_fault(row, replace(found, centreline=tilted)) > extremes.SLICES

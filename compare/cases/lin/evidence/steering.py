@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import reduced_lead
-from rollbench.meshes.parts import Scene, Support
+from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
 #: Ends of the axial lash test; those of the conical one are not printed, and taken to be the same.
 ENDS = "-200N:200N:2"
@@ -106,8 +108,8 @@ def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
 #: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
 RACK_FORCE, REACH = 14500.0, 0.3
-#: Tie-rod angles [deg], and stations of the pinion [m], which the source does not print.
-TIE_ROD, TRIED = (0.0, 6.0, 12.0, 18.0), (0.45, 0.6, 0.7)
+#: Tie-rod angles [deg].
+TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
 def rack() -> Assembly:
@@ -175,14 +177,12 @@ def _sizing(sheet: Sheet) -> None:
     gear = rack()
     results = [at_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest(r) for r in results])
-    places = []
-    for z in TRIED:
-        (pinion,) = gear.supports
-        screw, bearing = ratios(replace(gear, supports=(replace(pinion, at=z),)))
-        places.append(f"{1e3 * z:.0f} mm: {screw:.2f} and {bearing:.2f}")
-    words = f"by the pinion's station, ball screw and bearing: {'; '.join(places)}"
-    sheet.number("ratio_screw", float(loads[-1, 0] / loads[0, 0]), words)
-    sheet.number("ratio_bearing", float(loads[-1, 1] / loads[0, 1]), words)
+    bands = ratio_bands(gear)
+    for k, key in enumerate(("screw", "bearing")):
+        by_input = "; ".join(f"{b.changed} {_words(getattr(b, key), sheet.printed(f'ratio_{key}'))}" for b in bands)
+        sheet.number(
+            f"ratio_{key}", float(loads[-1, k] / loads[0, k]), f"over what is not printed, one at a time: {by_input}"
+        )
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
     sheet.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
     even, ring = (_loaded(results[0], i) for i in range(2))
@@ -194,6 +194,16 @@ def _sizing(sheet: Sheet) -> None:
         f"{100.0 * even.std() / even.mean():.0f} %; at 18 deg up to {tilted.max() / tilted.mean():.2f} of it"
     )
     sheet.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
+
+
+def _words(band: tuple[float, float], printed: float) -> str:
+    """A band, and whether the printed value lies in it."""
+    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if inside(band, printed) else 'without'} it)"
+
+
+def inside(band: tuple[float, float], printed: float) -> bool:
+    """Whether a band holds a printed value, whose last digit is the second after the point."""
+    return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
 def _loaded(result: AxisResult, i: int) -> Array:
@@ -282,6 +292,101 @@ def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
                 for pinion in PINIONS:
                     layout = with_layout(gear, pinion, hold, offset)
                     yield RatioPoint(pinion, hold, opposed, offset, *ratios(layout, opposed=opposed))
+
+
+@dataclass(frozen=True)
+class RatioBand:
+    """One input that is not printed, its stated range, and the least and largest ratios that it gives, of ball screw and
+    bearing; all else as in the shipped scene."""
+
+    changed: str
+    values: str
+    screw: tuple[float, float]
+    bearing: tuple[float, float]
+
+
+#: Excess radii of the balls of bearing and screw [m], and places of the bearing's first ball [deg], over a pitch of 40 deg.
+BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6), (0.0, 10.0, 20.0, 30.0)
+
+
+def _changed(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
+    """The gear with its ball screw or its bearing changed."""
+    sets = tuple(
+        replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) and (s.parts.track.lead > 0.0) == of_nut else s
+        for s in gear.sets
+    )
+    return replace(gear, sets=sets)
+
+
+def _oversize(scene: Scene, excess: float) -> Scene:
+    return replace(scene, errors=Errors(balls=BallErrors(oversize=excess)))
+
+
+Parts = TypeVar("Parts", Scene, Assembly)
+
+
+def _thick(scene: Parts, diameter: float) -> Parts:
+    return replace(scene, screw=replace(scene.screw, outer_diameter=diameter))
+
+
+def _turned(scene: Scene, angle: float) -> Scene:
+    azimuths = tuple(a + float(np.radians(angle)) for a in scene.balls.azimuths)
+    return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
+
+
+def open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
+    """Every input of the ratios that is not printed: words, range, and the gears with it (see `ratios`)."""
+    (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
+    yield "pinion's station", "350 to 750 mm", [(with_layout(gear, z, held, 0.0), False) for z in PINIONS]
+    across = with_layout(gear, pinion.at, pinned, 0.0)
+    yield (
+        "pinion's restraint, sense of the side forces",
+        f"{held}; {pinned}, alike or opposed",
+        [*((gear, False), (across, False), (across, True))],
+    )
+    yield "bearing from the nut's centre", "-20 to 20 mm", [(with_layout(gear, pinion.at, held, x), False) for x in OFFSETS]
+    yield (
+        "outer diameter of the rack",
+        "26 to 30 mm",
+        [(_changed(_thick(gear, d), True, partial(_thick, diameter=d)), False) for d in DIAMETERS],
+    )
+    yield (
+        "excess radius of the bearing's balls",
+        "-10 to 2 um",
+        [(_changed(gear, False, partial(_oversize, excess=x)), False) for x in BEARING_FITS],
+    )
+    yield (
+        "excess radius of the screw's balls",
+        "-5 to 5 um",
+        [(_changed(gear, True, partial(_oversize, excess=x)), False) for x in SCREW_FITS],
+    )
+    yield (
+        "first ball of the bearing",
+        "0 to 30 deg from the side force",
+        [(_changed(gear, False, partial(_turned, angle=x)), False) for x in FIRST],
+    )
+    yield (
+        "places of the screw's balls",
+        ", ".join(PATTERNS),
+        [(_changed(gear, True, partial(with_balls, pattern=p)), False) for p in PATTERNS],
+    )
+
+
+@cache
+def ratio_bands(gear: Assembly) -> tuple[RatioBand, ...]:
+    """Bands of the ratios over each input that is not printed, one at a time."""
+    out = []
+    for changed, values, gears in open_inputs(gear):
+        screw, bearing = zip(*(ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
+        out.append(RatioBand(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
+    return tuple(out)
+
+
+def band_of(points: Sequence[RatioPoint]) -> RatioBand:
+    """Bands of the ratios over all layouts together (`ratio_map`)."""
+    screw, bearing = [p.screw for p in points], [p.bearing for p in points]
+    words = "station, restraint, sense and bearing, each with each"
+    return RatioBand("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
 
 
 def over_angles(gear: Assembly) -> list[tuple[float, float]]:

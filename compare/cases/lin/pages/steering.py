@@ -137,6 +137,24 @@ def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
     ]
 
 
+def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
+    """Bands of the ratios over what is not printed, and whether the printed values lie in them."""
+    rows = []
+    for b in (*steering.ratio_bands(rack()), steering.band_of(points)):
+        row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}
+        for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
+            (low, high), printed = getattr(b, key), value_of("lin-4.2.1", f"ratio_{key}")
+            row |= {
+                Quantity(f"{key}_low", f"{words}, least", "", ".2f"): low,
+                Quantity(f"{key}_high", f"{words}, largest", "", ".2f"): high,
+                Quantity(f"{key}_in", f"{printed:g} in it", "", "s"): "yes"
+                if steering.inside((low, high), printed)
+                else "no",
+            }
+        rows.append(row)
+    return rows
+
+
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("lash tests")
@@ -155,6 +173,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             figures[0],
             Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
             figures[1],
+            Table.of("rack-bands", "Ratios of the steering gear over each input that is not printed", band_rows(points)),
             Table.of("rack-layouts", "Ratios of the steering gear by its layout", ratio_rows(points), SENSE),
         ),
     )

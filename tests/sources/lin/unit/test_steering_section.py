@@ -41,6 +41,21 @@ def test_layouts_are_what_they_say():
     assert ratios(held, opposed=True) == pytest.approx(ratios(held), rel=1e-9)
 
 
+def test_bands_of_the_ratios_hold_the_shipped_ones_and_say_what_lies_in_them(points):
+    shipped, bands = ratios(rack()), gear.ratio_bands(rack())
+    assert len(bands) >= 8
+    for b in bands:
+        for (low, high), value in zip((b.screw, b.bearing), shipped, strict=True):
+            assert low - 1e-9 <= value <= high + 1e-9
+        assert b.screw[1] > b.screw[0]
+    rows = [{getattr(k, "key", k): v for k, v in row.items()} for row in steering.band_rows(points)]
+    for row in rows:
+        for key, printed in (("screw", 3.32), ("bearing", 1.47)):
+            assert row[f"{key}_in"] == ("yes" if row[f"{key}_low"] <= printed <= row[f"{key}_high"] else "no")
+    assert [rows[-1][f"{key}_in"] for key in ("screw", "bearing")] == ["yes", "yes"]
+    assert {row["bearing_in"] for row in rows[:-1]} == {"no"}
+
+
 def test_lash_tests_are_load_curves_of_the_screw():
     """A screw without play or preload: no lash, and more displacement under more load; a direction is its opposite."""
     screw = gear.with_balls(SCENE, "half-half")

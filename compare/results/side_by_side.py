@@ -1,0 +1,180 @@
+"""Several scenes side by side, such as one axis on bearings of balls and of rollers: stiffness, torque, life."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.answers import Answers
+from rollbench.compare.quantities import as_json, quantities
+from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.compare.results.solved import Result
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.quantity import quantity, record
+
+Band = tuple[float, float]
+#: What scenes of one axis share: attribute, words where it differs.
+SHARED = (
+    *(
+        ("loads", "loads"),
+        ("housings", "housings and their loads"),
+        ("supports", "supports"),
+        ("segments", "plain stretches"),
+    ),
+    *(("stiffness_at", "place of the stiffness"), ("thermal_strain", "warming"), ("drive", "[drive]")),
+    *(("motion", "[motion]"), ("lubricant", "[lubricant]"), ("friction", "[friction]")),
+)
+
+
+@record(kw_only=True)
+class Alternative:
+    """What one of the scenes answers; None where it has no equilibrium, or not what that takes: see `solve` of it alone."""
+
+    scene: str = quantity("scene")
+    status: str = quantity("status", "converged, or why there is no equilibrium")
+    axial_stiffness: float | None = quantity(
+        "axial_stiffness_N_per_um",
+        "tangent stiffness along the axis: of several sets where the scene asks for it, all other freedoms held; of one "
+        "set at the nut's centre, rotation about the axis held",
+        error="that of the rigidity",
+    )
+    radial_stiffness: float | None = quantity(
+        "radial_stiffness_N_per_um",
+        "the same across the axis, least of all directions, all other freedoms held",
+        error="that of the rigidity",
+    )
+    displacement: float | None = quantity("displacement_um", "axial displacement there, under the loads")
+    largest: float | None = quantity("largest_load_N", "largest load of a contact or roller of all sets")
+    pressure: float | None = quantity("pressure_MPa", "pressure of the worst contact")
+    safety: float | None = quantity("static_safety", "static safety of the worst contact")
+    running: Band | None = quantity(
+        "running_torque_Nmm",
+        "torque that turns the shaft at constant speed, [low, high]: of an axis as `drive.running_torque_Nmm`, of a "
+        "bearing its friction, of a nut what drives it",
+        error="empirical; that of the coefficient of friction",
+        parts="[]",
+    )
+    starting: Band | None = quantity("starting_torque_Nmm", "the same from rest", error="as it runs", parts="[]")
+    inertia: float | None = quantity("inertia_kg_mm2", "moment of inertia that the motor of an axis turns with its own")
+    life: float | None = quantity(
+        "L10_million_revolutions", "life of all sets of an axis together, of one set its own", error="that of the lives"
+    )
+    hours: float | None = quantity("L10_hours", "the same in hours, where a speed is stated", error="as in revolutions")
+    shortest: str | None = quantity("shortest_set", "set of an axis that lives shortest")
+    warnings: tuple[Warned, ...] = quantity("warnings")
+
+
+#: What `Difference` says of: every number of an `Alternative`.
+NUMBERS = [key for key, one in quantities(Alternative).items() if one.unit or key == "static_safety"]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SideBySide(Record):
+    """Scenes solved by one model: what each answers, and what they do not share."""
+
+    model: str
+    scenes: tuple[Alternative, ...]
+    differ: tuple[str, ...]
+    """What of shaft, loads and operation is not the same in all: how far this is one axis."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether every scene has an equilibrium."""
+        return all(one.status == "converged" for one in self.scenes)
+
+    def difference_percent(self, key: str) -> tuple[float | None, ...]:
+        """Difference of a number, by its key in JSON, from that of the first scene [% of that]; of a torque by the middle
+        of its range. None where one is not known, or the first is zero."""
+        values = [_middle((as_json(one) or {})[key]) for one in self.scenes]
+        if values[0] is None:
+            return (None,) * len(values)
+        found = [None if x is None else float(error_percent(x, values[0])) for x in values]
+        return tuple(x if x is not None and np.isfinite(x) else None for x in found)
+
+    def to_dict(self) -> dict[str, JSON]:
+        """What ``rollbench solve A B --json`` prints."""
+        off: dict[str, Any] = {key: list(self.difference_percent(key)) for key in NUMBERS}
+        scenes = [as_json(one) or {} for one in self.scenes]
+        return with_schema(
+            {"model": self.model, "scenes": scenes, "difference_percent": off, "not_shared": list(self.differ)}
+        )
+
+
+def _middle(value: Any) -> float | None:
+    return None if value is None else float(np.mean(value))
+
+
+def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
+    """The scenes of results beside one another by these names; of load cases the first, and the life over all."""
+    parts = [one.solved[0].scene for one in results]
+    return SideBySide(
+        model=results[0].model,
+        scenes=tuple(_alternative(one, name) for one, name in zip(results, names, strict=True)),
+        differ=tuple(_differ(parts)),
+    )
+
+
+def _alternative(whole: Result, name: str) -> Alternative:
+    first = next(iter(whole.cases.values()), whole)
+    K, worst, life, system = first.stiffness, first.worst, whole.life, whole.axis_life
+    running, starting, inertia = _torques(first)
+    across = None if K is None or not np.isfinite(K[:2, :2]).all() else float(np.linalg.eigvalsh(K[:2, :2])[0])
+    axial = first.axial_stiffness
+    loads = [x.max() for x in (first.loads, *(s.roller_loads for s in first.sets.values())) if x is not None and x.size]
+    L10: float | None
+    if system is not None:
+        L10, hours = system.revolutions, system.hours
+    else:
+        L10 = None if life is None else 1e-6 * life.L10
+        hours = None if life is None or life.seconds is None else life.seconds / 3600.0
+    return Alternative(
+        scene=name,
+        status=whole.status if whole.converged else f"{whole.status}: {whole.reason}",
+        axial_stiffness=axial if axial is not None and np.isfinite(axial) else None,
+        radial_stiffness=across,
+        displacement=None if first.displacement is None else float(first.displacement[2]),
+        largest=float(max(loads)) if loads else None,
+        pressure=None if worst is None else worst.pressure,
+        safety=None if worst is None else worst.safety,
+        running=running,
+        starting=starting,
+        inertia=inertia,
+        life=L10,
+        hours=hours,
+        shortest=None if system is None else system.shortest,
+        warnings=tuple(dict.fromkeys(w for one in whole.solved for w in one.result.warnings)),
+    )
+
+
+def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
+    """Torques (low, high) [N m] while it runs and from rest, and the inertia [kg m^2] of an axis."""
+    if one.drive is not None:
+        return one.drive.running, one.drive.starting, one.drive.inertia
+    if one.bearing_torque is not None:
+        return one.bearing_torque.running, one.bearing_torque.starting, None
+    answers = one.solved[0].answers
+    sums: Mapping[str, Any] | None = answers.friction if isinstance(answers, Answers) else None
+    driving = None if sums is None else sums["driving_torque_on_screw_Nmm"]
+    return None if driving is None else (1e-3 * driving, 1e-3 * driving), None, None
+
+
+def _differ(scenes: Sequence[Scene | Assembly]) -> list[str]:
+    """What is not the same in all of the scenes."""
+    first, *others = scenes
+    if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
+        return ["one set against several"]
+    out = []
+    shafts = [(x.screw.length, x.screw.outer_diameter, x.screw.bore, x.screw.material) for x in scenes]
+    if any(x != shafts[0] for x in shafts[1:]):
+        out.append("shaft")
+    for name, words in SHARED:
+        values = [getattr(x, name, None) for x in scenes]
+        if any(x != values[0] for x in values[1:]):
+            out.append(words)
+    return out

@@ -1,0 +1,120 @@
+"""Scenes side by side: the question of ball or taper for one axis, against the springs of its parts and `solve` of each."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.axes import ROLLERS, assembly, bearing, fixed_axis
+
+import rollbench
+from rollbench.compare.errors import InputError
+from rollbench.meshes.axis import RollingSet
+from rollbench.meshes.parts import Load, Lubricant, Motion, Support
+from rollbench.meshes.section import tube_section
+
+SMITH = ("smith-axis", "smith-axis-taper")
+
+
+@pytest.fixture(scope="module")
+def smith() -> rollbench.SideBySide:
+    return rollbench.side_by_side(SMITH, model="lin")
+
+
+def test_every_number_is_that_of_the_scene_alone(smith: rollbench.SideBySide) -> None:
+    for name, one in zip(SMITH, smith.scenes, strict=True):
+        alone = rollbench.solve(name, "lin")
+        assert one.scene == name
+        numbers = one.axial_stiffness, one.life, one.inertia, *one.starting
+        drive = alone.drive
+        expected = alone.axial_stiffness, alone.axis_life.revolutions, drive.inertia, *drive.starting
+        assert numbers == pytest.approx(expected, rel=1e-9)
+        assert one.running is drive.running is None
+        assert one.radial_stiffness == pytest.approx(np.linalg.eigvalsh(alone.stiffness[:2, :2])[0])
+        largest = max(s.loads.max() if s.loads is not None else s.roller_loads.max() for s in alone.sets.values())
+        assert one.largest == pytest.approx(largest, rel=1e-9)
+    assert smith.differ == ()
+
+
+def test_stiffness_of_both_is_that_of_springs_in_series(smith: rollbench.SideBySide) -> None:
+    """At mid-span: from either end row by row, what is further out in series with the shaft up to here, and the row."""
+    for name, one in zip(SMITH, smith.scenes, strict=True):
+        scene, sets = rollbench.read(name), rollbench.solve(name, "lin").sets
+        EA = tube_section(scene.screw.outer_diameter, 0.0, scene.screw.material).EA
+        by_hand = 0.0
+        for end in ("left", "right"):
+            rows = [
+                (abs(s.position - scene.stiffness_at), s.stiffness[2, 2]) for s in sets.values() if s.name.startswith(end)
+            ]
+            stiff, at = 0.0, max(rows)[0]
+            for far, row in [*sorted(rows, reverse=True), (0.0, 0.0)]:
+                stiff = (1.0 / (1.0 / stiff + (at - far) / EA) if stiff else 0.0) + row
+                at = far
+            by_hand += stiff
+        assert one.axial_stiffness == pytest.approx(by_hand, rel=1e-3)
+
+
+def axis(*, rollers: bool):
+    """A shaft between two rows, of balls or of rollers, that carries a force along and across."""
+    places = (("a", 0.05, "-z", 4e-6), ("b", 0.25, "+z", -4e-6))
+    sets = [bearing(n, z, t, offset=by) for n, z, t, by in places]
+    if rollers:
+        sets = [RollingSet(n, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for n, z, t, by in places]
+    one = assembly(*sets, loads=(Load(0.15, (200.0, 0.0, 500.0)),), supports=fixed_axis().supports)
+    return replace(one, name="rollers" if rollers else "balls", motion=Motion(100.0), lubricant=Lubricant(40e-6))
+
+
+def test_differences_are_from_the_first_and_what_is_not_shared_is_named() -> None:
+    balls, rollers = axis(rollers=False), axis(rollers=True)
+    found = rollbench.side_by_side([balls, rollers], model="lin")
+    first, second = found.scenes
+    assert found.difference_percent("axial_stiffness_N_per_um") == (
+        0.0,
+        pytest.approx(100.0 * (second.axial_stiffness / first.axial_stiffness - 1.0)),
+    )
+    assert found.difference_percent("running_torque_Nmm")[1] == pytest.approx(
+        100.0 * (sum(second.running) / sum(first.running) - 1.0)
+    )
+    assert found.differ == ()
+    other = replace(rollers, loads=(), motion=Motion(50.0))
+    assert rollbench.side_by_side([balls, other], model="lin").differ == ("loads", "[motion]")
+    back = rollbench.side_by_side([rollers, balls], model="lin")
+    assert back.difference_percent("L10_million_revolutions")[1] == pytest.approx(100.0 * (first.life / second.life - 1.0))
+
+
+def test_a_scene_without_equilibrium_has_its_reason_and_no_numbers() -> None:
+    screw = rollbench.read("lin-case1")
+    loose = replace(screw, name="loose", supports=(Support(0.0, (("ux", 0.0), ("uy", 0.0))),))
+    found = rollbench.side_by_side([screw, loose], model="lin")
+    assert not found.converged
+    assert "screw motion along the helix" in found.scenes[1].status
+    assert (found.scenes[1].axial_stiffness, found.scenes[1].life, found.scenes[1].largest) == (None, None, None)
+    assert found.difference_percent("displacement_um") == (0.0, None)
+    assert found.differ == ("supports",)
+
+
+def test_one_scene_is_not_side_by_side() -> None:
+    with pytest.raises(InputError, match="two scenes or more"):
+        rollbench.side_by_side(["lin-case1"])
+
+
+def test_the_command_prints_the_record(command, smith: rollbench.SideBySide) -> None:
+    words = ("solve", *SMITH, "--model", "lin")
+    data = command.answer(*words)
+    record = smith.to_dict()
+    assert list(data) == list(record)
+    for one, other in zip(data["scenes"], record["scenes"], strict=True):
+        assert list(one) == list(other)
+        assert one["scene"] == other["scene"]
+        numbers = ("axial_stiffness_N_per_um", "displacement_um", "static_safety", "L10_million_revolutions")
+        assert [one[k] for k in numbers] == pytest.approx([other[k] for k in numbers], rel=1e-9)
+    for key, values in data["difference_percent"].items():
+        known = [x for x in values if x is not None]
+        assert known == pytest.approx([x for x in record["difference_percent"][key] if x is not None], rel=1e-6, abs=1e-9)
+    text = command.said(*words)
+    for words_of in ("axial stiffness", "starting torque", "L10", "the same in all", "not answered: running torque"):
+        assert words_of in text
+
+
+@pytest.mark.parametrize("option", [["--members", "3"], ["--balls"], ["--curve", "-1N:1N"], ["--loads-csv", "x.csv"]])
+def test_what_is_of_one_scene_is_refused_in_one_line(command, option: list[str]) -> None:
+    assert option[0] in command.refused("solve", *SMITH, *option)
