@@ -21,8 +21,8 @@ from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, typeset
 from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, View
 from rollbench.reports.manifest import all_texts, parsed, sha256
-from rollbench.reports.pages import MARKER, inline, templates
-from rollbench.reports.view import fragment
+from rollbench.reports.pages import inline, templates
+from rollbench.reports.view import MARKER, fragment
 
 #: Blocks of the page that hold data, by id.
 BLOCKS = ("manifest", "scene", "results")
