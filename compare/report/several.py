@@ -67,14 +67,14 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
 
 def _files(names: Sequence[str]) -> list[str]:
     """A file for each scene, by its name; of equal names the later ones are numbered."""
-    taken = [INDEX]
+    files = [INDEX]
     for name in names:
         stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(name).stem).strip("-.") or "scene"
-        count = 1
+        taken, count = {file.lower() for file in files}, 1
         while (file := f"{stem}{f'-{count}' if count > 1 else ''}.html").lower() in taken:
             count += 1
-        taken.append(file.lower())
-    return taken[1:]
+        files.append(file)
+    return files[1:]
 
 
 def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:

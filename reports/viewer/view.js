@@ -189,8 +189,15 @@
     element("view-forces").parentElement.hidden = !arrows.length;
     draw();
   }
+  let asked = false;
+  /** Draw with the next frame, once, whatever changes before it. */
   function draw() {
-    renderer?.render(world, camera);
+    if (!renderer || asked) return;
+    asked = true;
+    requestAnimationFrame(() => {
+      asked = false;
+      renderer.render(world, camera);
+    });
   }
   /** Look at the set that is shown, or at all. */
   function aim() {
@@ -226,8 +233,10 @@
     if (!renderer) return null;
     const ray = new THREE.Raycaster(), box = canvas.getBoundingClientRect();
     ray.setFromCamera(new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), camera);
-    const hit = ray.intersectObjects([...bodies.filter((b) => b.visible), ...rolling], false)[0];
-    if (!hit || hit.instanceId === undefined) return null;
+    const hit = ray.intersectObjects(rolling, false)[0];
+    if (!hit) return null;
+    ray.far = hit.distance;
+    if (ray.intersectObjects(bodies.filter((body) => body.visible && !body.material.transparent), false).length) return null;
     const { set, loaded } = hit.object.userData;
     return loaded ? { set, ball: loaded[hit.instanceId].i, flank: loaded[hit.instanceId].s } : { set, ball: hit.instanceId, flank: null };
   }
@@ -266,7 +275,7 @@
       line.setAttribute("x2", x);
       line.style.display = "";
     }
-    if (!renderer) return;
+    if (!renderer || !halo && !found) return;
     if (halo) world.remove(halo);
     halo = null;
     if (found && !found.set.rolling) {
