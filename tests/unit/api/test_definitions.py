@@ -11,7 +11,19 @@ from rollbench.compare.scenes.template import template
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (
     *("index", "member", "members", "seed", "set", "level", "levels[]", "converged", "contacts", "seconds", "ball"),
-    *("load_kN", "values[]", "printed", "value", "reference", "reference_error", "error_percent", "station_mm", "screw", "nut", "schema"),
+    *(
+        "load_kN",
+        "values[]",
+        "printed",
+        "value",
+        "reference",
+        "reference_error",
+        "error_percent",
+        "station_mm",
+        "screw",
+        "nut",
+        "schema",
+    ),
 )
 
 
