@@ -22,8 +22,8 @@ from rollbench.meshes.parts import FREEDOMS, Support
 
 #: An interpreter that has ROSS, if not this one.
 ROSS = os.environ.get("ROSS_PYTHON", sys.executable)
-#: Prints natural frequencies [Hz] of two shafts, one of steel and one that is a hundred thousand times as stiff, on two rows
-#: of a table and free, and what the first row adds to the stiffness matrix of the rotor.
+#: Prints natural frequencies [Hz] of two shafts, one of steel and one that is a hundred thousand times as stiff, on two
+#: rows of a table and free, and what the first row adds to the stiffness matrix of the rotor.
 ROTOR = """
 import inspect, json, numpy as np, ross, bearings
 from scipy.linalg import eigh
