@@ -199,7 +199,7 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
 
 def _only_faulty(fault: Any) -> bool:
     """Whether a list is short only by entries that are at fault themselves, as pydantic counts the sound ones."""
-    return fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"]
+    return bool(fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"])
 
 
 def _path(where: Sequence[int | str]) -> str:

@@ -214,8 +214,8 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         blocks = [_block("table", whole[np.argsort(whole[:, 0])])]
     else:
         order, shape, blocks = [np.argsort(x) for x in grid], [len(x) for x in grid], []
-        for name, column in columns.items():
-            inner = np.column_stack([grid[0][order[0]], column.reshape(shape)[np.ix_(*order)]])
+        for name, values in columns.items():
+            inner = np.column_stack([grid[0][order[0]], values.reshape(shape)[np.ix_(*order)]])
             blocks.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
     return f"#1\n{_comments(head)}\n{''.join(blocks)}", left
 
