@@ -186,9 +186,10 @@ def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
     """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and a grid with gaps."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
+    from rollbench.compare.text.table import failure_words
 
     table = read_table(scene)
-    lines = [f"left out: {'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
+    lines = [f"left out: {line}" for line in failure_words(table)]
     if ross is not None:
         replace_file(ross, ross_text(table))
         lines.append(f"wrote {ross}. {ROSS_DROPS}")

@@ -217,7 +217,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         for name, values in columns.items():
             inner = np.column_stack([grid[0][order[0]], values.reshape(shape)[np.ix_(*order)]])
             blocks.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
-    return "\n".join(["#1", _comments(head), *blocks]), left
+    return f"#1\n{_comments(head)}\n{''.join(blocks)}", left
 
 
 def _block(name: str, values: Array) -> str:

@@ -42,10 +42,15 @@ def _words(found: Table) -> Iterator[str]:
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
     further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
     yield f"{found.converged} of {len(found.rows)} places have an answer{further}"
+    yield from failure_words(found)
+    yield from dict.fromkeys(f"no error to expect: {row.error_words}" for row in found.rows if row.error_words)
+
+
+def failure_words(found: Table) -> Iterator[str]:
+    """Why places have no answer, a sentence for each of the first reasons."""
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further place')}" if places[1:] else ""
         yield f"{places[0]}{others}: {reason}"
     if reasons[REASONS:]:
-        yield f"{count_of(len(reasons) - REASONS, 'further reason')}: in --json and --out"
-    yield from dict.fromkeys(f"no error to expect: {row.error_words}" for row in found.rows if row.error_words)
+        yield f"{count_of(len(reasons) - REASONS, 'further reason')}: see the rows"
