@@ -6,6 +6,7 @@ import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_of
@@ -82,14 +83,13 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
         rows, title = data["models"][name], title_of(name)
         answered = sorted((r for r in rows if "verdict" in r), key=lambda r: -float(r["largest_percent"]))
         if answered:
-            middle = answered[len(answered) // 2]
-            bars, times = (sorted(r[key] for r in answered) for key in ("uncertainty_percent", "seconds"))
+            sizes, bars, times = ([r[k] for r in answered] for k in ("largest_percent", "uncertainty_percent", "seconds"))
             counts = ", ".join(f"{n} {word}" for word, n in sorted(data["verdicts"][name].items()))
             yield (
-                f"{title} is off by {middle['largest_percent']:.3g} % of the mean load on the worst contact, median of "
-                f"{len(answered)} drawn ball screws, by {answered[0]['largest_percent']:.3g} % at most; 3D reference on "
-                f"level {data['level']}, uncertain by {bars[len(bars) // 2]:.2g} % in the median, {bars[-1]:.2g} % at "
-                f"most, by experience with its level; {times[len(times) // 2]:.2g} s a screw"
+                f"{title} is off by {median(sizes):.3g} % of the mean load on the worst contact, median of "
+                f"{len(answered)} drawn ball screws, by {max(sizes):.3g} % at most; 3D reference on "
+                f"level {data['level']}, uncertain by {median(bars):.2g} % in the median, {max(bars):.2g} % at "
+                f"most, by experience with its level; {median(times):.2g} s a screw"
             )
             yield f"check at {data['max_error_percent']:g} %: {counts}"
             yield "worst: " + "; ".join(
@@ -102,8 +102,8 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
         for reason, numbers in reasons.items():
             yield f"no answer for {len(numbers)} of {len(rows)} screws, the first {numbers[0]}: {reason}"
     yield f"{data['screws']} screws with a stored reference{missing}"
-    yield aligned(data["summary"], ".2f", "errors / %, sizes over the screws")
-    yield aligned(where(data["models"]), ".2f", "worst contact load by kind of screw: medians / % of the mean load")
+    yield aligned(data["summary"], ".2f", "sizes of errors over the screws / %, those of loads of the mean load")
+    yield aligned(where(data["models"]), ".2f", "error of the worst load by kind of screw, medians / % of the mean load")
 
 
 def run_screw(number: int, out: Path) -> Answer:

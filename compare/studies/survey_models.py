@@ -40,12 +40,8 @@ from rollbench.reports.content import Figure, Panel, Series
 
 #: File of the loads, beside the survey's record.
 LOADS = "survey-loads.json"
-#: Errors that are summed up, as the survey's record names them, and their words.
-ERRORS = {
-    "largest_percent": "worst contact load, of the mean load",
-    "rms_percent": "contact loads, RMS, of the mean load",
-    "pressure_percent": "largest pressure",
-}
+#: Errors that are summed up, as the survey's record names them, and their words; those of loads of the mean load.
+ERRORS = {"largest_percent": "worst load", "rms_percent": "loads, RMS", "pressure_percent": "largest pressure"}
 #: Screws that are tried first: where a model fails on each, it is not asked about the others.
 FIRST = 5
 #: Most screws that are named as the worst.
