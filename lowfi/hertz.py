@@ -117,6 +117,7 @@ def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
 
     Returns
     -------
+    float
         E* [Pa]. Some authors call twice this value the equivalent modulus.
 
     References
@@ -143,6 +144,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
 
     Returns
     -------
+    Array
         b/a, of the same shape, at most 1.
 
     Raises

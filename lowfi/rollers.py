@@ -53,6 +53,7 @@ def half_width(line_load: Array | float, curvature: Array | float, modulus: floa
 
     Returns
     -------
+    Array
         b [m]; valid for b small against both radii.
 
     Raises
@@ -412,6 +413,7 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
 
     Returns
     -------
+    tuple[Array, Array]
         Half-widths b [m] and pressures p [Pa], ``(..., n, 2)`` each, zero without load.
 
     References

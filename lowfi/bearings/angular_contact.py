@@ -240,6 +240,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
     Returns
     -------
+    ThrustState
         The state. Valid for ellipses inside the raceways; there is no second shoulder that would stop balls pushed back
         beyond
         their clearance.
@@ -410,6 +411,7 @@ def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> 
 
     Returns
     -------
+    Array
         Groove radius over ball diameter, the same for both grooves.
 
     Raises

@@ -155,6 +155,7 @@ def state_at(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array
 
     Returns
     -------
+    tuple[float, Array, Array, Array]
         Strain energy [J], axial and radial force ``(2,)`` [N], stiffness ``(2, 2)`` [N/m], roller loads ``(N,)`` [N].
     """
     direction = np.column_stack(

@@ -137,6 +137,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
 
     Returns
     -------
+    RibContact | None
         The contact; None without load.
 
     Raises
@@ -173,6 +174,7 @@ def ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
 
     Returns
     -------
+    tuple[Array, Array]
         Arrays of the shape of the forces; zero, as for a point contact, where the radius of the end is not given.
 
     Raises

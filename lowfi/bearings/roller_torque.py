@@ -112,6 +112,7 @@ def roller_torque(
 
     Returns
     -------
+    RollerTorque | None
         The torque; None without load.
 
     Raises

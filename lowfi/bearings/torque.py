@@ -75,7 +75,7 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 
     Examples
     --------
-    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; in SI constants 1e-7 f_0 (nu n)^(2/3) d_m^3 N mm, 2 % more than with 9.807e-8:
+    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; with 1e-7 N for 1e-8 kg, as newer catalogues have it, 12.36 N mm:
 
     >>> round(viscous_torque(2.0, 40e-3, 20e-6, 1500.0 * np.pi / 30.0) * 1e3, 2)  # N mm
     12.12

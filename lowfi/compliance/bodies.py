@@ -165,6 +165,7 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
 
     Returns
     -------
+    Array
         ``(2 c, 2 c)`` [m/N].
     """
     if held_at(geometry_only(scene), screw) == "rigid":

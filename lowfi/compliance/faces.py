@@ -315,6 +315,7 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kind
 
     Returns
     -------
+    Array
         ``(f, kinds, cuts, nodes of the grid, 3)``.
     """
     line = grid.shape[1] - 1 if flank.screw else 0
@@ -393,6 +394,7 @@ def cut_motions(
 
     Returns
     -------
+    Array
         ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N].
     """
     from scipy.linalg import cholesky_banded

@@ -197,6 +197,7 @@ def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array
 
     Returns
     -------
+    tuple[Array, Array, Array]
         Stiffness S ``(last, last)`` and loads g ``(last, c)`` on these, by ``loads`` ``(k, c)`` on all, and the work ``(c,
         c)``
         of the loads with the last freedoms fixed.
@@ -373,6 +374,7 @@ def line_compliance(
 
     Returns
     -------
+    list[BlockSum]
         ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W node by node; that of waves is made of blocks about as long as
         these
         reach.

@@ -105,6 +105,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> Settled:
 
     Returns
     -------
+    Settled
         Loads ``(4,)``, contact angles from the radial line ``(4,)``, position of the ball along x, y ``(2,)`` and of the
         ring
         along x ``(1,)``.

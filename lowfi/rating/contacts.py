@@ -159,6 +159,7 @@ def worst_contact(
 
     Returns
     -------
+    Contact | None
         The contact; None without load.
 
     Raises
@@ -230,6 +231,7 @@ def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Trun
 
     Returns
     -------
+    Truncation | None
         The ellipse with the smallest margin; None without load.
 
     Raises
@@ -327,6 +329,7 @@ def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
 
     Returns
     -------
+    RollerContact | None
         The contact; None without load.
     """
     bearing = tapered(row)
@@ -375,6 +378,7 @@ def static_rating(scene: Scene) -> float:
 
     Returns
     -------
+    float
         C_0 [N]: axial for a screw (ISO 3408-5) and a thrust bearing, radial for a bearing up to 45 deg (ISO 76).
 
     Examples

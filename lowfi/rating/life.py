@@ -191,6 +191,7 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
 
     Returns
     -------
+    float
         Life of the system, in the same unit.
 
     References
@@ -281,6 +282,7 @@ def rating(scene: Scene) -> float:
 
     Returns
     -------
+    float
         C [N]: axial for a screw (ISO 3408-5) and for a bearing above 45 deg, radial for other bearings (ISO 281).
 
     Raises
@@ -325,6 +327,7 @@ def life(scene: Scene, load: Array) -> Life | None:
 
     Returns
     -------
+    Life | None
         The life; None without load.
 
     Raises
@@ -372,6 +375,7 @@ def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:
 
     Returns
     -------
+    Array
         ``(n, 4)`` [N], of which `life` is the life over all cases.
     """
     used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
@@ -439,6 +443,7 @@ def equivalent_life(
 
     Returns
     -------
+    EquivalentLife | None
         The life; None without load.
 
     Raises
@@ -477,6 +482,7 @@ def halves(force: Array, preload: float) -> tuple[Array, Array]:
 
     Returns
     -------
+    tuple[Array, Array]
         Forces ``(n,)`` [N] on what carries forces along +z, and on what carries those against it.
 
     References

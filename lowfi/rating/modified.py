@@ -131,6 +131,7 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
 
     Returns
     -------
+    ModifiedLife | None
         The modified life; None where there is no life or the scene gives neither reliability nor viscosity ratio.
     """
     of = scene.operation

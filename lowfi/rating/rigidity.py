@@ -100,6 +100,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
 
     Returns
     -------
+    float
         Displacement from first contact; with a lead offset that preloads the nut's halves against each other, from their
         equilibrium without load.
     """
@@ -130,6 +131,7 @@ def body_compliance(scene: Scene) -> float | None:
 
     Returns
     -------
+    float | None
         None for bearings, which have no lead.
 
     Raises
@@ -182,6 +184,7 @@ def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidi
 
     Returns
     -------
+    Rigidities | None
         The rigidities; None without axial load or with a contact angle of zero.
 
     Raises

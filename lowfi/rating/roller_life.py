@@ -85,6 +85,7 @@ def dynamic_rating(row: RollerRow) -> float:
 
     Returns
     -------
+    float
         C [N]: radial for a cup's angle up to 45 deg, axial above it.
 
     References
@@ -115,6 +116,7 @@ def static_rating(row: RollerRow) -> float:
 
     Returns
     -------
+    float
         C_0 [N]: radial for a cup's angle up to 45 deg, axial above it.
     """
     bearing, E, nu = tapered(row), row.material.youngs_modulus, row.material.poissons_ratio
@@ -142,6 +144,7 @@ def life(row: RollerRow, line_loads: Array) -> Life | None:
 
     Returns
     -------
+    Life | None
         The life; None without load.
     """
     top = float(line_loads.max(initial=0.0))
@@ -172,6 +175,7 @@ def over_cases(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
 
     Returns
     -------
+    Array
         ``(count, slices)`` [N/m]: means of order 4, of which `life` is the life over all cases.
     """
     top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
@@ -191,6 +195,7 @@ def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
 
     Returns
     -------
+    float
         P [N]: radial for a cup's angle up to 45 deg, axial above it.
 
     Examples
@@ -222,6 +227,7 @@ def equivalent_life(row: RollerRow, shares: Sequence[float], forces: Sequence[Ar
 
     Returns
     -------
+    EquivalentLife
         The life with P_m, the mean of order 10/3 of the equivalent loads.
     """
     loads = np.array([equivalent_load(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])

@@ -104,6 +104,7 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
 
     Returns
     -------
+    list[tuple[float, tuple[str, str]]]
         Lengths [m] between neighbouring bearings, or from a single bearing to the farther end, each with the kinds of its
         two
         ends, the stiffer first.
@@ -137,6 +138,7 @@ def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulu
 
     Returns
     -------
+    tuple[float, float]
         F_c [N] and the critical speed 2 pi n_c [rad/s].
 
     References
@@ -173,6 +175,7 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
 
     Returns
     -------
+    ShaftLimits | None
         The limits of the weakest free length; None for bearings, and where no bearing fixes the shaft laterally or it
         rotates
         freely about its only bearing.

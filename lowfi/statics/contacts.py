@@ -58,6 +58,7 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
 
     Returns
     -------
+    Array
         ``(..., N, 4, 2)`` [1/m], across the groove first.
     """
     gamma = np.array(scene.track.contact_angle)

@@ -250,6 +250,7 @@ def solve_elastic(
 
     Returns
     -------
+    StaticResult
         The result; for a scene without equilibrium its ``status`` gives the reason.
 
     Raises
@@ -299,6 +300,7 @@ class ElasticMembers:
 
         Returns
         -------
+        tuple[Array, Array, Array]
             Loads ``(count, N, 4)`` [N], relative residuals ``(count,)``, and works ``(count,)`` [J], the loads times the
             motions
             of their stations; nan for members that need a separate solve.
@@ -380,6 +382,7 @@ class _System:
 
         Returns
         -------
+        tuple[Array, float, float] | None
             Loads ``(N, 4)`` [N], relative residual and work [J]; None where it does not converge, or a flank that was left
             out may
             be touched.

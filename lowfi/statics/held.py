@@ -133,6 +133,7 @@ def opening_motion(problem: Problem) -> Array | None:
 
     Returns
     -------
+    Array | None
         ``(6,)`` [m] about the nut's centre, rotations times the pitch radius; None where compressive forces balance the
         load.
 
@@ -180,6 +181,7 @@ def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> A
 
     Returns
     -------
+    Array
         ``(N, k + 2 balls)``.
     """
     N, direction = len(flank), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
@@ -202,6 +204,7 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 
     Returns
     -------
+    Array | None
         ``(k,)``, each at most one; None where compressive forces balance the loads.
 
     Raises

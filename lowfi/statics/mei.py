@@ -180,6 +180,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
 
     Returns
     -------
+    StaticResult
         The result; an axial load that nothing can carry is reported in ``status``.
 
     References

@@ -143,6 +143,7 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 
     Returns
     -------
+    tuple[Array, Array]
         Vectors from groove to ball centre, their length and the nominal approach ``(..., N, 4, 4)`` [m], and pair closures
         ``(..., N, 2)`` [m], positive for interference.
     """
@@ -184,6 +185,7 @@ def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: in
 
     Returns
     -------
+    Array
         ``(..., N, 2, 6)``, for both axes e of each ball's section.
     """
     scene, drawn, layout, arms = parts
@@ -202,6 +204,7 @@ def wrench_rows(layout: BallLayout, r: Array) -> Array:
 
     Returns
     -------
+    Array
         ``(..., N, 2, 6)``: motions there by those of the body about its origin.
     """
     rows = np.empty((*r.shape[:-1], 2, 6))
@@ -413,6 +416,7 @@ def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
 
     Returns
     -------
+    tuple[Array, Array, list[Held]]
         Rows ``(k, 6)`` on its motion at the nut's centre, values ``(k,)``, and the fixed freedoms. Rotations count as
         lengths
         at the pitch radius in rows and values [m].

@@ -80,6 +80,7 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
 
     Returns
     -------
+    tuple[Array, Array, float]
         G without negative eigenvalues, what was added along the contacts' normals to that end ``(n,)`` [m/N], and the
         largest
         negative eigenvalue that was removed nonetheless [m/N].
@@ -122,6 +123,7 @@ class Compliance:
 
         Returns
         -------
+        tuple[Compliance, float]
             The compliance, and the largest negative eigenvalue that was removed [m/N].
         """
         contact, G = np.arange(lent.size), self.G.copy()

@@ -89,6 +89,7 @@ def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motio
 
     Returns
     -------
+    Array
         ``(N, 2)`` [m].
     """
     r = layout.centre + centre[:, :1] * layout.radial + centre[:, 1:] * layout.binormal

@@ -179,6 +179,7 @@ def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
 
     Returns
     -------
+    tuple[P, Outcome]
         The system at its last state, and the outcome.
     """
     outcome = system.iterate()
@@ -320,6 +321,7 @@ def centre_shift(s: SetFlanks) -> Array:
 
     Returns
     -------
+    Array
         ``(N, 4, 2)`` [m]; zero for circular arcs.
     """
     force, normal = s.contact[..., 0], s.contact[..., 1:3]

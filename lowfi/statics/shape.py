@@ -30,6 +30,7 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
 
     Returns
     -------
+    tuple[NDArray[np.int64], Array]
         First node of each station ``(k,)`` and matrices ``(k, 6, 12)``.
     """
     last = nodes.size - 1
@@ -62,6 +63,7 @@ def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[A
 
     Returns
     -------
+    tuple[Array, Array]
         Motions ``(n, 6)``, and motion of each element's end against its rigidly moved start ``(n - 1, 6)``.
     """
     q = np.zeros((nodes.size, 6))
@@ -79,6 +81,7 @@ def rigid_transport(reach: float | Array) -> Array:
 
     Returns
     -------
+    Array
         ``(..., 6, 6)`` for ``reach`` of the shape ``(...)``.
     """
     t = np.zeros((*np.shape(reach), 6, 6))
@@ -106,6 +109,7 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
 
     Returns
     -------
+    Array
         Motions at xi by those of both nodes ``(n, 6, 12)``.
 
     References

@@ -330,6 +330,7 @@ def solve_static(
 
     Returns
     -------
+    StaticResult
         The result; for a scene without equilibrium its ``status`` gives the reason.
 
     Raises

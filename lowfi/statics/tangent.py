@@ -136,6 +136,7 @@ def flanks_by_clamp(problem: Problem, station: float) -> Array:
 
     Returns
     -------
+    Array
         R_z ``(4 N, 6)``, ball after ball (SL x3, z3, SR x3, z3).
     """
     dof, rows = rows_of(problem, [0, 1])

@@ -143,6 +143,7 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
 
     Returns
     -------
+    Array
         ``(..., 4)`` [N].
 
     Raises

@@ -224,6 +224,7 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
 
     Returns
     -------
+    ChainResult
         The result; its ``status`` says where forces are not in balance.
 
     References

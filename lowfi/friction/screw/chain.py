@@ -568,6 +568,7 @@ def coupled_chain(
 
     Returns
     -------
+    CoupledChain
         The solution; see ``converged`` for a failure.
     """
     bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.inner))

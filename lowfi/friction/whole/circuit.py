@@ -226,6 +226,7 @@ def chain_motion(
 
     Returns
     -------
+    ChainMotion
         The motion; see ``converged`` for a failure.
     """
     share, top = shares(friction)

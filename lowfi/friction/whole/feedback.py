@@ -140,6 +140,7 @@ def feed_back(
 
     Returns
     -------
+    FedBack
         The state; see ``failed`` for balls without one.
     """
     count = at.force.shape[0]

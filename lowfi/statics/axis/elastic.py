@@ -277,6 +277,7 @@ def own_bodies(
 
     Returns
     -------
+    tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]
         Compliance ``(4 N, 4 N)`` of screw and nut [m/N]; e and h ``(N, 4)``; the ball's coupling g ``(4,)``; assumptions.
     """
     problem, scene = b.problem, b.problem.scene

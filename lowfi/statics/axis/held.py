@@ -113,6 +113,7 @@ def opening_motion(system: System) -> Array | None:
 
     Returns
     -------
+    Array | None
         ``(r, 6)`` [m, rad], of size one with rotations times the arm; None where compressive forces balance the loads.
 
     Raises

@@ -54,6 +54,7 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
 
     Returns
     -------
+    tuple[Assembly, tuple[str, ...], Status | None]
         The assembly, notes, and a status for preloads that are not reached (else None).
     """
     numbers = _preloaded(assembly)

@@ -330,6 +330,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
 
     Returns
     -------
+    AxisResult
         The result; for an assembly without equilibrium its ``status`` gives the reason.
 
     Raises
