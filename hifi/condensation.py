@@ -72,7 +72,7 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 
 @dataclass(frozen=True)
 class SidePatches:
-    """Patches of one side, on the same contact nodes."""
+    """Patches of groove and ball at one flank, on the same contact nodes; all balls share them."""
 
     #: Patch of the groove.
     groove: CondensedPatch
@@ -199,7 +199,9 @@ def congruent(m: GrooveMap, side: int) -> bool:
 
 
 def turned(patches: SidePatches) -> SidePatches:
-    """Patches of the right flank from those of the left one: contact nodes in their order, azimuths reversed.
+    """Mirror the patches of a left flank to the right one: contact nodes in their order, azimuths reversed.
+
+    By a turn of 180 degrees about the radius through the ball's centre.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ from rollbench.meshes.surface import groove_profile
 
 @dataclass(frozen=True)
 class PlacedSet:
-    """A prepared geometry on a shaft."""
+    """A prepared geometry (one nut or bearing with its balls) at its place on a shaft."""
 
     #: The prepared geometry.
     setup: Setup

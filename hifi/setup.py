@@ -49,7 +49,7 @@ TOGETHER = 160
 
 @dataclass
 class Setup:
-    """Everything of one geometry that load cases share."""
+    """Everything of one geometry that load cases share: meshes condensed to compliance matrices."""
 
     #: Scene from which it was prepared.
     scene: Scene

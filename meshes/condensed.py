@@ -188,7 +188,7 @@ def load_condensed(path: Path) -> CondensedBodies:
 
 
 def _members(path: Path) -> dict[str, Array]:
-    """All arrays of a file, whose sizes are looked at before any is read. Raises ValueError, OSError."""
+    """Read all arrays of a file, after a check of their sizes. Raises ValueError, OSError."""
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
@@ -210,7 +210,7 @@ def _members(path: Path) -> dict[str, Array]:
 
 
 def _unpacked(content: bytes) -> dict[str, bytes]:
-    """Members of an archive by their names, whose sizes are looked at before any is read. Raises ValueError."""
+    """Read the members of an archive by their names, after a check of their sizes. Raises ValueError."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             entries = archive.infolist()
@@ -228,7 +228,7 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
 
 
 def _array(name: str, content: bytes) -> Array:
-    """Array of a member in numpy's format. Raises ValueError for another format, or a size not as its header gives."""
+    """Read an array in numpy's format. Raises ValueError for another format, or a size that its header does not give."""
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
     if length is None or len(content) < first:

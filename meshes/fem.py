@@ -548,7 +548,7 @@ def mended(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, in
     surface : Index
         Nodes that stay in the first step.
     keep : Index
-        Nodes that stay in the second step, in which the surface may suffer.
+        Nodes that stay in the second step, in which other nodes of the surface may leave it.
 
     Returns
     -------

@@ -322,7 +322,7 @@ def circle(r: float, z: float) -> Placing:
 
 
 def seen(r: float) -> Placing:
-    """Curve of plane coordinates (x, y) on a circle of radius r [m] about the axis, by azimuth."""
+    """Curve of plane coordinates (x, y) on a circle of radius r [m] about the axis, by azimuth, for flat faces."""
     return lambda t: cylindrical(r, t, 0.0)[:, :2]
 
 

@@ -229,7 +229,10 @@ def corner_sine(corners: Array) -> Array:
 
 
 class Shell:
-    """A closed surface under construction: nodes, divided curves, triangulated faces, exact midpoints of edges."""
+    """A closed surface under construction, to be filled with tetrahedra: nodes, divided curves, triangulated faces.
+
+    The exact midpoints of its edges are kept for second-order cells.
+    """
 
     def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
         """Begin a shell without nodes.

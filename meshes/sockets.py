@@ -51,7 +51,7 @@ AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class SocketSize:
-    """Size of a socket."""
+    """Size of a socket: the box left free in the mesh of a body around a contact, filled by a fine patch."""
 
     #: Half width in the section angle [rad].
     gamma: float
@@ -65,7 +65,7 @@ class SocketSize:
 
 @dataclass(frozen=True)
 class SocketMesh:
-    """Mesh of the five inner faces of a socket."""
+    """Mesh of the five inner faces of a socket, which body and patch share."""
 
     #: Nodes in local coordinates ``(k, 3)``: gamma and azimuth in [-1, 1], depth in [0, 1].
     xi: Array

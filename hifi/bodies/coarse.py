@@ -43,7 +43,7 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 
 @dataclass(frozen=True)
 class Socket:
-    """One socket of a body."""
+    """One socket of a coarse body: the box around a contact that a fine patch fills."""
 
     #: Its nodes, in the order of its side's patch.
     nodes: Index
@@ -380,7 +380,7 @@ STEP = 0.01
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of a body around one contact."""
+    """A short piece of a body around one contact, the submodel that gives the contact's local compliance."""
 
     #: The mesh.
     mesh: Mesh

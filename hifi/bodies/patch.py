@@ -45,7 +45,10 @@ class Lines:
 
 @dataclass(frozen=True)
 class PatchMesh(Meshed):
-    """Mesh of a patch; boundaries "surface", "contact" (the zone on it) and "interface"."""
+    """Fine mesh around one contact, which fills a socket of a coarse body.
+
+    Boundaries "surface", "contact" (the zone on it) and "interface" (to the body).
+    """
 
     #: Hexahedra or tetrahedra.
     mesh: Mesh
@@ -80,7 +83,10 @@ class PatchMesh(Meshed):
 
 @dataclass(frozen=True)
 class CondensedPatch:
-    """A patch condensed to its c contact nodes and the k nodes of its socket."""
+    """A patch condensed to its c contact nodes and the k nodes of its socket: u_c = A f + H q, r = S q - H^T f.
+
+    f: contact forces; u_c: mean displacements of the contact; q: displacements of the socket; r: forces on it.
+    """
 
     #: Mean displacement per contact force with the socket fixed ``(c, c)`` [m/N].
     A: Array
@@ -306,7 +312,10 @@ def pressure_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = N
 
 
 def _at(mesh: PatchMesh, xi: Array) -> sp.csr_array:
-    """Displacements at surface points, local coordinates ``(p, 3)``, from those of the nodes of a grid, ``(p, n)``."""
+    """Interpolate displacements at surface points from the nodes of a grid.
+
+    xi: local coordinates ``(p, 3)``; returns weights ``(p, n)``.
+    """
     if mesh.contact_shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
     top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)

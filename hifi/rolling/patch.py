@@ -69,7 +69,7 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Regular:
-    """Smooth kernel that finite bodies add to half-spaces."""
+    """Smooth part of the compliance of finite bodies, which is added to that of half-spaces."""
 
     #: Coefficients ``(3 k, 3 k)`` [m/N], directions slowest.
     M: Array
@@ -301,7 +301,7 @@ def press(
 
 @dataclass(frozen=True)
 class Patch:
-    """A contact of n cells."""
+    """A contact of n cells on a grid: pressure, material and tangential compliance."""
 
     #: Columns and rows of the cells on a grid ``(n, 2)``.
     cells: Index

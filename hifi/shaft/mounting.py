@@ -38,7 +38,7 @@ SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Stretch:
-    """3D stretch of the screw, fixed at its base."""
+    """Flexibility of the part of the screw that is a 3D body (the nut's range and a little beyond), fixed at its base."""
 
     #: Flexibility over [modes, ports, observers] ``(x, x)``.
     F: Array
@@ -74,7 +74,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Carried:
-    """A nut on a housing that can move."""
+    """A nut on a housing that can move, as one more body of the mounted structure."""
 
     #: Coupling of its modes with the housing fixed ``(k, k)`` [m/N].
     G: Array

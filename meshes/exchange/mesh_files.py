@@ -311,9 +311,10 @@ def _families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, 
 
 
 def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mapping[str, Index], region: str) -> None:
-    """Abaqus' input; not by meshio, whose lines are longer than the 16 entries allowed and whose elements are hybrid.
+    """Write an Abaqus input file.
 
-    CalculiX reads numbers of at most 20 characters: thirteen digits are 1e-12 of the mesh's size.
+    meshio's files have lines longer than the 16 entries allowed, and hybrid elements. CalculiX reads numbers of at most
+    20 characters: thirteen digits are 1e-12 of the mesh's size.
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
     text += [f"{k}, {number(x)}, {number(y)}, {number(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)]
