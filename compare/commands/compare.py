@@ -177,8 +177,9 @@ def compare(
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
     A verdict, ten answers beside the reference's, a table of models; every contact goes to <scene>-compare.csv and .svg in
-    the store. Scenes against one another: rollbench solve A B. For a page to send: rollbench report SCENE. Exit code 5 where loads of the reference did not settle: what
-    they may still move by is said, kept with the run and added to its uncertainty.
+    the store. Scenes against one another: rollbench solve A B. For a page to send: rollbench report SCENE. Exit code 5
+    where loads of the reference did not settle: what they may still move by is said, kept with the run and added to its
+    uncertainty.
 
     Parameters
     ----------
