@@ -56,7 +56,11 @@ OUTPUTS = {
     "preload_N": "axial preload / N",
     "torque_Nmm": "friction torque / (N mm)",
     "life_million_revolutions": "life L10 / 10^6 revolutions",
+    "largest_growth": "largest load over the first case's, of any set",
+    "least_growth": "the same, least of any set",
 }
+#: Outputs of load cases together: None of a scene without.
+GROWTH = ("largest_growth", "least_growth")
 
 
 #: The output that worst cases, effects and plots are about; always kept, with its place ``at``.
@@ -99,8 +103,9 @@ def cycle_outputs(
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
     """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
-    duty cycle, of the set that lives shortest, and the mean torque over its revolutions. results, each: of every case its
-    result and outputs."""
+    duty cycle, of the set that lives shortest, the mean torque over its revolutions, and the largest load of each set over
+    all cases over that in the first, of the sets of the largest and least ratio. results, each: of every case its result
+    and outputs."""
     case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1][MAIN]))
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
     if "torque_Nmm" in wanted:
@@ -111,7 +116,17 @@ def cycle_outputs(
         lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
         rated = [x.revolutions for x in lives if x is not None]
         found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
+    if any(name in wanted for name in GROWTH):
+        tops = [[float(load.max(initial=0.0)) for load in _each_load(one)] for one in results]
+        ratios = [max(of_set) / of_set[0] for of_set in zip(*tops, strict=True) if of_set[0] > 0.0]
+        ends = max(ratios, default=None), min(ratios, default=None)
+        found |= {name: x for name, x in zip(GROWTH, ends, strict=True) if name in wanted}
     return found
+
+
+def _each_load(result: StaticResult | AxisResult) -> list[Array]:
+    """Loads [N] of the contacts or rollers of every set."""
+    return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
 def axis_outputs(
@@ -173,6 +188,7 @@ def _of_sets(
         "largest_approach_um": lambda: max((_approach(balls) for _, balls in solved), default=None),
         "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
         "life_million_revolutions": lambda: _life([(parts, balls.load) for parts, balls in solved]),
+        **dict.fromkeys(GROWTH, lambda: None),
         **whole,
     }
     return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted} | {"at": at}
