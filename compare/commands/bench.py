@@ -31,14 +31,14 @@ def bench(
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
-    """Measure run times here: errors of the models against their run times, commands as typed from an empty home, threads.
+    """Measure run times here: errors of the models against run times, commands typed in an empty home, threads.
 
     Parameters
     ----------
     names
         Scenes with a 3D reference whose models are timed; lin-case1 unless given, with --long all that the report compares.
     long
-        Measure the levels of the 3D reference too, an hour in all on quiet cores, and neither commands nor threads.
+        Measure the levels of the 3D reference too, an hour in all on quiet cores, and no threads.
     source
         Measure what the page of a case shows, such as lin, and nothing else: minutes on quiet cores.
     store
@@ -85,7 +85,7 @@ def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer
     jobs = [*models(names, store, long=long)]
     for command in () if long else COMMANDS:
         on_terminal(command)
-        jobs.append(typed(command))
+        jobs.append(typed(command).job)
     if not long:
         jobs += in_threads()
     return Answer([asdict(job) for job in jobs], _tables(jobs))
@@ -109,6 +109,7 @@ def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[
     if store is not None:
         save_times(store, kept)
     study.computed[measuring_run, on_terminal] = kept
+    yield from (command.job for command in kept.typed if long)
     for name in wanted:
         yield from jobs_of(name, time_points(name, known[name], study, on_terminal))
 

@@ -21,6 +21,8 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import Measured, Run, here, load, one_run, shipped_store
 from rollbench.compare.studies.run_times import (
+    COMMANDS,
+    NEW,
     ColdLevel,
     Costs,
     Kept,
@@ -31,6 +33,7 @@ from rollbench.compare.studies.run_times import (
     measure_level,
     save_times,
     today,
+    typed,
 )
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -125,7 +128,7 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
     """Times of all models of scenes that have a reference, measured now; levels: of the reference's too, and of first
-    processes with and without compiling."""
+    processes with and without compiling, and commands as typed."""
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
         for model, bodies in models_of(name, found, study):
@@ -140,7 +143,11 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
         first[name, engine] = measure(FIRST, name, engine=engine)
-    return Kept(here(), today(), times, first, cold_levels)
+    commands = []
+    for command in COMMANDS if levels else ():
+        step(f"{command}, from an empty home")
+        commands.append(typed(command))
+    return Kept(here(), today(), times, first, cold_levels, commands)
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
@@ -267,6 +274,31 @@ def compile_table(kept: Kept) -> Table:
     return Table.of("reference-cold", f"{FIRST}: first process, with and without compiling", rows, note)
 
 
+def typed_table(kept: Kept) -> Table:
+    """Waiting time for commands as typed from an empty home."""
+    rows: list[Row] = [
+        {
+            Quantity("command", "command", "", "s"): c.command,
+            Quantity("reach", "to reach", "", "s"): COMMANDS.get(c.command, ""),
+            Quantity("seconds", "empty home", "s", "g3"): c.seconds,
+            Quantity("first_line", "to its first line", "s", "g3"): c.first_line,
+            Quantity("cpu", "CPU time", "s", "g3"): c.cpu,
+            Quantity("again", "again (floor)", "s", "g3"): c.again,
+            Quantity("again_cpu", "CPU time, again", "s", "g3"): c.again_cpu,
+            Quantity("beside", "beside a busy process", "s", "g3"): c.beside,
+            Quantity("beside_cpu", "CPU time there", "s", "g3"): c.beside_cpu,
+            Quantity("note", "note", "", "s"): c.note,
+        }
+        for c in kept.typed
+    ]
+    note = (
+        f"A process as typed, no number of threads set, in a home without any cache; rollbench {NEW} wrote my.toml. Typed "
+        "again there, a command takes what does not come of the empty home: the floor of what compiled kernels and kept "
+        f"bodies can save. CPU time is that of all its processes, and moves less with other work on the machine. {kept}"
+    )
+    return Table.of("reference-typed", "Commands as typed from an empty home", rows, note)
+
+
 def level_table(kept: Kept) -> Table:
     """Waiting time for a level of the 3D reference of a new scene."""
     rows: list[Row] = [
@@ -287,7 +319,8 @@ def level_table(kept: Kept) -> Table:
         "Each level in a process of its own on all cores, from the start of the interpreter to the loads, "
         "with no mesh, part or run known before. Peak memory: sum of the peaks of all processes of one "
         "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, and "
-        "50 s of processor time for level 1 with 200 contacts. Where they are missed, the tables "
+        "45 s of processor time for level 1 with 200 contacts, 0.3 s for a further load case. Where they are missed, "
+        "the tables "
         f"reference-set-up-costs and reference-set-up-ways say what bounds them. {kept}"
     )
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
@@ -426,5 +459,6 @@ def time_items(study: Study, step: Step) -> list[Table | Figure]:
     if not study.quick:
         costs = load_costs((*(study.stores or ()), shipped_store()))
         items += [] if kept is None else [compile_table(kept), level_table(kept)]
+        items += [typed_table(kept)] if kept is not None and kept.typed else []
         items += [] if costs is None else cost_tables(costs)
     return [*items, speed_table(points), *time_figures(points)]

@@ -17,6 +17,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -71,20 +72,53 @@ def as_a_users(extra: dict[str, str] | None = None) -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
-def launch(
-    arguments: list[str], extra: dict[str, str] | None = None, limit: float = 300.0
-) -> tuple[float, subprocess.CompletedProcess[str]]:
-    """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left; limit [s]."""
-    environment = as_a_users(extra)
-    begin = perf_counter()
-    process = subprocess.run(
-        [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=limit
-    )
-    return perf_counter() - begin, process
+@dataclass(frozen=True)
+class Launched:
+    """A process that ended: seconds of wall clock to its end and to its first line on standard output (None: it wrote
+    none), CPU seconds of it and its own processes, exit code, and what it wrote."""
+
+    seconds: float
+    first_line: float | None
+    cpu: float
+    code: int
+    stdout: str
+    stderr: str
+
+
+def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
+    """Run a Python process, which imports nothing from its working folder, as a user would on a terminal. It is ended
+    after `PATIENCE`."""
+    environment = as_a_users({"PYTHONUNBUFFERED": "1"} | (extra or {}))
+    with tempfile.TemporaryFile("w+") as errors:
+        before, begin = os.times(), perf_counter()
+        process = subprocess.Popen(
+            [sys.executable, "-P", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            env=environment,
+            cwd=folder,
+        )
+        patience = threading.Timer(PATIENCE, process.kill)
+        patience.start()
+        with process:
+            assert process.stdout is not None
+            line = process.stdout.readline()
+            first = perf_counter() - begin if line else None
+            written = line + process.stdout.read()
+        patience.cancel()
+        seconds, after = perf_counter() - begin, os.times()
+        errors.seek(0)
+        return Launched(seconds, first, _cpu(before, after), process.returncode, written, errors.read())
+
+
+def _cpu(before: os.times_result, after: os.times_result) -> float:
+    """CPU seconds of processes that ended in between."""
+    return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
 
 #: Longest wait for a process [s].
-PATIENCE = 600.0
+PATIENCE = 1200.0
 
 #: Solves whose fastest is the warm time.
 REPEATS = 5
@@ -216,7 +250,7 @@ def measure_level(scene: str, level: int) -> ColdLevel:
     before = os.times()
     begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
     after = os.times()
-    cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
+    cpu = _cpu(before, after)
     known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
     return ColdLevel(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
@@ -262,13 +296,14 @@ class RunTime:
 @dataclass(frozen=True)
 class Kept:
     """Times of one measuring run, what it was measured with, and its day: ``times`` by scene and model, ``first``: a first
-    process by model and engine, ``levels`` of the 3D reference, cold."""
+    process by model and engine, ``levels`` of the 3D reference, cold, ``typed`` commands."""
 
     measured: Measured
     date: str
     times: Mapping[tuple[str, str], RunTime]
     first: Mapping[tuple[str, str], Cold]
     levels: Sequence[ColdLevel] = ()
+    typed: Sequence[Typed] = ()
 
     def __str__(self) -> str:
         """What it was measured with, in words."""
@@ -346,6 +381,7 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
         "levels": [asdict(c) for c in kept.levels],
+        "typed": [asdict(c) for c in kept.typed],
     }
     head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(kept.measured), "date": kept.date}.items())
     body = ", ".join(f'"{name}": [\n {_lines(rows)}]' for name, rows in lists.items())
@@ -367,7 +403,8 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
         first = {(r.pop("model"), r["engine"]): Cold(**r) for r in data["first"]}
         levels = tuple(ColdLevel(**r) for r in data.get("levels", []))
         measured = Measured(data.get("version", ""), data.get("sources", ""), data["machine"])
-        return Kept(measured, data["date"], times, first, levels)
+        commands = tuple(Typed(**r) for r in data.get("typed", []))
+        return Kept(measured, data["date"], times, first, levels, commands)
 
     return first_kept(stores, file_of(source), made)
 
@@ -382,38 +419,84 @@ def load_costs(stores: Sequence[Path]) -> Costs | None:
     return first_kept(stores, SET_UP_COSTS, made)
 
 
-#: Commands that are timed.
-COMMANDS = (
-    "list",
-    "solve lin-case1",
-    "solve lin-case1 --model lin",
-    "friction lin-case1",
-    "solve lin-random --members 1000",
-    "check lin-case1 --no-compute",
-)
+#: A new catalogue screw.
+NEW = "new my.toml --like 40x10"
+
+#: Commands that are timed, and what they are to take from an empty home on two cores; those of ``my.toml`` after `NEW`.
+COMMANDS = {
+    "list": "",
+    "solve lin-case1": "",
+    "solve lin-case1 --model lin": "",
+    "friction lin-case1": "",
+    "solve lin-random --members 1000": "",
+    "check lin-case1 --no-compute": "",
+    "solve my.toml": "1.5 s",
+    "friction my.toml --mu 0.1": "5 s to its first line",
+    "compare my.toml --levels 1": "20 s of CPU time",
+    "report": "120 s",
+}
+
+#: A process that keeps a core busy.
+BUSY = "while True: pass"
 
 #: Members of an ensemble, and numbers of threads.
 MEMBERS, THREADS = 1000, (1, 2)
 
 
-def typed(command: str) -> Job:
-    """Wall clock of a command from start to end in an empty home, then again there; a note where it fails."""
+@dataclass(frozen=True)
+class Typed:
+    """A command typed in an empty home: seconds to its end and to its first line, CPU seconds of all its processes; seconds
+    and CPU seconds typed once more there, which is what does not come of the empty home; and from an empty home beside one
+    busy process. None: not measured, as the note says."""
+
+    command: str
+    seconds: float | None = None
+    first_line: float | None = None
+    cpu: float | None = None
+    again: float | None = None
+    again_cpu: float | None = None
+    beside: float | None = None
+    beside_cpu: float | None = None
+    note: str = ""
+
+    @property
+    def job(self) -> Job:
+        """As a row of the bench."""
+        if self.seconds is None:
+            return Job(f"{self.command}, from an empty home", None, note=self.note)
+        first = "" if self.first_line is None else f"first line {self.first_line:.3g} s, "
+        again = f"again: {self.again:.3g} s ({self.again_cpu:.3g} CPU)"
+        beside = f"beside a busy process {self.beside:.3g} s ({self.beside_cpu:.3g} CPU)"
+        note = f"wall clock of the process; {first}CPU {self.cpu:.3g} s; {again}; {beside}"
+        return Job(f"{self.command}, from an empty home", self.seconds, note=note)
+
+
+def typed(command: str) -> Typed:
+    """Times of a command as typed, with a note where it fails."""
+    found = _in_empty_home(command, 2)
+    busy = subprocess.Popen([sys.executable, "-c", BUSY])
+    try:
+        found += _in_empty_home(command, 1)
+    finally:
+        busy.kill()
+        busy.wait()
+    for one in found:
+        if one.code != 0:
+            last = one.stderr.strip().splitlines()[-1:] or ["no message"]
+            return Typed(command, note=f"not measured: {last[0][:120]}")
+    alone, again, beside = found
+    spent = (x for one in (again, beside) for x in (one.seconds, one.cpu))
+    return Typed(command, alone.seconds, alone.first_line, alone.cpu, *spent)
+
+
+def _in_empty_home(command: str, times: int) -> list[Launched]:
+    """A command typed some times in a home that is empty at first, but for a new scene where the command names it."""
     with tempfile.TemporaryDirectory() as home:
-        places = {
-            "HOME": "",
-            "XDG_CACHE_HOME": "cache",
-            "ROLLBENCH_CACHE": "cache/rollbench",
-            "NUMBA_CACHE_DIR": "cache/numba",
-        }
-        own = {name: str(Path(home) / place) for name, place in places.items()}
-        spent = []
-        for _ in range(2):
-            seconds, done = launch(["-m", "rollbench", *command.split(), "--json"], own)
-            if done.returncode != 0:
-                last = done.stderr.strip().splitlines()[-1:] or ["no message"]
-                return Job(f"{command}, from an empty home", None, note=f"not measured: {last[0][:120]}")
-            spent.append(seconds)
-    return Job(f"{command}, from an empty home", spent[0], note=f"wall clock of the process; again: {spent[1]:.3g} s")
+        places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
+        own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
+        if "my.toml" in command:
+            launch(["-m", "rollbench", *NEW.split()], own, home)
+        return [launch(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
 
 
 def in_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:

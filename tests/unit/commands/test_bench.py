@@ -16,19 +16,28 @@ from rollbench.compare.studies.run_times import load_times
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
-    seconds, done = run_times.launch(["-c", code], {"OWN": "x"})
-    assert seconds > 0.0
+    done = run_times.launch(["-c", code], {"OWN": "x"})
+    assert done.seconds >= done.first_line > 0.0
     assert done.stdout == "None x\n"
 
 
-def test_a_command_is_timed_from_an_empty_home_and_again():
+def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process():
     found = run_times.typed("schema --help")
-    assert found.job == "schema --help, from an empty home"
-    assert found.seconds > 0.0
-    assert "again: " in found.note
+    assert found.job.job == "schema --help, from an empty home"
+    assert found.seconds >= found.first_line > 0.0
+    assert min(found.cpu, found.again, found.again_cpu, found.beside, found.beside_cpu) > 0.0
     failed = run_times.typed("solve no-such-scene")
     assert failed.seconds is None
-    assert failed.note.startswith("not measured: rollbench: ")
+    assert failed.job.note.startswith("not measured: rollbench: ")
+
+
+def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path):
+    kept = load_times((shipped_store(),))
+    found = run_times.Typed("solve my.toml", 2.0, 1.9, 2.5, 0.75, 0.7, 3.0, 2.6)
+    run_times.save_times(tmp_path, replace(kept, typed=(found,)))
+    (row,) = reference_time.typed_table(load_times([tmp_path])).rows
+    assert [row[key] for key in ("command", "seconds", "again", "beside_cpu")] == ["solve my.toml", 2.0, 0.75, 2.6]
+    assert row["reach"]
 
 
 def test_threads_are_compared_with_one():
