@@ -485,7 +485,7 @@ def typed(command: str) -> Typed:
             last = one.stderr.strip().splitlines()[-1:] or ["no message"]
             return Typed(command, note=f"not measured: {last[0][:120]}")
     alone, again, beside = found
-    spent = (x for one in (again, beside) for x in (one.seconds, one.cpu))
+    spent = again.seconds, again.cpu, beside.seconds, beside.cpu
     return Typed(command, alone.seconds, alone.first_line, alone.cpu, *spent)
 
 

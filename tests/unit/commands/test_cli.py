@@ -31,7 +31,7 @@ def test_json_is_exactly_one_object(command) -> None:
     assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
     assert len(data["balls"]) == 32
     ball = data["balls"][0]
-    assert set(ball) == {"index", "azimuth_deg", "z_mm", "load_N", "contact_angle_deg"}
+    assert set(ball) == {"index", "azimuth_deg", "z_mm", "load_N", "pressure_MPa", "contact_angle_deg"}
     assert set(ball["load_N"]) == {"SL", "SR", "NL", "NR"}
     assert set(data["summary"]) >= {"sides", "loads", "axial", "worst_contact", "truncation", "static_safety", "life"}
     assert set(data["summary"]["sides"]) == {"SL", "NR"}

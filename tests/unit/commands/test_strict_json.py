@@ -18,6 +18,7 @@ OTHERS = {
     "compare": (("compare", "lin-case1", "--model", "lin"),),
     "check": (("check", "lin-case1", "--model", "lin", "--no-compute"),),
     "survey": (("survey", "--model", "mei", "--count", "2"), ("survey", "--screw", "0")),
+    "table": (("table", "lin-case3", "--model", "lin", "--over", "load=1:2:2 kN", "--quantities", "load"),),
     "mesh_study": (("mesh-study", "two-balls", "--levels", "2"),),
 }
 #: Why others are not run here.

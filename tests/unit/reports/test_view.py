@@ -100,12 +100,7 @@ def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("views")
     cycle = folder / "cycle.toml"
     cycle.write_text(catalogue.scene_text("lin-case1").split("[[loads]]")[0] + CASES, encoding="utf-8")
-    scenes = {
-        "screw": "lin-case3-offset",
-        "cases": cycle,
-        "sets": "double-nut",
-        "rollers": ROOT / "tests/scenes/rollers.toml",
-    }
+    scenes = {"screw": "lin-case3-offset", "cases": cycle, "sets": "double-nut", "rollers": "smith-axis-taper"}
     solved = {name: rollbench.solve(scene, "lin") for name, scene in scenes.items()}
     return {name: (one.view(folder / f"{name}.html"), one.to_dict()) for name, one in solved.items()}
 
