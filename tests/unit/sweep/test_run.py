@@ -278,7 +278,7 @@ def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
     text = f"{head}[friction]{rest}\n[[cases]]{one}\n[[cases]]{more}"
     wanted = ["largest_growth", "least_growth"]
     found = sampling.solve_sample(text, "my.toml", (), (), "lin", "compiled", wanted)
-    scene = catalogue.scene("double-nut")
+    scene = catalogue.any_scene("double-nut")
     low, high = (
         [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", Options()).sets]
         for f in (2e3, 5e3)
