@@ -58,6 +58,7 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
     of_cases = [f"{word} {tmp_path}/lin.toml --model lin" for word in ("friction", "compare", "check --no-compute")]
     models = {name: "liu" if name == "step" else "lin" for name in scenes}
     commands = (*COMMANDS, *of_cases, *(f"solve {tmp_path}/{name}.toml --model {models[name]}" for name in scenes))
+    commands = (*commands, f"solve {tmp_path}/axis.toml {tmp_path}/rollers.toml --model lin")
     words = ([word.replace("_mm", " mm") for word in line.split()] for line in commands)
     printed = list(chain.from_iterable(leaves(command.json(*line, "--json")[1]) for line in words))
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}
