@@ -16,6 +16,8 @@ from sphinx.application import Sphinx
 sys.path.insert(0, str(Path(__file__).parent))
 # commands in cells are those of the environment that builds
 os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
+# cells run in an empty folder and find the manual's example programs here
+os.environ["MANUAL"] = str(Path(__file__).parent)
 
 import rollbench
 
