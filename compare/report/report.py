@@ -189,7 +189,7 @@ def make_sections(
     """Sections by name of their part, one after the other, or page by page in processes side by side; those that gather
     what all others used and found come last."""
     sections: dict[str, Sequence[Section]] = {}
-    last = [part for part in parts if part.page in GATHERING]
+    last = [part for part in parts if part.name in GATHERING]
     tables: dict[str, list[str]] = {}
     for table, one in by_table().items() if last else ():
         tables.setdefault(one.case.name, []).append(table)
