@@ -21,7 +21,17 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.parallel import as_done
-from rollbench.compare.report.pages import GATHERING, PAGES, SECTIONS, Listed, kept_parts, lacking, live_check, pages
+from rollbench.compare.report.pages import (
+    COMPILED,
+    GATHERING,
+    PAGES,
+    SECTIONS,
+    Listed,
+    kept_parts,
+    lacking,
+    live_check,
+    pages,
+)
 from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
@@ -194,7 +204,9 @@ def make_sections(
     for table, one in by_table().items() if last else ():
         tables.setdefault(one.case.name, []).append(table)
     by_page = {name: [p for p in parts if p.page == name and p not in last] for name in PAGES}
-    names = [name for name, on_page in by_page.items() if on_page or name in tables]
+    first, *late = COMPILED
+    ordered = (first, *(name for name in PAGES if name not in COMPILED), *late)
+    names = [name for name in ordered if by_page[name] or name in tables]
     if workers > 1 and len(names) > 1:
         given = (study.stores, study.quick, study.timed, study.cache)
         page = partial(_page, keeping=kept.switched_on())
