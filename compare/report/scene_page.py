@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from rollbench.compare.text.entries import entries
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
@@ -40,7 +41,6 @@ from rollbench.compare.sections.sheets import sketch_of
 from rollbench.compare.studies.friction.answer import lines_of, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
 from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
-from rollbench.compare.text.entries import entries
 from rollbench.compare.text.solved import case_rows, together_entries
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
