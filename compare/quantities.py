@@ -143,6 +143,8 @@ def shown(value: float, error: float | None = None, digits: int = 4) -> str:
     """
     if not value or not math.isfinite(value):
         return f"{value:g}"
+    if abs(value) < 1e-4:
+        return f"{value:.{digits - 1}e}"
     place = math.floor(math.log10(abs(value))) - digits + 1
     if error:
         leading = math.floor(math.log10(abs(error)))

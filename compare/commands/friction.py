@@ -88,8 +88,8 @@ def run_friction(
 
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
-    """The answer for the terminal: status, warning, the table of answers, tables, what to do; with details what explains the
-    answers, balance, solver, assumptions, and what is left out, else where they are."""
+    """The answer for the terminal: status, warning, the table of answers, tables, what to do; with details what
+    explains the answers, balance, solver, assumptions, and what is left out, else where they are."""
     from rollbench.compare.results.base import as_text
     from rollbench.compare.results.rows import friction_rows
     from rollbench.compare.studies.friction.answer import BEHIND
@@ -99,7 +99,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning])]
-    if rows := friction_rows(data, details=details):
+    if rows := friction_rows(data):
         parts += ["", as_text(rows, text_width()), ""]
     if lines := [f"{label:<10}{text}" for label, text in answer.lines if details or not (rows or label in BEHIND)]:
         parts += ["", *lines, ""]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import html
+import re
 import textwrap
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.reports.cells import micro
@@ -41,7 +42,7 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     table = [[row[k] for k in kept] for row in (headings, *rows)]
     wide = [max(len(row[k]) for row in table) for k in range(len(kept))]
-    left = {0, *(n for n, k in enumerate(kept) if headings[k] == "unit")}
+    left = {n for n, k in enumerate(kept) if not _is_number(rows, headings, k)}
     out = []
     for *cells, note in table:
         texts = [text.ljust(wide[n]) if n in left else text.rjust(wide[n]) for n, text in enumerate(cells)]
@@ -57,10 +58,15 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
     return "\n".join(out)
 
 
+def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
+    """Whether a column holds numbers, which stand flush right."""
+    return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
+
+
 def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
     """The same as a table of HTML."""
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
-    sides = ["left" if k == 0 or headings[k] in ("unit", "note") else "right" for k in range(len(headings))]
+    sides = ["right" if _is_number(rows, headings, k) else "left" for k in range(len(headings))]
     line = "<tr>{}</tr>".format
     head = "".join(f"<th style='text-align:{sides[k]}'>{headings[k]}</th>" for k in kept)
     body = "".join(
@@ -132,18 +138,20 @@ class Record(ABC):
         stated = definition(path)
         return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
-    def table(self) -> list[Row]:
-        """A row for every single value that the table shows."""
+    #: Headings of `table`.
+    headings: ClassVar[Sequence[str]] = HEADINGS
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """The rows of the table that a notebook shows, below `headings`; every single value unless a result has its own."""
         return [Row(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
 
     def __str__(self) -> str:
         """The table as aligned text."""
-        return "\n".join([*([as_text(rows, 100)] if (rows := self.table()) else []), *self._notes])
+        return "\n".join([*([as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes])
 
     def _repr_html_(self) -> str:
         """The table for a notebook."""
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
-        return as_html(self.table()) + notes
+        return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:
         """The value at a path of keys in the JSON. Raises KeyError with the keys that there are."""

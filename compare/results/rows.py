@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from rollbench.compare.measure import error_percent
 from rollbench.compare.models.drive import AxisDrive
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
@@ -101,22 +102,44 @@ def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
 def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
     """The rows of a summary, as JSON has it; worth: errors to expect of them."""
     found = []
-    for group, kind in GROUPS:
-        table = data.get(group) if group else data
-        if kind is Preload and table and not table["loaded_contacts"]:
-            table = None
-        stated = [(_inner(x.key), x) for _, x in stated_in(kind)]
-        if isinstance(table, Mapping) and _at(table, stated[0][0]) is not ...:
-            mean = (data.get("loads") or {}).get("mean_N")
-            each = (_row(table, key, x, worth, mean, details=details) for key, x in stated)
-            found += [row for row in each if row is not None]
-        found += _reasons(data, kind)
+    for kind, table, stated in _tables(data):
+        mean = (data.get("loads") or {}).get("mean_N")
+        each = (_row(table, key, x, worth, mean, details=details) for key, x in stated)
+        found += [row for row in each if row is not None] + [*_reasons(data, kind)]
     return found
 
 
-def _inner(key: str) -> str:
-    """A key within the table of its group."""
-    return key.removeprefix("torque.")
+def compared_rows(
+    data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
+) -> Iterator[tuple[str, str, str, str, str, str]]:
+    """Quantities of a model and of its reference, by their summaries: name, both values, unit, difference, and the error
+    that was to be expected."""
+    theirs = {(kind, key): _at(table, key) for kind, table, stated in _tables(reference) for key, _ in stated}
+    mean = (data.get("loads") or {}).get("mean_N")
+    for kind, table, stated in _tables(data):
+        for key, x in stated if kind is not Ratings else ():
+            value, other = _at(table, key), theirs.get((kind, key))
+            if x.heading and isinstance(value, float) and isinstance(other, float):
+                name, unit = _named(x)
+                off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
+                yield name, shown(value), shown(other), unit, off, _error(value, x.expected, worth, mean)[1]
+
+
+def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
+    """Record, table and quantities by their keys in it, of every group of a summary; of one that it lacks an empty one."""
+    for group, kind in GROUPS:
+        table = data.get(group) if group else data
+        stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
+        known = isinstance(table, Mapping) and _at(table, stated[0][0]) is not ...
+        if kind is Preload and table and not table["loaded_contacts"]:
+            known = False
+        yield kind, table if known and table else {}, stated
+
+
+def _named(x: Stated) -> tuple[str, str]:
+    """Name and unit of a quantity."""
+    name, unit = heading_of(x)
+    return name, unit.replace("million revolutions", "1e6 rev")
 
 
 def _at(table: Mapping[str, Any], key: str) -> Any:
@@ -134,8 +157,7 @@ def _row(
     value = _at(table, key)
     if value in (None, ..., "") or not (x.heading or details):
         return None
-    name, unit = heading_of(x)
-    unit = unit.replace("million revolutions", "1e6 rev")
+    name, unit = _named(x)
     digits = int(x.form[1:]) if x.form in ("g2", "g3") else 4
     if isinstance(value, bool | str) or (isinstance(value, int) and not unit):
         return Row(name, "yes" if value is True else str(value)) if value or details else None
@@ -164,7 +186,7 @@ def _error(
 
 def _note(table: Mapping[str, Any], template: str) -> str:
     """A note with the values of its table; empty where one is not known."""
-    values = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
+    values = {key: f"{float(shown(x)):.6g}" if isinstance(x, float) else x for key, x in table.items() if x is not None}
     try:
         return template.format_map(values)
     except KeyError:
@@ -217,13 +239,11 @@ def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
     return [{key: row[key] or "–" for key in row if any(x[key] for x in found)} for row in found]
 
 
-def friction_rows(data: Mapping[str, Any], *, details: bool = False) -> list[Row]:
+def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     """The rows of what ``rollbench friction`` answers of a whole screw or bearing, or of several sets; empty of others."""
-    torque = (
-        {**data["torque"], **{key: data[key] for key in ("losses", "solver") if key in data}} if data.get("torque") else {}
-    )
+    torque = {**data["torque"], **{key: data[key] for key in ("losses",) if key in data}} if data.get("torque") else {}
     band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
-    return summary_rows({"friction": torque, "band": band, "drive": data.get("drive")}, details=details)
+    return summary_rows({"friction": torque, "band": band, "drive": data.get("drive")})
 
 
 def together_rows(whole: Together) -> list[Row]:
@@ -238,9 +258,10 @@ def together_rows(whole: Together) -> list[Row]:
 def expected_words(worth: ModelForm | None) -> str:
     """What the errors to expect are, in one sentence."""
     if worth is None:
-        return "error to expect: not known of several sets on one shaft"
+        return "error to expect: not known of several sets on one shaft; measure it: rollbench compare SCENE"
     if worth.percent is None:
         away = f" (nearest {worth.nearest})" if worth.nearest else ""
         return f"error to expect: not covered by the comparisons with the 3D reference{away}; {'; '.join(worth.words)}"
     of = f"{worth.compared} scene{'s' * (worth.compared != 1)} like it"
-    return f"error to expect: nine of ten of {of} were within, nearest {worth.nearest}; {'; '.join(worth.words)}"
+    words = f"nine of ten of {of} were within, nearest {worth.nearest}; {'; '.join(worth.words)}"
+    return f"error to expect: {words}; measure it: rollbench compare SCENE"

@@ -339,7 +339,7 @@ class Result(Record, Balls):
         title = (self.cycle or self.solved[0].scene).title
         return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
 
-    def table(self) -> list[Row]:
+    def table(self) -> Sequence[Row]:
         """The rows that ``rollbench solve`` prints, of load cases those of all together."""
         return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
 

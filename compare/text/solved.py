@@ -43,6 +43,10 @@ CURVE_COLUMNS: tuple[Column, ...] = (
 )
 
 
+#: Part of the largest component of a force below which another one is round-off.
+ROUND_OFF = 1e-9
+
+
 def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
     """A solved scene for the terminal: status, warnings, the table of answers, tables of sets and balls, what errors are to
     be expected and what to do; balls: with the table of every ball; details: with further quantities, balance and solver,
@@ -87,7 +91,7 @@ def closing_lines(
     warned = [f"warning: {line}" for line in warnings]
     if not details:
         counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
-        return [*warned, f"{counted}, balance, solver: --verbose"]
+        return [*warned, f"--verbose: {counted}, balance, solver, further quantities"]
     headed = ("assumed", assumed), ("left out", left_out)
     return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
@@ -219,11 +223,11 @@ def _set_tables(one: SolvedAxis, *, balls: bool, details: bool) -> list[Any]:
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
-    out: list[Any] = [aligned(rows), ""]
+    out: list[Any] = [plain([*rows[0]], [[*row.values()] for row in rows], ["set"], apart=2), ""]
     out += _element_tables(result) if balls else []
     for h in result.housings:
         moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items() if x)
-        force = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
+        force = ", ".join(shown(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3])
         out.append(f"{h.name}: {moved or 'does not move'}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
     return [*out, *(_stiffness_lines(result) if details else [])]
 
