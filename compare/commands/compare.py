@@ -92,11 +92,11 @@ def run_compare(
         return named(one) | (cases[one.described].keys if one.described in cases else {})
 
     def parts() -> Iterator[Any]:
-        yield from (f"WARNING: {warning}" for warning in warnings)
-        comparisons = []
+        comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
         for one, whole in found.each():
             comparisons.append(((one.described, one.set), whole))
-            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", *filter(None, [whole.total.beside]), "")
+            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", *filter(None, [whole.total.beside]), *warned, "")
+            warned = []
             headings, answers = answer_rows(whole)
             yield from (as_text(answers, text_width(), headings), "", compared_table(whole.models, whole.itself), "")
             if verbose:
@@ -110,9 +110,8 @@ def run_compare(
                 command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
                 yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: {command}"
             yield write_files(one.scene, whole.models, one.found, store)
-            yield from (
-                () if verbose else ("--verbose: the uncertainty by its causes, the gate's rule, times of stored runs",)
-            )
+            if not verbose:
+                yield "--verbose: the uncertainty by its causes, the gate's rule, times of stored runs"
         yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
