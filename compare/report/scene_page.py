@@ -111,7 +111,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; below, case {worst}",
         verdict=f"Of {cases} {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
         table=_answers(answers, "Of all load cases"),
-        parts=(Section("cases", "Load cases", (table, page.table)), *page.parts),
+        parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
         view=view_of(cycle.title, solved, data, [*scenes], stores),
     )
@@ -163,7 +163,7 @@ def _answers(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
     kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
     forms = {"value": "g4", "error to expect": "g4"}
     quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]
-    cells = ({q: micro(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
+    cells: Iterator[Row] = ({q: micro(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
     return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 

@@ -216,7 +216,9 @@ def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
 
 def _support_rows(path: LoadPath | None) -> Iterator[Row]:
     """What supports take of the loads, where they take something."""
-    for taker in () if path is None else path.takers:
+    if path is None:
+        return
+    for taker in path.takers:
         for k, part in enumerate(taker.part):
             if abs(part) > NOTHING * abs(path.applied[k]) > 0.0:
                 unit = "N" if k < 3 else "N m"

@@ -32,6 +32,15 @@ class Judgement(StrEnum):
     """The reference has nothing to judge by."""
 
 
+#: What to do about a verdict that is not "pass".
+ADVICE = {
+    "fail": "every contact with its reference: rollbench compare SCENE --balls",
+    "not converged": "why: rollbench solve SCENE",
+    "undecided": "further mesh levels make the reference more certain: --levels 3",
+    "not covered": "compute the 3D reference: --levels 2",
+}
+
+
 @dataclass(frozen=True)
 class VerdictRow:
     """One quantity of a scene, of one of its load cases, or of one of several sets."""
@@ -116,27 +125,18 @@ class Verdict(Record):
 
     def table(self) -> Sequence[Sequence[str]]:
         """A row for every quantity that was judged; scene and model stand in `answer` where they are the same in all."""
-        rows = [
-            (
-                v.word,
-                v.of,
-                v.judged,
-                v.quantity,
-                *(f"{abs(x):.3g} {v.unit}" if x is not None else "–" for x in numbers),
-                note,
-            )
-            for v in self.judged
-            for numbers in [(v.error, v.uncertainty, v.limit)]
-            for note in [
-                "; ".join(filter(None, (v.ball and f"ball {v.ball} {v.flank}", v.pair_text.strip(", "), v.detail)))
-            ]
-        ]
+        rows = []
+        for v in self.judged:
+            numbers = (f"{abs(x):.3g} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty, v.limit))
+            ball = "" if v.ball is None else f"ball {v.ball} {v.flank}"
+            note = "; ".join(filter(None, (ball, v.pair_text.strip(", "), v.detail)))
+            rows.append((v.word, v.of, v.judged, v.quantity, *numbers, note))
         same = [len({row[k] for row in rows}) == 1 for k in range(len(self.headings))]
         return [["" if same[k] and k in (1, 2) else text for k, text in enumerate(row)] for row in rows]
 
     @property
     def answer(self) -> str:
-        """The verdict in one line: the gravest, how many there are of each, of what, and the error in per cent of the mean."""
+        """The gravest verdict, of what, the error in per cent of the mean load, and how many there are of each verdict."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
         of = [", ".join(dict.fromkeys(texts)) for texts in ([v.of for v in self.judged], [v.judged for v in self.judged])]
         errors = [v.of_mean for v in self.judged if v.of_mean is not None]
