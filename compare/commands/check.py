@@ -11,7 +11,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Word, app, cache_folder, model_of
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled, text_width
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled, text_width
 
 if TYPE_CHECKING:
     from rich.table import Table

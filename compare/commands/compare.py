@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine, model_of
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.running import need_packages
-from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer, ruled, text_width
+from rollbench.compare.running import need_packages, on_terminal
+from rollbench.compare.text.printing import Answer, aligned, print_answer, ruled, text_width
 
 if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced

@@ -9,7 +9,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.text.printing import Answer, listed, on_terminal, print_answer, text_width
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, listed, print_answer, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -12,7 +12,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Verbose, Word, app, model_of
 from rollbench.compare.errors import ArgumentError, one_line
-from rollbench.compare.text.printing import Answer, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis

@@ -23,7 +23,7 @@ from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import gmsh_fault, libraries, machine, need_packages
+from rollbench.compare.running import gmsh_fault, libraries, machine, need_packages, on_terminal
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
 from rollbench.meshes.libraries import PAGES
@@ -45,10 +45,6 @@ def provenance() -> dict[str, str]:
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
         "Liu et al. (2025), Lubricants 13, 57",
     }
-
-
-def _printed(line: str) -> None:
-    print(line, flush=True)
 
 
 class Progress:
@@ -172,7 +168,7 @@ def make_report(
     everything: bool = False,
     against: Path | None = None,
     source: str = "",
-    say: Step = _printed,
+    say: Step = on_terminal,
 ) -> Answer:
     """Run, draw and write the report; exit code 1 where the live check does not agree.
 
