@@ -145,15 +145,18 @@ def bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
 
 def on_terminal(text: str) -> None:
-    """Show progress in one line of a terminal's standard error: a bar with the time left where the text says ``[3/12]`` or
-    ``34%``. Nothing elsewhere, but a text that begins with WARNING."""
-    if text.startswith("WARNING") or not sys.stderr.isatty():
-        _say(f"rollbench: {text}\n" if text.startswith("WARNING") else "")
-        return
+    """Show progress on a terminal's standard error: one line with a bar and the time left of a text that says ``[3/12]`` or
+    ``34%``, above it other texts. Nothing elsewhere, but a text that begins with WARNING."""
     found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
-    done, of, percent = (0, 0, 0) if found is None else (int(x or 0) for x in found.groups())
+    if not sys.stderr.isatty() and not text.startswith("WARNING"):
+        return
+    if found is None:
+        clear()
+        _say(f"rollbench: {text}\n")
+        return
+    done, of, percent = (int(x or 0) for x in found.groups())
     share = done / of if of else percent / 100.0
-    _draw(text + ("" if " left" in text else _left(monotonic() - START, share)), share if found else None)
+    _draw(text + ("" if " left" in text else _left(monotonic() - START, share)), share)
 
 
 def clear() -> None:
