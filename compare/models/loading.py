@@ -46,7 +46,7 @@ class Preload:
         "mean load of a contact or roller without the scene's loads",
         error="as `loads.max_N`; the input's tolerance is larger",
         heading="preload of a contact, mean",
-        note="without the scene's loads",
+        note="without the loads",
     )
     largest: float = quantity("max_N", "largest load of a contact or roller without the scene's loads", error="as above")
     loaded: int = quantity("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
@@ -70,7 +70,7 @@ class LiftOff:
     factor: float | None = quantity(
         "load_factor",
         "factor of the scene's loads at which the first preloaded contact opens",
-        heading="first contact opens at x loads",
+        heading="contact lost at load factor",
         form="g3",
         note="ball {ball} {side}",
     )

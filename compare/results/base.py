@@ -23,7 +23,7 @@ SCHEMA = 1
 
 
 #: Headings of the columns of a table of results, and the room [characters] below which notes stand on lines below.
-HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 24
+HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
 
 
 class Row(NamedTuple):

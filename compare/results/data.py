@@ -187,7 +187,7 @@ class Friction(Data):
         "torque.backward_torque_Nmm",
         "torque that the load gives when it drives: F l/(2 pi) - friction",
         error="friction's share of it",
-        heading="torque by which the load drives",
+        heading="torque with the load",
         form="g3",
     )
     efficiency_forward: float | None = quantity(

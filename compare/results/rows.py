@@ -102,10 +102,14 @@ def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
 def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
     """The rows of a summary, as JSON has it; worth: errors to expect of them."""
     found = []
-    for kind, table, stated in _tables(data):
-        mean = (data.get("loads") or {}).get("mean_N")
-        each = (_row(table, key, x, worth, mean, details=details) for key, x in stated)
-        found += [row for row in each if row is not None] + [*_reasons(data, kind)]
+    mean = (data.get("loads") or {}).get("mean_N")
+    for (group, _), (kind, table, stated) in zip(GROUPS, _tables(data), strict=True):
+        for key, x in stated if details else [pair for pair in stated if pair[1].heading]:
+            row = _row(table, key, x, worth, mean)
+            if row is not None and (details or row.unit or row.value not in ("0", "no")):
+                of = "" if x.heading or not group else f"{group.replace('_', ' ')}: "
+                found.append(row._replace(quantity=f"{of}{row.quantity}"))
+        found += _reasons(data, kind)
     return found
 
 
@@ -150,17 +154,17 @@ def _at(table: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def _row(
-    table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None, *, details: bool
-) -> Row | None:
-    """The row of one quantity; None where it has no value, counts nothing, or is a detail that is not asked for."""
+def _row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
+    """The row of one quantity; None where it has no value."""
     value = _at(table, key)
-    if value in (None, ..., "") or not (x.heading or details):
+    if value in (None, ..., ""):
         return None
     name, unit = _named(x)
     digits = int(x.form[1:]) if x.form in ("g2", "g3") else 4
-    if isinstance(value, bool | str) or (isinstance(value, int) and not unit):
-        return Row(name, "yes" if value is True else str(value)) if value or details else None
+    if isinstance(value, str):
+        return Row(name, "", note=value)
+    if isinstance(value, bool | int) and not unit:
+        return Row(name, str(value) if type(value) is int else "yes" if value else "no")
     if isinstance(value, list) and len(value) == 2 and all(isinstance(end, float) for end in value):
         return Row(name, range_text(value, digits), unit, "", _note(table, x.note))
     if not isinstance(value, int | float):
@@ -174,13 +178,11 @@ def _error(
 ) -> tuple[float | None, str]:
     """Error to expect of a value in its unit, and in words; None and nothing where none is known."""
     field, times = expected
-    if worth is None or not field:
-        return None, ""
-    percent = getattr(worth, field)
+    percent = getattr(worth, field) if worth is not None and field else None
     if percent is None:
-        return None, "not covered"
+        return None, ""
     whole = mean if times == 1.0 and field in OF_MEAN else value
-    text = f"{shown(times * percent, digits=2)} %"
+    text = f"{shown(float(f'{times * percent:.2g}'), digits=2)} %"
     return abs(whole or 0.0) * times * percent / 100.0, f"{text} of mean" if whole is mean else text
 
 
@@ -201,10 +203,10 @@ def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     elif kind is Rigidities and (words := (data.get("axial") or {}).get("tangent_words")):
         yield Row("axial rigidity, tangent", "none", note=f"no tangent: {words}")
     elif kind is Preload and "preload" in data and not preload.get("loaded_contacts"):
-        known = "no contact carries load without the scene's loads"
+        known = "without the loads"
         yield Row("preload", "none" if preload else "not known", note=known if preload else UNKNOWN)
     elif kind is LiftOff and lost.get("words"):
-        yield Row("first contact opens", "not known", note=lost["words"])
+        yield Row("contact lost at load factor", "not known", note=lost["words"])
     elif kind is Friction and data.get("friction_words"):
         yield Row("friction torque", "none", note=data["friction_words"])
     elif kind is AxisDrive and drive and drive["running_torque_Nmm"] is None:

@@ -123,7 +123,7 @@ class LoadSums:
         error="model form, `largest_percent_of_mean`",
         heading="smallest contact load",
         expected=("percent", 1.0),
-        note="of {loaded_contacts} loaded contacts",
+        note="of {loaded_contacts} loaded",
     )
     loaded: int = quantity("loaded_contacts", "contacts with load")
     in_mean: int = quantity("contacts_in_mean", "contacts over which the mean is taken")
@@ -141,7 +141,7 @@ class RollerSums:
     )
     largest: float = quantity("max_N", heading="largest roller load", note="roller {worst_roller}")
     mean: float = quantity("mean_N", heading="mean roller load")
-    least: float = quantity("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded rollers")
+    least: float = quantity("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded")
     loaded: int = quantity("loaded_contacts")
     unloaded: int = quantity("rollers_without_load", "rollers without any load", heading="rollers without load")
 
@@ -196,7 +196,7 @@ class Axial:
         "stepped_N_per_um",
         "stiffness of the model liu over ingredients.load_step, at the first loaded ball (Liu's 19 to 22)",
         error="the model is not covered by comparisons",
-        heading="axial rigidity over the load step",
+        heading="rigidity over the load step",
         default=None,
     )
 
@@ -204,7 +204,7 @@ class Axial:
     @Stated(
         "lost_motion_um_per_100N",
         "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest",
-        heading="lost motion in um for 100 N of friction",
+        heading="lost motion, um by 100 N",
     )
     def lost_motion(self) -> float | None:
         """Axial displacement [um] by 100 N of friction that reverses."""

@@ -93,7 +93,7 @@ class StaticSafety:
         heading="static safety",
         form="g3",
         expected=("pressure_percent", 3.0),
-        note="against {allowed_pressure_MPa} MPa (ISO 76)",
+        note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Allowed pressure [Pa].
     allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
