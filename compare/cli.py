@@ -19,6 +19,7 @@ from cyclopts import App, CycloptsError, Group
 
 from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
+from rollbench.compare.running import clear
 from rollbench.compare.text.printing import OutputLost, writing
 from rollbench.meshes import kept
 from rollbench.meshes.processes import one_thread
@@ -149,6 +150,7 @@ def _terminable() -> Iterator[None]:
 
 def _say(lines: Iterable[str]) -> None:
     """Lines on standard error; no failure where it is closed, because the exit code counts."""
+    clear()
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
         sys.stderr.flush()

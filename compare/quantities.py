@@ -7,7 +7,7 @@ and the tables of the library take them from here.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache, reduce
 from typing import Any, NamedTuple
@@ -85,14 +85,20 @@ def _unit(key: str) -> tuple[str, Unit | None]:
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
-def _column(name: str, x: Stated) -> Quantity:
+def heading_of(x: Stated) -> tuple[str, str]:
+    """Name and unit of a quantity in tables."""
     words, unit = _unit(x.key)
-    text, factor = ("", 1.0) if unit is None else unit
+    return x.heading or words.replace("_", " "), "" if unit is None else unit.text
+
+
+def _column(name: str, x: Stated) -> Quantity:
+    unit = _unit(x.key)[1]
+    factor = 1.0 if unit is None else unit.factor
 
     def value(holder: Any) -> Any:
         return _ready(x.shown(getattr(holder, name)), factor)
 
-    return Quantity(x.key, x.heading or words.replace("_", " "), text, x.form, value)
+    return Quantity(x.key, *heading_of(x), x.form, value)
 
 
 def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
@@ -129,18 +135,29 @@ def number(value: float) -> float | None:
 
 
 def shown(value: float, error: float | None = None, digits: int = 4) -> str:
-    """A number for people to so many significant digits, and none beyond the place after the leading digit of its error,
-    which is in its own unit; JSON has all digits.
+    """A number for people to so many significant digits, and none beyond those of its error, which is in its unit and has
+    two digits up to 3.5, else one, as the Particle Data Group rounds; JSON has all digits.
 
-    >>> shown(237.46, 4.3), shown(785.24, 11.0), shown(36523.0), shown(838.6, 840.0), shown(0.94, 2.2), shown(0.0)
-    ('237.5', '785', '36520', '840', '0.9', '0')
+    >>> shown(237.46, 4.3), shown(785.24, 11.0), shown(36523.0), shown(251.93, 2.2), shown(0.94, 2.2), shown(0.0)
+    ('237', '785', '36520', '251.9', '0.9', '0')
     """
     if not value or not math.isfinite(value):
         return f"{value:g}"
+    if abs(value) < 1e-4:
+        return f"{value:.{digits - 1}e}"
     place = math.floor(math.log10(abs(value))) - digits + 1
     if error:
-        place = max(place, math.floor(math.log10(abs(error))) - 1)
+        leading = math.floor(math.log10(abs(error)))
+        place = max(place, leading - (abs(error) < 3.55 * 10.0**leading))
     return f"{round(value, -place) + 0.0:.{max(-place, 0)}f}"
+
+
+def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
+    """A range for people, one number where its ends agree to the digits shown."""
+    if ends is None:
+        return "not known"
+    low, high = (shown(x, digits=digits) for x in ends)
+    return low if low == high else f"{low} to {high}"
 
 
 def _ready(value: Any, factor: float) -> Any:

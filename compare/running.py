@@ -1,11 +1,13 @@
-"""Before and during a long solution: what the machine must have for the 3D reference, a line on screen after two seconds,
-and a limit of time."""
+"""Before and during a long solution: what the machine must have for the 3D reference, progress on a terminal, and a limit
+of time."""
 
 from __future__ import annotations
 
 import os
 import platform
+import re
 import select
+import shutil
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -94,8 +96,9 @@ def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs
 #: Seconds after which a solution says that it is still at work, and between two such lines.
 FIRST, AGAIN = 2.0, 1.0
 
-#: Signs of a full bar.
-BAR = 30
+#: Signs of a full bar; what erases the line; when the process began, for the time left.
+BAR, ERASE, START = 24, "\r\033[K", monotonic()
+_drawn = False
 
 #: Exit code of a solution that its limit of time ended: as where no equilibrium is found.
 ENDED = 1
@@ -127,25 +130,65 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """A progress bar of ``label`` on a terminal's standard error, by a function of what is computed and of the share that
-    is done. Nothing elsewhere, and nothing in the first seconds."""
-    begin, written = monotonic(), ""
+    """A progress bar of ``label`` on a terminal, by a function of what is computed and of the share that is done; nothing
+    in the first seconds."""
+    begin = monotonic()
 
     def show(what: str, share: float) -> None:
-        nonlocal written
-        if monotonic() - begin < FIRST or not sys.stderr.isatty():
-            return
-        full = round(BAR * share)
-        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * share:3.0f} %"
-        if text != written:
-            _say("\r" + text.ljust(len(written)))
-            written = text
+        if monotonic() - begin >= FIRST and sys.stderr.isatty():
+            _draw(f"{label}: {what}{_left(monotonic() - begin, share)}", share)
 
     try:
         yield show
     finally:
-        if written:
-            _say("\r" + " " * len(written) + "\r")
+        clear()
+
+
+def on_terminal(text: str) -> None:
+    """Show progress on a terminal's standard error: one line with a bar and the time left of a text that says ``[3/12]`` or
+    ``34%``, above it other texts. Nothing elsewhere, but a text that begins with WARNING."""
+    found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
+    if not sys.stderr.isatty() and not text.startswith("WARNING"):
+        return
+    if found is None:
+        clear()
+        _say(f"rollbench: {text}\n")
+        return
+    done, of, percent = (int(x or 0) for x in found.groups())
+    share = done / of if of else percent / 100.0
+    _draw(text + ("" if " left" in text else _left(monotonic() - START, share)), share)
+
+
+def clear() -> None:
+    """Remove the line of progress, before anything else is printed."""
+    global _drawn
+    if _drawn:
+        _say(ERASE)
+    _drawn = False
+
+
+def duration(seconds: float) -> str:
+    """A duration in words, with one number.
+
+    >>> duration(42.0), duration(600.0), duration(9000.0)
+    ('40 s', '10 min', '2.5 h')
+    """
+    if seconds < 90.0:
+        return f"{10 * max(round(seconds / 10), 1)} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
+
+
+def _left(spent: float, share: float) -> str:
+    """The time left after some seconds for a share, in words."""
+    return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
+
+
+def _draw(text: str, share: float | None = None) -> None:
+    global _drawn
+    full = round(BAR * (share or 0.0))
+    line = text if share is None else f"[{'#' * full}{'.' * (BAR - full)}] {text}"
+    _say(ERASE + line[: shutil.get_terminal_size((80, 24)).columns - 1])
+    _drawn = True
 
 
 def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
@@ -159,21 +202,20 @@ def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
 
 
 def _watch(label: str, limit: float | None, done: threading.Event) -> None:
-    begin, shown = monotonic(), False
+    begin = monotonic()
     while True:
         spent = monotonic() - begin
         if limit is not None and spent >= limit:
-            _say(f"{chr(13) if shown else ''}rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
+            clear()
+            _say(f"rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
             sys.stdout.flush()
             os._exit(ENDED)
         pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
         if done.wait(pause if limit is None else min(pause, limit - spent)):
             break
         if monotonic() - begin >= FIRST and sys.stderr.isatty():
-            _say(f"\rrollbench: {label}: at work for {monotonic() - begin:.0f} s ")
-            shown = True
-    if shown:
-        _say("\r" + " " * (len(label) + 40) + "\r")
+            _draw(f"rollbench: {label}: at work for {monotonic() - begin:.0f} s")
+    clear()
 
 
 def _say(text: str) -> None:

@@ -279,5 +279,5 @@ def _announce() -> None:
     """Print, before the first kernel is compiled, why nothing else is printed for a while."""
     import multiprocessing
 
-    if multiprocessing.parent_process() is None:
+    if multiprocessing.parent_process() is None and sys.stderr.isatty():
         sys.stderr.write("rollbench: compiling kernels, once on this machine: 20 to 60 s\n")

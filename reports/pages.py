@@ -127,7 +127,7 @@ def _write(path: Path, text: str) -> None:
 
 def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
     """A page's data for the templates; writes the files of its items."""
-    writer.say(f"report: {number}/{total} {page.title}")
+    writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
     sections = [_section(section, file, writer) for section in page.sections]
     writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
@@ -199,7 +199,7 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Wr
             field3d.draw_field(item, path)
     except RuntimeError as error:
         path.unlink(missing_ok=True)
-        writer.say(f"report: picture left out. {error}")
+        writer.say(f"WARNING: picture left out. {error}")
         return {"missing": str(error)}
     turned = None
     if isinstance(item, LoadedScrew) and item.view is not None:

@@ -19,7 +19,7 @@ from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, typeset
-from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, View
+from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, Table, View
 from rollbench.reports.manifest import all_texts, parsed, sha256
 from rollbench.reports.pages import inline, templates
 from rollbench.reports.view import MARKER, fragment
@@ -33,7 +33,7 @@ class ScenePage:
     """Title and what stands under it; the answer in one sentence; answers (label, sentence); picture or None; parts;
     provenance (label, text); text of the scene file; results, JSON-ready; files: SHA-256 of what else was used, by name;
     warnings: what is said where the page is written, and stands among its assumptions; view: what can be turned on it,
-    whose results are those of the page; links: files that labels of answers lead to."""
+    whose results are those of the page; links: files that labels of answers lead to; table: of answers, below them."""
 
     title: str
     subtitle: str
@@ -48,6 +48,7 @@ class ScenePage:
     warnings: Sequence[str] = ()
     view: View | None = None
     links: Mapping[str, str] = field(default_factory=dict)
+    table: Table | None = None
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:

@@ -11,7 +11,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.sections.reference_time import TimePoint

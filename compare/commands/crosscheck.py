@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, app, cache_folder
 from rollbench.compare.errors import InputError
-from rollbench.compare.running import need_gmsh
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import need_gmsh, on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference

@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, out_of_memory
-from rollbench.compare.text.printing import Answer, on_terminal, print_answer
+from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, on_terminal, out_of_memory
+from rollbench.compare.text.printing import Answer, print_answer
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.tasks import Solvable

@@ -11,7 +11,8 @@ from typing import Any
 
 from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_of
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, aligned, print_answer
 
 
 @app.command

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine, model_of
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine

@@ -27,6 +27,8 @@ app = App(
 #: A switch that is off unless given, and a word or path that is none unless given.
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 Word = Annotated[str, Parameter(show_default=False)]
+#: What lies behind the answers is printed too.
+Verbose = Annotated[bool, Parameter(name=("--verbose", "--assumptions"), negative="", show_default=False)]
 #: Names after one option, none unless given.
 Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
 #: What is said of the runs at the same time.

@@ -312,7 +312,7 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     """JSON-ready sums of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to
     do."""
     if scene.friction is None:
-        return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
+        return None, "no coefficient given; rollbench friction takes mu = 0.1"
     from rollbench.compare.models.friction_sums import kept_sums
 
     return kept_sums(scene, result, options)

@@ -51,16 +51,25 @@ class AxisDrive:
     running: Band | None = quantity(
         "running_torque_Nmm",
         "torque of the motor at constant speed: all sets, seals and all else (Smith 4.10); null where one is not known",
+        heading="motor torque, running",
+        form="g3",
         error="empirical; that of the coefficient of friction",
         parts="[]",
     )
     starting: Band | None = quantity(
-        "starting_torque_Nmm", "the same from rest", error="empirical; that of the coefficient of friction", parts="[]"
+        "starting_torque_Nmm",
+        "the same from rest",
+        error="empirical; that of the coefficient of friction",
+        parts="[]",
+        heading="motor torque from rest",
+        form="g3",
     )
     accelerating: Band | None = quantity(
         "accelerating_torque_Nmm",
         "torque of the motor while it comes to speed: at constant speed and for the inertias, that of the mass over the "
         "efficiency of the nut (Smith 4.11); null without a time",
+        heading="motor torque, accelerating",
+        form="g3",
         error="as at constant speed",
         parts="[]",
     )
@@ -68,7 +77,7 @@ class AxisDrive:
     reflected_inertia: float = quantity(
         "reflected_inertia_kg_mm2", "moment of inertia that the moved mass adds, m (p/(2 pi))^2 (Smith 4.15)"
     )
-    inertia: float = quantity("inertia_kg_mm2", "both and that of the motor")
+    inertia: float = quantity("inertia_kg_mm2", "both and that of the motor", heading="moment of inertia")
 
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:

@@ -191,6 +191,8 @@ class Together:
         Stated("largest_pressure_case", "its case", show=lambda found: found and found.case),
         error="`model_form.pressure_percent` of its case",
         show=lambda found: found and found.value,
+        heading="peak pressure of all cases",
+        note="case {largest_pressure_case}",
     )
     safety: Extreme | None = quantity(
         "least_static_safety",
@@ -198,12 +200,18 @@ class Together:
         Stated("least_static_safety_case", "its case", show=lambda found: found and found.case),
         error="that of the load",
         show=lambda found: found and found.value,
+        heading="least static safety",
+        form="g3",
+        note="case {least_static_safety_case}",
     )
     error: Extreme | None = quantity(
         "largest_expected_error_percent",
         "largest error to expect of a contact load in any case, in per cent of the mean load",
         Stated("largest_expected_error_case", "its case", show=lambda found: found and found.case),
         show=lambda found: found and found.value,
+        heading="largest error to expect",
+        form="g2",
+        note="of the mean load, case {largest_expected_error_case}",
     )
     uncovered: tuple[str, ...] = quantity("expected_error_not_covered")
     unsolved: dict[str, str] = quantity("unsolved")

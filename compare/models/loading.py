@@ -45,6 +45,8 @@ class Preload:
         "mean_N",
         "mean load of a contact or roller without the scene's loads",
         error="as `loads.max_N`; the input's tolerance is larger",
+        heading="preload of a contact, mean",
+        note="without the loads",
     )
     largest: float = quantity("max_N", "largest load of a contact or roller without the scene's loads", error="as above")
     loaded: int = quantity("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
@@ -53,6 +55,7 @@ class Preload:
         "axial sum of one direction's contacts without the scene's loads; of one of several sets the axial force on the "
         "shaft then",
         error="as above",
+        heading="preload, axial",
     )
 
 
@@ -64,7 +67,13 @@ class LiftOff:
     axial [N]: axial force on the nut there, in proportion; solves: how often the scene was solved for it.
     """
 
-    factor: float | None = quantity("load_factor", "factor of the scene's loads at which the first preloaded contact opens")
+    factor: float | None = quantity(
+        "load_factor",
+        "factor of the scene's loads at which the first preloaded contact opens",
+        heading="contact lost at load factor",
+        form="g3",
+        note="ball {ball} {side}",
+    )
     ball: int = quantity("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
     side: str = quantity("side", "its flank", show=lambda side: side or None, default="")
     axial: float = 0.0

@@ -24,7 +24,7 @@ from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.running import available_GB, cores, reader_gone
+from rollbench.compare.running import available_GB, cores, duration, reader_gone
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak
@@ -95,17 +95,6 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
             f"end other programs, take {fewer}a coarser level (`levels=1`), or a cluster (`backend=dask`)",
         )
     return peak
-
-
-def duration(seconds: float) -> str:
-    """A duration in words, with one number.
-
-    >>> duration(42.0), duration(600.0), duration(9000.0)
-    ('40 s', '10 min', '2.5 h')
-    """
-    if seconds < 90.0:
-        return f"{10 * max(round(seconds / 10), 1)} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
 
 
 class Progress:

@@ -36,7 +36,7 @@ from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import cores, gmsh_fault, libraries, machine, need_packages
+from rollbench.compare.running import cores, gmsh_fault, libraries, machine, need_packages, on_terminal
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
 from rollbench.meshes import kept
@@ -59,10 +59,6 @@ def provenance() -> dict[str, str]:
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
         "Liu et al. (2025), Lubricants 13, 57",
     }
-
-
-def _printed(line: str) -> None:
-    print(line, flush=True)
 
 
 class Progress:
@@ -194,7 +190,7 @@ def _page(
 
 
 def make_sections(
-    parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = _printed
+    parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
     """Sections by name of their part, one after the other, or page by page in processes side by side; those that gather
     what all others used and found come last."""
@@ -237,7 +233,7 @@ def make_report(
     everything: bool = False,
     against: Path | None = None,
     source: str = "",
-    say: Step = _printed,
+    say: Step = on_terminal,
 ) -> Answer:
     """Run, draw and write the report; exit code 1 where the live check does not agree.
 

@@ -29,6 +29,9 @@ from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
+from rollbench.compare.results.base import HEADINGS
+from rollbench.compare.results.base import Row as AnswerRow
+from rollbench.compare.results.rows import expected_words, rows_of, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.results.view import view_of
 from rollbench.compare.running import libraries
@@ -40,8 +43,7 @@ from rollbench.compare.sections.sheets import sketch_of
 from rollbench.compare.studies.friction.answer import lines_of, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
 from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
-from rollbench.compare.text.entries import entries
-from rollbench.compare.text.solved import case_rows, together_entries
+from rollbench.compare.text.solved import case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -51,6 +53,7 @@ from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
+from rollbench.reports.cells import micro
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
@@ -97,17 +100,18 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
         for row in case_rows(data["cases"])
     ]
-    answers = together_entries(whole)
+    answers = together_rows(whole)
+    life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
     table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
     lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
-    life_said, cases = dict(answers)["life"], count_of(len(solved), "load case")
+    cases = count_of(len(solved), "load case")
     return replace(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; below, case {worst}",
         verdict=f"Of {cases} {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
-        answers=[*answers, *((f"{worst}: {label}", text) for label, text in page.answers)],
-        parts=(Section("cases", "Load cases", (table,)), *page.parts),
+        table=_answers(answers, "Of all load cases"),
+        parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
         view=view_of(cycle.title, solved, data, [*scenes], stores),
     )
@@ -141,7 +145,7 @@ def _page_of_scene(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
-        entries(one),
+        (),
         _picture(scene, result),
         sections,
         _provenance(name, scene, text, stored, file),
@@ -150,7 +154,17 @@ def _page_of_scene(
         _files(scene, stored, stores),
         warnings,
         view_of(scene.title, [one], data, (), stores, given),
+        table=_answers(rows_of(one), f"{scene.name}, model {DEFAULT}", expected_words(worth)),
     )
+
+
+def _answers(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
+    """The table of answers, as ``rollbench solve`` prints it."""
+    kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
+    forms = {"value": "g4", "error to expect": "g4"}
+    quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]
+    cells: Iterator[Row] = ({q: micro(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
+    return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 
 @dataclass(frozen=True)
@@ -261,8 +275,6 @@ def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
-    from rollbench.compare.text.entries import model_form_text
-
     items: list[Text | Table | Figure] = []
     if given is not None:
         text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
@@ -288,7 +300,7 @@ def _error(
         items.append(Table.of("measured", "Measured error and its uncertainty", rows, note))
     else:
         items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
-    expected = model_form_text(worth)
+    expected = expected_words(worth)
     items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
         items += [range_table(scene), range_figure(scene)]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import html
+import re
+import textwrap
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
-from itertools import groupby
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.reports.cells import micro
@@ -19,6 +20,59 @@ if TYPE_CHECKING:
 JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
 #: Version of the JSON of results: the number at its key ``schema``. A key that goes or changes its meaning raises it.
 SCHEMA = 1
+
+
+#: Headings of the columns of a table of results, and the room [characters] below which notes stand on lines below.
+HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
+
+
+class Row(NamedTuple):
+    """A row of a table of results, as text: error to expect of the value, and a note such as which ball it is of."""
+
+    quantity: str
+    value: str
+    unit: str = ""
+    error: str = ""
+    note: str = ""
+
+
+def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] = HEADINGS) -> str:
+    """Rows as aligned text with headings, no line wider than ``width``: values flush right, the last column wrapped; no
+    column without a text."""
+    kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
+    table = [[row[k] for k in kept] for row in (headings, *rows)]
+    wide = [max(len(row[k]) for row in table) for k in range(len(kept))]
+    left = {n for n, k in enumerate(kept) if not _is_number(rows, headings, k)}
+    out = []
+    for *cells, note in table:
+        texts = [text.ljust(wide[n]) if n in left else text.rjust(wide[n]) for n, text in enumerate(cells)]
+        line = "  ".join(texts)
+        room = width - len(line) - 2
+        if room < min(ROOM, wide[-1]):
+            out.append(line.rstrip())
+            line, room = "  ", width - 4
+            notes = textwrap.wrap(note, room, break_on_hyphens=False)
+        else:
+            notes = textwrap.wrap(note, room, break_on_hyphens=False) or [""]
+        out += [f"{line if n == 0 else ' ' * len(line)}  {text}".rstrip() for n, text in enumerate(notes)]
+    return "\n".join(out)
+
+
+def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
+    """Whether a column holds numbers, which stand flush right."""
+    return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
+
+
+def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
+    """The same as a table of HTML."""
+    kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
+    sides = ["right" if _is_number(rows, headings, k) else "left" for k in range(len(headings))]
+    line = "<tr>{}</tr>".format
+    head = "".join(f"<th style='text-align:{sides[k]}'>{headings[k]}</th>" for k in kept)
+    body = "".join(
+        line("".join(f"<td style='text-align:{sides[k]}'>{html.escape(micro(row[k]))}</td>" for k in kept)) for row in rows
+    )
+    return f"<table><thead>{line(head)}</thead><tbody>{body}</tbody></table>"
 
 
 def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -84,30 +138,20 @@ class Record(ABC):
         stated = definition(path)
         return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
-    def table(self) -> list[tuple[str, str, str]]:
-        """Name, value and unit of every single value that the table shows."""
-        return [(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
+    #: Headings of `table`.
+    headings: ClassVar[Sequence[str]] = HEADINGS
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """The rows of the table that a notebook shows, below `headings`; every single value unless a result has its own."""
+        return [Row(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
 
     def __str__(self) -> str:
         """The table as aligned text."""
-        rows = self.table()
-        width = max((len(name) for name, *_ in rows), default=0)
-        return "\n".join([*(f"{name:<{width}}  {value} {unit}".rstrip() for name, value, unit in rows), *self._notes])
+        return "\n".join([*([as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes])
 
     def _repr_html_(self) -> str:
-        """The table for a notebook, a heading for every quantity that has parts."""
-        body = ""
-        for group, rows in groupby(self.table(), lambda row: row[0].rpartition(": ")[0]):
-            body += f"<tr><th colspan='3' style='text-align:left'>{html.escape(group)}</th></tr>" if group else ""
-            body += "".join(
-                f"<tr><td style='text-align:left'>{html.escape(name.removeprefix(f'{group}: '))}</td>"
-                f"<td style='text-align:right'>{html.escape(value)}</td>"
-                f"<td style='text-align:left'>{html.escape(micro(unit))}</td></tr>"
-                for name, value, unit in rows
-            )
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
-        head = "<thead><tr><th>quantity</th><th>value</th><th>unit</th></tr></thead>"
-        return f"<table>{head}<tbody>{body}</tbody></table>{notes}"
+        """The table for a notebook."""
+        return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:
         """The value at a path of keys in the JSON. Raises KeyError with the keys that there are."""

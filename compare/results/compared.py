@@ -14,7 +14,6 @@ from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
 from rollbench.compare.models.comparison import (
-    RULE,
     Answered,
     Loads,
     SetOf,
@@ -29,12 +28,13 @@ from rollbench.compare.models.comparison import (
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
 from rollbench.compare.models.programs import title_of
-from rollbench.compare.models.registry import DEFAULT, Model, is_model
+from rollbench.compare.models.registry import DEFAULT, Model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load
+from rollbench.compare.results.rows import compared_rows
 from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
@@ -192,39 +192,30 @@ def is_itself(answer: Loads, reference: Reference) -> bool:
 def levels_text(reference: Reference, total: Total) -> str:
     """Levels of the reference and what it is uncertain by, in words."""
     if reference.stated:
-        return total.text
+        return total.stated
     levels = ", ".join(str(run.level) for run in reference.runs)
-    rest = f" ({reference.unsettled}, which is added)" if reference.unsettled else ""
-    return f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}, {total.text}{rest}"
+    rest = f"; {reference.unsettled}, which is added" if reference.unsettled else ""
+    of = f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}{rest}"
+    return f"uncertain by {total.percent:.2f} % ({of})"
 
 
 def verdict(whole: Compared, reference: Reference) -> str:
     """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
     comparison is uncertain by."""
-    return "; ".join(filter(None, [_off(whole.spoken, _expected(whole.expected)), levels_text(reference, whole.total)]))
+    b, worth, e = whole.spoken, whole.expected, whole.spoken.error
+    off = expected = ""
+    if e is not None:
+        where = f" (ball {e.ball} {e.side})" if e.ball else ""
+        off = (
+            f"{b.title} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+            f"{e.rms_percent:.2f} % RMS, {b.by_gate:.2f} % by the gate's rule"
+        )
+    if worth is not None:
+        expected = "not covered by earlier comparisons" if worth.percent is None else f"{worth.percent:.2f} %"
+    return "; ".join(filter(None, [off, expected and f"expected: {expected}", levels_text(reference, whole.total)]))
 
 
-def others(whole: Compared) -> list[str]:
-    """The same sentence of the other low-order models, without what was to be expected."""
-    return [_off(b) for b in whole.models if b is not whole.spoken and is_model(b.label)]
-
-
-def _off(b: Beside, expected: str = "") -> str:
-    """What a model is off by; empty for the reference itself."""
-    e = b.error
-    if e is None:
-        return ""
-    where = f" (ball {e.ball} {e.side})" if e.ball else ""
-    return (
-        f"{b.title} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-        f"{e.rms_percent:.2f} % RMS{expected}, and by {b.by_gate:.2f} %, {RULE}"
-    )
-
-
-def _expected(worth: ModelForm | None) -> str:
-    """What was to be expected, as an insertion."""
-    if worth is None:
-        return ""
-    if worth.percent is None:
-        return " (expected: not covered by earlier comparisons)"
-    return f" (expected: {worth.percent:.2f} %, {worth.rms_percent:.2f} % RMS)"
+def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Headings and rows of the table of a comparison: answers of the model of the verdict, and those of the reference."""
+    headings = ("quantity", whole.spoken.title, whole.itself.label, "unit", "difference", "expected")
+    return headings, [*compared_rows(answers_of(whole.spoken), answers_of(whole.itself), whole.expected)]

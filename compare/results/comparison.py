@@ -21,7 +21,7 @@ from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.results.base import JSON, Record, with_schema
-from rollbench.compare.results.compared import Beside, Compared, answers_of, compared, verdict
+from rollbench.compare.results.compared import Beside, Compared, answer_rows, answers_of, compared, verdict
 from rollbench.compare.results.solved import ExpectedError, expected_error
 from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
@@ -162,8 +162,17 @@ class Comparison(Record):
         return {"scene": self.scene, "sets": results} if self.sets else results[0]
 
     @property
-    def _shown(self) -> str:
-        return "summary" if self.cases else "sets" if self.sets else "models"
+    def headings(self) -> Sequence[str]:  # type: ignore[override]
+        """Headings of `table`."""
+        return answer_rows(self.compared[0][1])[0]
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """The rows that ``rollbench compare`` prints, of load cases and sets one after the other."""
+        return [
+            (", ".join(filter(None, (one.found.scene * (len(self.compared) > 1), name))), *row)
+            for one, whole in self.compared
+            for name, *row in answer_rows(whole)[1]
+        ]
 
     @property
     def _notes(self) -> tuple[str, ...]:

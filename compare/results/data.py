@@ -74,7 +74,14 @@ class FrictionBand:
     coefficients: Sequence[float] = quantity(
         "coefficients", "coefficients between which a lubricated screw lies, 0.003 to 0.1", parts="[]"
     )
-    torque: Sequence[float | None] = quantity("friction_torque_Nmm", "friction torque at both", parts="[]")
+    torque: Sequence[float | None] = quantity(
+        "friction_torque_Nmm",
+        "friction torque at both",
+        parts="[]",
+        heading="friction torque, lubricated",
+        form="g3",
+        note="coefficients {least} to {most}",
+    )
     drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both", parts="[]")
     preload: float | None = quantity("preload_N", "preload that the makers' formula takes")
     makers: float | None = quantity("makers_formula_Nmm", "0.05/sqrt(tan beta) F l/(2 pi), which makers print")
@@ -143,6 +150,8 @@ class Friction(Data):
         "torque.friction_torque_Nmm",
         "torque of friction alone, against the motion",
         error="proportional to the coefficient",
+        heading="friction torque",
+        form="g3",
     )
     torque_on_screw: float | None = quantity(
         "torque.friction_torque_on_screw_Nmm", "the same as it acts on the screw, with sign", error="as above"
@@ -151,7 +160,11 @@ class Friction(Data):
         "torque.friction_torque_on_nut_Nmm", "the same as it acts on the nut", error="as above"
     )
     drag_torque: float | None = quantity(
-        "torque.drag_torque_Nmm", "friction torque without the scene's loads: preload alone", error="as above"
+        "torque.drag_torque_Nmm",
+        "friction torque without the scene's loads: preload alone",
+        error="as above",
+        heading="drag torque",
+        form="g3",
     )
     axial_load: float | None = quantity("torque.axial_load_N", "axial load that the torque works against")
     driving_torque_on_screw: float | None = quantity(
@@ -167,21 +180,33 @@ class Friction(Data):
         "torque.forward_torque_Nmm",
         "torque that moves the nut against the axial load: F l/(2 pi) + friction",
         error="friction's share of it",
+        heading="torque against the load",
+        form="g3",
     )
     backward_torque: float | None = quantity(
         "torque.backward_torque_Nmm",
         "torque that the load gives when it drives: F l/(2 pi) - friction",
         error="friction's share of it",
+        heading="torque with the load",
+        form="g3",
     )
     efficiency_forward: float | None = quantity(
         "torque.efficiency_forward_percent",
         "work on the load over work of the torque",
         error="1 - efficiency is proportional to the coefficient",
+        heading="efficiency against the load",
+        form="g3",
     )
     efficiency_backward: float | None = quantity(
-        "torque.efficiency_backward_percent", "work of the torque over work of the load", error="as above"
+        "torque.efficiency_backward_percent",
+        "work of the torque over work of the load",
+        error="as above",
+        heading="efficiency with the load",
+        form="g3",
     )
-    self_locking: bool | None = quantity("torque.self_locking", "whether the load cannot drive the screw")
+    self_locking: bool | None = quantity(
+        "torque.self_locking", "whether the load cannot drive the screw", heading="self-locking"
+    )
     screw_coefficient: float | None = quantity("friction.screw", "coefficient of friction in the screw's groove")
     nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove")
     turns: str | None = quantity("motion.turns", "which part turns")
@@ -201,6 +226,8 @@ class Friction(Data):
             "friction torque when friction does not move the balls in their grooves, and what that motion changes",
             parts=".*",
         ),
+        heading="power lost",
+        form="g3",
     )
     imbalance: float | None = quantity(
         "solver.friction_imbalance",

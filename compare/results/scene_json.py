@@ -108,19 +108,26 @@ class LoadSums:
         "largest contact load",
         error="model form, `largest_percent_of_mean`",
         heading="largest contact load",
-        form=".1f",
+        expected=("percent", 1.0),
+        note="ball {worst_ball} {worst_side}",
     )
     mean: float = quantity(
         "mean_N",
         "mean contact load: the sum of the loads over the number of contacts that the screw without geometric errors loads",
         error="small: equilibrium fixes the sum",
         heading="mean contact load",
-        form=".1f",
     )
-    least: float = quantity("min_N", "smallest load of a loaded contact", error="model form, `largest_percent_of_mean`")
+    least: float = quantity(
+        "min_N",
+        "smallest load of a loaded contact",
+        error="model form, `largest_percent_of_mean`",
+        heading="smallest contact load",
+        expected=("percent", 1.0),
+        note="of {loaded_contacts} loaded",
+    )
     loaded: int = quantity("loaded_contacts", "contacts with load")
     in_mean: int = quantity("contacts_in_mean", "contacts over which the mean is taken")
-    unloaded: int = quantity("balls_without_load", "balls without any load")
+    unloaded: int = quantity("balls_without_load", "balls without any load", heading="balls without load")
 
 
 @record
@@ -132,11 +139,11 @@ class RollerSums:
         "roller of the largest load; of a row of rollers the numbers of this table are those of rollers, each with one "
         "load on both races",
     )
-    largest: float = quantity("max_N")
-    mean: float = quantity("mean_N")
-    least: float = quantity("min_N")
+    largest: float = quantity("max_N", heading="largest roller load", note="roller {worst_roller}")
+    mean: float = quantity("mean_N", heading="mean roller load")
+    least: float = quantity("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded")
     loaded: int = quantity("loaded_contacts")
-    unloaded: int = quantity("rollers_without_load", "rollers without any load")
+    unloaded: int = quantity("rollers_without_load", "rollers without any load", heading="rollers without load")
 
 
 @record
@@ -157,7 +164,9 @@ class Axial:
     """Axial force [N], displacement [m], what they give [N/m], and why there is no tangent."""
 
     force: float = quantity(
-        "force_N", "axial force on the screw, as loads and reactions give it; positive towards larger z"
+        "force_N",
+        "axial force on the screw, as loads and reactions give it; positive towards larger z",
+        heading="axial force",
     )
     displacement: float | None = quantity(
         "displacement_um",
@@ -165,19 +174,21 @@ class Axial:
         "without its loads",
         error="`model_form.displacement_percent`",
         heading="axial displacement",
-        form=".3f",
+        expected=("displacement_percent", 1.0),
     )
     rigidity: float | None = quantity(
         "rigidity_N_per_um",
         "secant: axial force over axial displacement",
         error="that of the displacement",
-        heading="axial load over it",
-        form=".1f",
+        heading="axial rigidity, secant",
+        expected=("displacement_percent", 1.0),
     )
     tangent: float | None = quantity(
         "tangent_N_per_um",
         "tangent: change of axial force over change of displacement at the solution, other freedoms free",
         error="`model_form.rigidity_percent`",
+        heading="axial rigidity, tangent",
+        expected=("rigidity_percent", 1.0),
         default=None,
     )
     words: str = quantity("tangent_words", "why there is no tangent", show=lambda words: words or None, default="")
@@ -185,11 +196,16 @@ class Axial:
         "stepped_N_per_um",
         "stiffness of the model liu over ingredients.load_step, at the first loaded ball (Liu's 19 to 22)",
         error="the model is not covered by comparisons",
+        heading="rigidity over the load step",
         default=None,
     )
 
     @property
-    @Stated("lost_motion_um_per_100N", "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest")
+    @Stated(
+        "lost_motion_um_per_100N",
+        "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest",
+        heading="lost motion, um by 100 N",
+    )
     def lost_motion(self) -> float | None:
         """Axial displacement [um] by 100 N of friction that reverses."""
         return None if self.tangent is None or self.tangent <= 0.0 else 1e6 * (2.0 * LOST_BY / self.tangent)

@@ -13,7 +13,8 @@ import numpy as np
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
-from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
+from rollbench.compare.results.base import JSON, Record, Row, deprecated, with_schema
+from rollbench.compare.results.rows import expected_words, rows_of, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json, pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
@@ -338,14 +339,15 @@ class Result(Record, Balls):
         title = (self.cycle or self.solved[0].scene).title
         return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
 
-    @property
-    def _shown(self) -> str:
-        return "sets" if self.sets else "summary"
+    def table(self) -> Sequence[Row]:
+        """The rows that ``rollbench solve`` prints, of load cases those of all together."""
+        return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
 
     @property
     def _notes(self) -> tuple[str, ...]:
         status = f"{self.status}: {self.reason}" if self.reason else self.status
-        return (f"{self.scene}, {title_of(self.model)}: {status}", *self.warnings)
+        worth = () if self.cases or not self.converged else (expected_words(self.solved[0].expected),)
+        return (f"{self.scene}, {title_of(self.model)}: {status}", *worth, *self.warnings)
 
     def __repr__(self) -> str:
         """Scene, model and status; then loads, displacement, pressure and life in one line each."""

@@ -9,7 +9,8 @@ from typing import Any
 
 from rollbench.compare.gate import verdict as gate
 from rollbench.compare.gate.user import Asked, check_scenes
-from rollbench.compare.gate.verdict import CODES, Word, not_judged, worst_of
+from rollbench.compare.gate.verdict import CODES, LARGEST, Word, not_judged, worst_of
+from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.compare.scenes.duty_cycle import Described, cases_by_name
@@ -29,6 +30,15 @@ class Judgement(StrEnum):
     """The uncertainty of the reference decides: between pass and fail."""
     NOT_COVERED = "not covered"
     """The reference has nothing to judge by."""
+
+
+#: What to do about a verdict that is not "pass".
+ADVICE = {
+    "fail": "every contact with its reference: rollbench compare SCENE --balls",
+    "not converged": "why: rollbench solve SCENE",
+    "undecided": "further mesh levels make the reference more certain: --levels 3",
+    "not covered": "compute the 3D reference: --levels 2",
+}
 
 
 @dataclass(frozen=True)
@@ -111,9 +121,44 @@ class Verdict(Record):
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
         return with_schema(verdicts_json(self.described, self.judged) | rest)
 
+    headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """A row for every quantity that was judged; scene and model stand in `answer` where they are the same in all."""
+        rows = []
+        for v in self.judged:
+            numbers = (f"{abs(x):.3g} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty, v.limit))
+            ball = "" if v.ball is None else f"ball {v.ball} {v.flank}"
+            note = "; ".join(filter(None, (ball, v.pair_text.strip(", "), v.detail)))
+            rows.append((v.word, v.of, v.judged, v.quantity, *numbers, note))
+        same = [len({row[k] for row in rows}) == 1 for k in range(len(self.headings))]
+        return [["" if same[k] and k in (1, 2) else text for k, text in enumerate(row)] for row in rows]
+
     @property
-    def _shown(self) -> str:
-        return "verdicts"
+    def answer(self) -> str:
+        """The gravest verdict, of what, the error in per cent of the mean load, and how many there are of each verdict."""
+        counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
+        of = [", ".join(dict.fromkeys(texts)) for texts in ([v.of for v in self.judged], [v.judged for v in self.judged])]
+        errors = [v.of_mean for v in self.judged if v.of_mean is not None]
+        e = max(errors, key=lambda e: e.max_percent, default=None)
+        where = "" if e is None else f"; worst contact {e.max_percent:.2f} % of the mean load off (ball {e.ball} {e.side})"
+        return f"{self.word.upper()}: {of[0]} by {of[1]}{where}; {counts}"
+
+    @property
+    def advice(self) -> list[str]:
+        """What errors of loads are of, and what to do where not all pass."""
+        words = {v.word for v in self.judged}
+        loads = any(v.quantity == LARGEST for v in self.judged)
+        return [
+            *([f"errors of contact loads: {RULE}"] if loads else []),
+            *(["fail: every contact beside its reference: rollbench compare SCENE --balls"] if "fail" in words else []),
+            *(
+                ["undecided: further mesh levels make the reference more certain: --levels 3"]
+                if "undecided" in words
+                else []
+            ),
+            *(["not covered: compute the 3D reference: --levels 2"] if "not covered" in words else []),
+        ]
 
     @property
     def _notes(self) -> tuple[str, ...]:

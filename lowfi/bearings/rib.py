@@ -103,13 +103,18 @@ class RibContact:
     roller: int = quantity("roller", "roller of the largest load on the rib")
     #: Force of the rib on the roller [N].
     load: float = quantity(
-        "load_N", "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller", error="that of the load"
+        "load_N",
+        "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller",
+        error="that of the load",
+        heading="load on the rib",
+        note="roller {roller}",
     )
     #: Largest pressure [Pa]; None where the radius of the end is not given.
     pressure: float | None = quantity(
         "pressure_MPa",
         "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
+        heading="pressure on the rib",
     )
     #: Semi-axis along the rim [m]; None likewise.
     a: float | None = quantity("semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's")

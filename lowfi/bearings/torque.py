@@ -105,11 +105,24 @@ class BallTorque:
     )
     #: Torque that starts the row from rest.
     starting: Band = quantity(
-        "starting_Nmm", "torque that starts it from rest: twice the part of the load", error="empirical", parts="[]"
+        "starting_Nmm",
+        "torque that starts it from rest: twice the part of the load",
+        error="empirical",
+        parts="[]",
+        heading="friction torque from rest",
+        form="g3",
+        note="lowest to highest coefficients (Palmgren)",
     )
 
     @property
-    @Stated("running_Nmm", "torque while it runs: M0 + M1, without seals", error="empirical", parts="[]")
+    @Stated(
+        "running_Nmm",
+        "torque while it runs: M0 + M1, without seals",
+        error="empirical",
+        parts="[]",
+        heading="friction torque, running",
+        form="g3",
+    )
     def running(self) -> Band | None:
         """Torque of the running row M_0 + M_1, as (low, high) [N m]; None without lubricant or speed."""
         return None if self.viscous is None else (self.load[0] + self.viscous[0], self.load[1] + self.viscous[1])

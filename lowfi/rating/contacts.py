@@ -58,16 +58,14 @@ class Contact:
         "approach_um",
         "local Hertz approach of ball and groove, delta = (F/C)^(2/3)",
         error="two thirds of the load's",
-        heading="approach of its contact",
-        form=".3f",
+        expected=("pressure_percent", 2.0),
     )
     #: Larger semi-axis [m], across the groove.
     a: float = quantity(
         "semi_axis_a_mm",
         "larger semi-axis of the contact ellipse, along the groove's profile",
         error="a third of the load's",
-        heading="larger semi-axis",
-        form=".4f",
+        expected=("pressure_percent", 1.0),
     )
     #: Smaller semi-axis [m], along the track.
     b: float = quantity("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
@@ -78,7 +76,8 @@ class Contact:
         "3 F/(2 pi a b) of a ball, 2 q/(pi b) = sqrt(q E*/(pi R)) of a roller",
         error="of balls a third of the load's, `model_form.pressure_percent`; of rollers half the line load's",
         heading="peak pressure",
-        form=".0f",
+        expected=("pressure_percent", 1.0),
+        note="ball {ball} {side}",
     )
 
 
@@ -92,7 +91,9 @@ class StaticSafety:
         "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
         error="that of the load",
         heading="static safety",
-        form=".2f",
+        form="g3",
+        expected=("pressure_percent", 3.0),
+        note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Allowed pressure [Pa].
     allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
@@ -132,10 +133,11 @@ class Truncation:
         "margin_deg",
         "edge angle less contact angle and half width; negative: the ellipse is cut",
         heading="ellipse to edge of groove",
-        form=".2f",
+        form="g3",
+        note="ball {ball} {side}, {edge}",
     )
     #: Number of contacts whose ellipse passes an edge.
-    cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge")
+    cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
 
 
 def worst_contact(
@@ -288,7 +290,7 @@ class RollerContact:
         "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
     )
     #: Largest pressure there [Pa].
-    pressure: float = quantity("pressure_MPa", heading="peak pressure", form=".0f")
+    pressure: float = quantity("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
     #: Largest pressure of the same roller on its other race [Pa].
     other: float = quantity(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
@@ -399,9 +401,19 @@ class Ratings:
     """Basic load ratings as computed."""
 
     #: Dynamic load rating C [N].
-    dynamic: float = quantity("dynamic_N", "basic dynamic load rating C")
+    dynamic: float = quantity(
+        "dynamic_N",
+        "basic dynamic load rating C",
+        heading="dynamic load rating C",
+        note="{direction}, as computed ({dynamic_standard})",
+    )
     #: Static load rating C_0 [N].
-    static: float = quantity("static_N", "basic static load rating C0")
+    static: float = quantity(
+        "static_N",
+        "basic static load rating C0",
+        heading="static load rating C0",
+        note="{direction}, as computed ({static_standard})",
+    )
     #: Whether they are axial loads; otherwise radial.
     axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
     #: Standard of the dynamic rating.

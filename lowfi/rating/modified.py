@@ -51,6 +51,8 @@ class ModifiedLife:
         "Lnm_million_revolutions",
         "modified life a_1 a_ISO L10",
         error="as in L10, and a_ISO: by the contamination, which is an estimate",
+        heading="modified life",
+        note="for {reliability_percent} %",
     )
     #: Reliability [%].
     reliability: float = quantity("reliability_percent", "share of screws or bearings that reach it")

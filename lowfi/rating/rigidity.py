@@ -77,6 +77,8 @@ class Rigidities:
         "rigidities_N_per_um.makers_practice",
         "what makers advise to take of a computed rigidity (THK): 0.8 `with_bodies`; null for rings",
         error="see the report's outside values",
+        heading="rigidity by formula x 0.8",
+        note="as makers advise",
     )
     def practice(self) -> float | None:
         """Rigidity that manufacturers advise to use [N/m], four fifths of contacts with bodies; None for bearings."""

@@ -67,9 +67,19 @@ class ShaftLimits:
     #: Largest DN value allowed [m rad/s].
     dn_limit: float = quantity("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
     #: Half of the buckling load [N].
-    allowed_load: float = quantity("allowed_compression_N", "half the buckling load, as makers have it")
+    allowed_load: float = quantity(
+        "allowed_compression_N",
+        "half the buckling load, as makers have it",
+        heading="allowed compression",
+        note="buckles under {buckling_N} N",
+    )
     #: Least of four fifths of the critical speed and the speed at the DN limit [rad/s].
-    allowed_speed: float = quantity("allowed_speed_rpm", "least of four fifths of the critical speed and the DN limit")
+    allowed_speed: float = quantity(
+        "allowed_speed_rpm",
+        "least of four fifths of the critical speed and the DN limit",
+        heading="allowed speed",
+        note="whirls at {critical_speed_rpm} rpm",
+    )
 
     @property
     def warnings(self) -> list[Warned]:

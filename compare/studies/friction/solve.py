@@ -18,14 +18,13 @@ from rollbench.compare.models.answers import AxisAnswers, solve_sets
 from rollbench.compare.models.drive import axis_drive
 from rollbench.compare.models.friction_sums import sums
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import number, range_text
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
 from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, solve_scene, status_of
-from rollbench.compare.text.entries import band, drive_lines
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -211,10 +210,10 @@ def _answer(
         f"sets of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
-    lines = [*([of_balls, _energy_line(power)] if solved else []), *drive_lines(drive), left]
+    lines = [*([of_balls, _energy_line(power)] if solved else []), left]
     tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
-        {k: band(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
+        {k: range_text(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
         for x in (drive or {}).get("sets", ())
     ]
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)

@@ -153,7 +153,7 @@ def run_members(
         advice = f"load or preload the {what}"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
     bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
-    begin, done = perf_counter(), 0
+    done = 0
     for first, block in _blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
         bands.add(block.loads)
         rows.append(block.kept)
@@ -162,8 +162,7 @@ def run_members(
             if status != "converged":
                 failed[first + k] = status
         done += len(block.kept)
-        spent = perf_counter() - begin
-        step(f"[{done}/{count}] {len(failed)} failed: {spent:.0f} s, about {spent * (count - done) / done:.0f} s left")
+        step(f"[{done}/{count}] {len(failed)} failed")
     return Members(scene, model, np.concatenate(rows), failed, bands, places(scene), perf_counter() - start)
 
 

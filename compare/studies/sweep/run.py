@@ -135,7 +135,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         for batch in batches
     ]
     writer = sample.Writer(folder, token)
-    start = reported = perf_counter()
+    reported = perf_counter()
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:
@@ -144,6 +144,5 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         failed += sum(record["status"] != "converged" for record in records)
         time = perf_counter()
         if time - reported > PULSE or done == len(left):
-            reported, spent = time, time - start
-            ahead = f", about {spent * (len(left) - done) / done:.0f} s left" if 0 < done < len(left) else ""
-            step(f"[{done}/{len(left)}] {failed} failed: {spent:.0f} s{ahead}")
+            reported = time
+            step(f"[{done}/{len(left)}] {failed} failed")

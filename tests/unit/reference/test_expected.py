@@ -10,8 +10,9 @@ import pytest
 from rollbench.compare import errors, files, running
 from rollbench.compare.reference import computing, jobs, store
 from rollbench.compare.reference import jobs as module
-from rollbench.compare.reference.jobs import Progress, duration, expected, need_memory
+from rollbench.compare.reference.jobs import Progress, expected, need_memory
 from rollbench.compare.reference.tasks import Task
+from rollbench.compare.running import duration
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import load_times
 from rollbench.hifi.setup import TOGETHER
