@@ -30,6 +30,7 @@ GROUPS = (
     "ratings",
     "life",
     "modified_life",
+    "reference_life",
     "shaft",
     "bearing_torque",
     "friction",

@@ -51,6 +51,7 @@ def entries(one: Solved) -> tuple[tuple[str, str], ...]:
         ("friction", _friction(data)),
         *_torques([] if one.answers is None else [("", one.answers.torque)]),
         ("life", _life(data)),
+        *reference_lines("", data["reference_life"]),
         ("ratings", _ratings(data)),
         *_shaft(data),
         ("error", "not estimated" if worth is None else model_form_words(worth)),
@@ -79,6 +80,7 @@ def _of_sets(one: SolvedAxis, answers: AxisAnswers) -> list[tuple[str, str]]:
         kinds.add(of_rollers)
         said = set_json(s, of_set, one.scene.motion)
         lines += [(label, f"{of_set.name}: {text(said)}") for label, text in (OF_ROLLERS if of_rollers else OF_BALLS)]
+        lines += reference_lines(f"{of_set.name}: ", said["reference_life"])
     lines.append(("preload", _preloads(answers)))
     lines += _supports(answers)
     sets = list(zip(result.sets, answers.sets, strict=True))
@@ -376,6 +378,16 @@ def modified_words(d: dict[str, Any] | None) -> str:
     lubricated = "" if d["a_ISO"] is None else f", a_ISO {shown(d['a_ISO'])} (C_u {shown(d['fatigue_load_limit_N'])} N)"
     million, share = shown(d["Lnm_million_revolutions"]), d["reliability_percent"]
     return f"; modified {million} million revolutions for {share:g} %: a_1 {shown(d['a_1'])}{lubricated}"
+
+
+def reference_lines(of: str, d: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """The entry on the life by ISO/TS 16281, nothing where there is none; of: what it begins with."""
+    if d is None:
+        return []
+    capacity, carried = d["raceway_capacity_N"], d["raceway_equivalent_load_N"]
+    each = ", ".join(f"{name} {shown(carried[name])} of {shown(Q)} N" for name, Q in capacity.items())
+    million, load = shown(d["L10r_million_revolutions"]), shown(d["equivalent_reference_load_N"])
+    return [("16281", f"{of}L10r {million} million revolutions, P_ref {load} N; Q_e of Q_c: {each}")]
 
 
 def _shaft(data: dict[str, Any]) -> list[tuple[str, str]]:

@@ -23,7 +23,7 @@ from rollbench.compare.results.scene_json import (
 )
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.entries import block, entry, life_words, load_error, modified_words
+from rollbench.compare.text.entries import block, entry, life_words, load_error, modified_words, reference_lines
 from rollbench.compare.text.printing import Column, aligned, listed, plain, ruled, text_width
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -336,7 +336,7 @@ def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
     """Labels and sentences of what the cases say together."""
     p, s, e = whole.pressure, whole.safety, whole.error
     lost = f"; not covered by comparisons: {', '.join(whole.uncovered)}" if whole.uncovered else ""
-    lives = (x for of_set in whole.lives for x in (("life", _life(of_set, whole.speed)), ("standard", _standard(of_set))))
+    lives = (x for of_set in whole.lives for x in _life_entries(of_set, whole.speed))
     return (
         ("pressure", "none" if p is None else f"largest in case {p.case}: {1e-6 * p.value:.0f} MPa"),
         ("static", "none" if s is None else f"least safety in case {s.case}: {s.value:.3g}"),
@@ -346,6 +346,12 @@ def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
         ),
         *lives,
     )
+
+
+def _life_entries(lives: Lives, speed: float | None) -> tuple[tuple[str, str], ...]:
+    """Entries on the lives of a set."""
+    basic = reference_lines(f"{lives.set}: " if lives.set else "", as_json(lives.reference))
+    return (("life", _life(lives, speed)), *basic, ("standard", _standard(lives)))
 
 
 def _life(lives: Lives, speed: float | None) -> str:
