@@ -29,7 +29,7 @@ from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_forc
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, mean_force, rating
+from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, life, mean_force, rating
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -90,7 +90,9 @@ def _motion(found: AxisResult, station: float, freedom: str) -> float:
 
 
 def masta(sheet: Sheet, study: Study) -> None:
-    """Deep-groove bearing between rigid rings, the inner one free only along each load."""
+    """Deep-groove bearing between rigid rings, the inner one free only along each load: displacement and life, which is
+    proportional to the cube of the rating that MASTA is given."""
+    rated = given("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
@@ -98,6 +100,11 @@ def masta(sheet: Sheet, study: Study) -> None:
     ):
         result, ring = solved(study, name)
         sheet.number(key, unit * _motion(result, ring.of.position, freedom))
+        assert ring.balls is not None
+        assert isinstance(ring.of.parts, Scene)
+        found = life(ring.of.parts, ring.balls.load)
+        assert found is not None
+        sheet.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
 
 def harris(sheet: Sheet, study: Study) -> None:
