@@ -37,6 +37,7 @@ def export(
     ross: Path | None = None,
     modelica: Path | None = None,
     rexs: Path | None = None,
+    model: Word = "",
 ) -> int:
     """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
     as CAD (STEP, lengths in mm), a small scene as one deck that CalculiX runs (--deck ccx), or the bearings of a shaft with
@@ -76,6 +77,8 @@ def export(
         The same table as a file for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two).
     rexs
         REXS file (1.7): bearings with rows and rolling elements, shaft and loads of an axis, and what is solved of them.
+    model
+        Low-order model for these results; refined unless given.
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
@@ -83,8 +86,10 @@ def export(
         if part or format or out is not None or level != 1 or ball is not None or deck:
             raise ArgumentError("ross, modelica, rexs", "given", "none of the options of meshes with it", "leave them out")
         if rexs is not None:
-            return print_answer(run_rexs(scene, rexs))
+            return print_answer(run_rexs(scene, rexs, model))
         return print_answer(run_table(scene, ross, modelica))
+    if model:
+        raise ArgumentError("model", model, "with `rexs`", "leave it out")
 
     if deck:
         if part or format or level != 1 or ball is not None:
@@ -188,7 +193,7 @@ def run_export(
     return Answer(parts=lines)
 
 
-def run_rexs(typed: str, out: Path) -> Answer:
+def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
     """Solve an axis and write it as REXS. Raises InputError for another scene, Refusal for what REXS cannot hold."""
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.models.load_cases import SolvedAxis, solve_axis
@@ -207,7 +212,7 @@ def run_rexs(typed: str, out: Path) -> Answer:
             raise InputError(
                 typed, "kind", getattr(scene, "kind", "one set"), 'kind = "axis"', "write bearings as [[sets]]"
             )
-        solved.append(solve_axis(scene, default_model(scene), Options()))
+        solved.append(solve_axis(scene, model or default_model(scene), Options()))
         if not solved[-1].result.converged:
             raise Refusal(scene.name, "loads", str(solved[-1].result.status), "see rollbench solve")
     assert isinstance(described, Assembly | DutyCycle)

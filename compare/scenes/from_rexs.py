@@ -19,8 +19,12 @@ from rollbench.compare.scenes.rexs_model import UNITS, Component, Model, Value, 
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Thrust that a row carries, by the direction of an axial force on the inner ring that it takes.
 THRUST = {"positive": "+z", "negative": "-z", "both_directions": "both"}
+#: Direction of a bearing whose outer ring slides in its seat.
+FLOATS = "no_direction"
 BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
 BALLS_OF_THRUST = tuple(f"axial_{name}_ball_bearing" for name in ("grooved", "angular_contact", "four_point_contact"))
+#: Freedoms that the seat of such a ring holds.
+SEAT = ("ux", "uy", "rx", "ry", "rz")
 ROLLERS = ("radial_tapered_roller_bearing", "axial_tapered_roller_bearing")
 #: Clearances of a deep-groove bearing, that at work first.
 CLEARANCES = ("operating_radial_bearing_clearance", "mounted_radial_bearing_clearance", "radial_bearing_clearance")
@@ -86,7 +90,7 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
         raise ArgumentError("set", ", ".join(reader.given), keys, "see the keys that the file asks for", str(path))
     if reader.missing:
         first, *others = reader.missing
-        raise SceneError(*first.args[:5], len(others), tuple(others))
+        raise SceneError(first.file, first.key, first.value, first.allowed, first.advice, len(others), tuple(others))
     return table, reader.notes
 
 
@@ -122,6 +126,7 @@ def _tables(reader: Reader, shaft: Component) -> Table:
     sets: list[Table] = []
     for bearing in _bearings(model, shaft):
         sets += _rows(reader, bearing, (steel, shared), {x["name"] for x in sets})
+    seats = [x for x in sets if "housing" in x]
     supports = [{"at": "0 mm", "fix": ["rz"]}]
     supports += [s for x in _of_side(model, shaft, "concept_bearing") if (s := _support(reader, x))]
     loads = model.parts(shaft.id, "external_load")
@@ -137,6 +142,7 @@ def _tables(reader: Reader, shaft: Component) -> Table:
         "screw": {"length": f"{max(ends, default=0.0)!r} mm", "outer_diameter": f"{widest!r} mm", "plain": plain}
         | _unlike(reader, steel, shared, "screw"),
         "sets": sets,
+        "housings": [{"name": x["housing"], "at": x["nut"]["position"], "fix": list(SEAT)} for x in seats],
         "supports": supports,
         "loads": [_load(x, {}) for x in loads],
         "cases": _cases(model, shaft, loads) if len(model.cases) > 1 else [],
@@ -164,14 +170,11 @@ def _section(reader: Reader, x: Component) -> Table:
 def _rows(reader: Reader, bearing: Component, steels: Steels, names: set[str]) -> list[Table]:
     """The sets of a bearing, one for each row."""
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
-    kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row")
+    kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
     if kind not in (*BALLS, *BALLS_OF_THRUST, *ROLLERS):
         where = f"component {bearing.id} ({bearing.type} {bearing.name}), attribute bearing_type"
         allowed = ", ".join((*BALLS, *BALLS_OF_THRUST, *ROLLERS))
         reader.missing.append(SceneError(str(reader.path), where, kind or "nothing", allowed, "no model has another type"))
-        return []
-    if not rows:
-        reader.lack(bearing, "rolling_bearing_row", name, "a component that is part of it, with rolling elements")
         return []
     middle = reader.need(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
     apart = bearing.number("distance_between_bearing_rows") or 0.0
@@ -198,10 +201,11 @@ def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, nam
     typed = row.number("number_of_rolling_elements") or len(elements)
     count = int(typed or reader.given.pop(f"{name}.count", "0"))
     takes = row.word("axial_force_absorption_of_row") or bearing.word("axial_force_absorption")
-    takes = reader.given.pop(f"{name}.thrust", "") or THRUST.get(takes, takes)
+    floats = bearing.word("axial_force_absorption") == FLOATS
+    takes = reader.given.pop(f"{name}.thrust", "") or THRUST.get("both_directions" if takes == FLOATS else takes, takes)
     if takes not in THRUST.values():
         where = f"component {row.id} ({row.type}), attribute axial_force_absorption_of_row"
-        advice = f'a row that carries no thrust is not mapped; --set "{name}.thrust=..." gives +z, -z or both'
+        advice = f'add it, or give --set "{name}.thrust=+z" (-z, both)'
         reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", ", ".join(THRUST), advice))
     if not count:
         reader.lack(row, "number_of_rolling_elements", f"{name}.count")
@@ -211,11 +215,14 @@ def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, nam
     if takes == "both" and kind == "radial_grooved_ball_bearing":
         takes = "deep groove"
     table["thrust"] = takes
+    if floats:
+        table["housing"] = f"{name} seat"
     if shift:
         table["offset"] = quantity("preload_distance", -shift if takes == "+z" else shift)
     if force:
         table["preload"] = quantity("preload_force", force)
     if kind in ROLLERS:
+        table.pop("housing", None)  # rollers on a cone carry thrust
         return table | _rollers(reader, row, element, name, place, count)
     return table | _balls(reader, bearing, row, elements, steels, name, place, count)
 

@@ -227,6 +227,13 @@ def _write(parent: ET.Element, component: Component, attributes: dict[str, Value
         if isinstance(value, tuple):
             array = ET.SubElement(attribute, "array")
             for x in value:
-                ET.SubElement(array, "c").text = repr(float(x))
+                ET.SubElement(array, "c").text = _text(float(x))
         else:
-            attribute.text = str(value).lower() if isinstance(value, bool) else str(value)
+            attribute.text = _text(value)
+
+
+def _text(value: str | float | bool) -> str:
+    """A value; a number with 15 digits, in which those of a scene file come back."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.15g}" if isinstance(value, float) else str(value)

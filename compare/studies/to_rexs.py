@@ -8,6 +8,7 @@ that it puts on the shaft.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from math import degrees, pi
 
@@ -19,6 +20,7 @@ from rollbench.compare.models.answers import SetAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
 from rollbench.compare.results.scene_json import pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.from_rexs import SEAT
 from rollbench.compare.scenes.rexs_model import STIFFNESS, Model, Value, text_of
 from rollbench.lowfi.rating.contacts import race_pressures
 from rollbench.lowfi.rating.life import is_thrust
@@ -26,9 +28,9 @@ from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.roller_life import is_thrust as is_thrust_row
 from rollbench.lowfi.rollers import middles, tapered
 from rollbench.lowfi.statics.result import AxisResult, SetResult
-from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.one_arc import clearance_of
-from rollbench.meshes.parts import Material, Scene
+from rollbench.meshes.parts import Errors, Material, Scene
 
 #: Direction of an axial force on the inner ring that a row takes, by the thrust that it carries.
 TAKES = {"+z": "positive", "-z": "negative", "both": "both_directions", "deep groove": "both_directions"}
@@ -50,6 +52,8 @@ class Writer:
         for part in (self.casing, self.shaft):
             self.model.relate("assembly", assembly=self.unit, part=part)
         self.steel(self.shaft, shaft.screw.material)
+        #: Housings that let an outer ring slide.
+        self.seats = {h.name for h in shaft.housings if _is_seat(h)}
         #: Of each row the ids of its bearing and of its rolling elements' contacts.
         self.rows: list[tuple[int, list[list[int]]]] = []
 
@@ -65,6 +69,12 @@ class Writer:
         k = self.model.add(type, name, **attributes)
         self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
         return k
+
+
+def _is_seat(housing: Housing) -> bool:
+    """Whether a housing holds all but the motion along the shaft, and nothing acts on it."""
+    held = housing.fixed == tuple((name, 0.0) for name in SEAT)
+    return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 
 
 def _rpm(speed: float) -> float:
@@ -119,9 +129,16 @@ def _sections(writer: Writer, shaft: Assembly) -> None:
     rest = [(a, b, screw.outer_diameter, screw.bore) for a, b in gaps if b - a > 1e-9]
     for start, end, diameter, bore in sorted([*plain, *rest]):
         outer, inner, at = 1e3 * diameter, 1e3 * bore, 1e3 * start
-        ends_of: dict[str, Value] = {"outer_diameter_begin": outer, "outer_diameter_end": outer}
-        ends_of |= {"inner_diameter_begin": inner, "inner_diameter_end": inner}
-        writer.part(writer.shaft, "shaft_section", u_coordinate_on_shaft=at, length=1e3 * end - at, **ends_of)
+        writer.part(
+            writer.shaft,
+            "shaft_section",
+            u_coordinate_on_shaft=at,
+            length=1e3 * end - at,
+            outer_diameter_begin=outer,
+            outer_diameter_end=outer,
+            inner_diameter_begin=inner,
+            inner_diameter_end=inner,
+        )
     if rest and any(isinstance(s.parts, Scene) and s.parts.track.lead for s in shaft.sets):
         writer.notes.append("the thread is written as a cylinder of its outer diameter")
 
@@ -132,7 +149,7 @@ def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | N
     common: dict[str, Value | None] = {
         "bearing_type": kind,
         "number_of_bearing_rows": 1,
-        "axial_force_absorption": TAKES[row.thrust],
+        "axial_force_absorption": "no_direction" if row.housing in writer.seats else TAKES[row.thrust],
         "radial_force_absorption": True,
         "u_coordinate_on_shaft_inner_side": at,
         "u_coordinate_on_shaft_outer_side": at,
@@ -234,13 +251,13 @@ def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> lis
     components' own."""
     names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
     for one in solved:
-        found = {}
+        found = dict[tuple[str, float], np.ndarray]()
         for x in one.scene.loads:
             same = sum(at == x.at for _, at in found)
             found[f"load {same + 1}", x.at] = np.array([*x.force, *x.moment])
-        for s in one.result.sets:
-            if isinstance(s.of.parts, Scene) and s.of.parts.track.lead:
-                found[s.of.name, s.of.position] = np.array([*s.force, *s.moment])
+        for nut in one.result.sets:
+            if isinstance(nut.of.parts, Scene) and nut.of.parts.track.lead:
+                found[nut.of.name, nut.of.position] = np.array([*nut.force, *nut.moment])
         names += [x for x in found if x not in names]
         acting.append(found)
     ids = {}
@@ -365,12 +382,12 @@ def _of_rollers(contacts: list[list[int]], s: SetResult, row: RollerRow) -> Case
 
 def _left_out(writer: Writer, shaft: Assembly) -> None:
     """Note what the file does not hold."""
-    moving = [h.name for h in shaft.housings if not h.stands]
+    moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.seats]
     if moving:
         writer.notes.append(f"{', '.join(moving)}: a housing that moves is a casing that stands")
     if any(s.carrier for s in shaft.sets):
         writer.notes.append("bearings around a nut are written as bearings of the shaft")
-    wrong = [s.name for s in shaft.sets if isinstance(s.parts, Scene) and s.parts.errors != type(s.parts.errors)()]
+    wrong = [s.name for s in shaft.sets if isinstance(s.parts, Scene) and replace(s.parts.errors, seed=0) != Errors()]
     if wrong:
         writer.notes.append(f"{', '.join(wrong)}: errors of grooves and balls")
     if shaft.thermal_strain:
