@@ -28,6 +28,8 @@ SEAT = ("ux", "uy", "rx", "ry", "rz")
 ROLLERS = ("radial_tapered_roller_bearing", "axial_tapered_roller_bearing")
 #: Clearances of a deep-groove bearing, that at work first.
 CLEARANCES = ("operating_radial_bearing_clearance", "mounted_radial_bearing_clearance", "radial_bearing_clearance")
+#: Tilting stiffness [N mm/rad] from which a concept bearing counts as rigid.
+RIGID = 1e20
 #: Units of REXS as a scene file has them.
 SCENE_UNITS = {"mum": "um", "N / mm^2": "MPa", "1 / min": "rpm", "mm^2 / s": "mm2/s"}
 
@@ -345,6 +347,7 @@ def _support(reader: Reader, x: Component) -> Table:
     """A concept bearing as a rigid support."""
     fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
+    fix += ["rx", "ry"] if (x.number("bending_stiffness") or 0.0) >= RIGID else []
     reader.assumed.append(f"REXS: the concept bearing {x.id} ({x.name}) is rigid.")
     at = reader.need(x, "u_coordinate_on_shaft_inner_side", f"{x.name or x.id}.at")
     return {"at": at, "fix": fix} if fix else {}

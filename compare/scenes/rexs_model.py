@@ -51,6 +51,7 @@ UNITS = {
         "1 / min": "rotational_speed",
         "mm^2 / s": "operating_viscosity",
         "%": "operating_time_fraction",
+        "N mm / rad": "bending_stiffness",
         "MRev": "nominal_reference_rating_life_rotations_iso_16281_2008",
         "h": "nominal_reference_rating_life_time_iso_16281_2008",
     }.items()

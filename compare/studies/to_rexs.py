@@ -20,7 +20,7 @@ from rollbench.compare.models.answers import SetAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
 from rollbench.compare.results.scene_json import pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.scenes.from_rexs import SEAT
+from rollbench.compare.scenes.from_rexs import RIGID, SEAT
 from rollbench.compare.scenes.rexs_model import STIFFNESS, Model, Value, text_of
 from rollbench.lowfi.rating.contacts import race_pressures
 from rollbench.lowfi.rating.life import is_thrust
@@ -234,14 +234,15 @@ def _supports(writer: Writer, shaft: Assembly) -> None:
     """Supports as rigid concept bearings; the rotation that is held is the drive's. Raises Refusal for others."""
     for s in shaft.supports:
         fixed = {name for name, value in s.fixed if value == 0.0}
-        across = fixed & {"ux", "uy"}
-        if fixed != {name for name, _ in s.fixed} or fixed & {"rx", "ry"} or len(across) == 1:
+        across, tilt = fixed & {"ux", "uy"}, fixed & {"rx", "ry"}
+        if fixed != {name for name, _ in s.fixed} or len(across) == 1 or len(tilt) == 1:
             reason = f"a support at {1e3 * s.at:g} mm that holds {', '.join(n for n, _ in s.fixed)}"
-            advice = "a concept bearing of REXS holds ux and uy, uz, or all three at zero: use bearings"
+            advice = "a concept bearing of REXS holds ux with uy, uz, rx with ry, at zero: use bearings"
             raise Refusal(shaft.name, "supports", reason, advice)
         if fixed - {"rz"}:
             axial = "both_directions" if "uz" in fixed else "no_direction"
             at: dict[str, Value] = {"u_coordinate_on_shaft_inner_side": 1e3 * s.at, "axial_force_absorption": axial}
+            at |= {"bending_stiffness": RIGID} if tilt else {}
             k = writer.model.add("concept_bearing", "support", radial_force_absorption=bool(across), **at)
             writer.model.relate("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
 
