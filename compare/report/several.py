@@ -31,6 +31,7 @@ GROUPS = (
     "life",
     "modified_life",
     "reference_life",
+    "axis_life",
     "shaft",
     "bearing_torque",
     "friction",

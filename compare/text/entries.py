@@ -25,8 +25,7 @@ def block(one: Solved | SolvedAxis, width: int) -> str:
     """All entries, no line wider than ``width`` (40 or more); empty without answers."""
     if one.answers is None:
         return ""
-    found = entries(one) if isinstance(one, Solved) else _of_sets(one, one.answers)
-    return "\n".join(entry(label, text, width) for label, text in found)
+    return "\n".join(entry(label, text, width) for label, text in entries(one))
 
 
 def entry(label: str, text: str, width: int) -> str:
@@ -36,8 +35,11 @@ def entry(label: str, text: str, width: int) -> str:
     )
 
 
-def entries(one: Solved) -> tuple[tuple[str, str], ...]:
-    """The entries of one set: label and sentence."""
+def entries(one: Solved | SolvedAxis) -> Sequence[tuple[str, str]]:
+    """The entries of a solved scene that has answers: label and sentence."""
+    if isinstance(one, SolvedAxis):
+        assert one.answers is not None, "a solved axis has answers"
+        return _of_sets(one, one.answers)
     data, worth = answers_json(one), one.expected
     return (
         ("loads", _loads(data, worth)),

@@ -48,7 +48,7 @@ CURVE_COLUMNS: tuple[Column, ...] = (
     ("status", "status", "s"),
 )
 
-#: What the table of sets says of each: key of `_set_rows`, heading, format.
+#: What the table of sets says of each: key of `set_rows`, heading, format.
 SETS = (
     *(("set", "set", "s"), ("name", "name", "s"), ("kind", "kind", "s"), ("z", "z mm", ".2f")),
     *((f"F{x}", f"F{x} N", ".2f") for x in "xyz"),
@@ -231,7 +231,7 @@ def _set_tables(result: AxisResult, *, balls: bool) -> list[RenderableType]:
     """Sets, balls and rollers where asked for, housings, stiffness."""
     out: list[RenderableType] = []
     if result.sets and result.converged:
-        out += [listed("sets: force on the shaft, stiffness of the set alone", SETS, _set_rows(result))]
+        out += [listed("sets: force on the shaft, stiffness of the set alone", SETS, set_rows(result))]
         out += _element_tables(result) if balls else []
     for h in result.housings if result.converged else ():
         moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items())
@@ -240,7 +240,7 @@ def _set_tables(result: AxisResult, *, balls: bool) -> list[RenderableType]:
     return [*out, *_stiffness_lines(result)]
 
 
-def _set_rows(result: AxisResult) -> Iterator[dict[str, Any]]:
+def set_rows(result: AxisResult) -> Iterator[dict[str, Any]]:
     """Place, force on the shaft, loads and stiffness of each set."""
     for k, s in enumerate(result.sets, 1):
         head = {"set": k, "name": s.of.name, "kind": s.of.kind, "z": 1e3 * s.of.position}

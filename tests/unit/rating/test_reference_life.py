@@ -1,4 +1,4 @@
-"""Life by ISO/TS 16281: of equal loads, of the standard's formulas written out, of slices; balls in the limit of ISO 281."""
+"""Life by ISO/TS 16281: of equal loads, of the standard's formulas written out, of slices; balls in limits of ISO 281."""
 
 from dataclasses import replace
 from math import log

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.axes import CASES, ON_A_SHAFT
 
 import rollbench
 from rollbench.compare.commands.export import run_rexs
@@ -14,25 +15,6 @@ from rollbench.compare.commands.new import new_of_rexs
 from rollbench.compare.errors import ArgumentError, InputError, SceneError
 from rollbench.compare.scenes import rexs_model
 
-SCENES = Path(__file__).parents[2] / "scenes"
-ON_A_SHAFT = SCENES / "bearings-on-a-shaft.toml"
-CASES = """
-[[cases]]
-name = "case-1"
-time = "20 s"
-speed = "500 rpm"
-[[cases.loads]]
-at = "150 mm"
-force = ["2 kN", "0 N", "0 N"]
-[[cases]]
-name = "case-2"
-time = "80 s"
-speed = "900 rpm"
-[[cases.loads]]
-at = "150 mm"
-force = ["100 N", "-1 kN", "-500 N"]
-moment = ["3 N m", "0 N m", "0 N m"]
-"""
 #: What a file does not hold, or names its origin.
 NOT_HELD = {"name", "title", "source", "assumed", "screw", "seed", "slices"}
 
