@@ -1,15 +1,15 @@
-"""Basic reference rating life of a bearing by its load distribution (ISO/TS 16281:2008; REXS names its results by it).
+"""Basic reference rating life of a bearing by its load distribution (ISO/TS 16281:2008).
 
-Of every raceway the norm has the load Q_c that a contact bears for 10^6 revolutions, and the dynamic equivalent load Q_e,
-a mean over all Z rolling elements, of order 3 (balls) or 4 (rollers) where the race turns relative to the load (inner), 10/3
-or 9/2 where it stands (outer).
+Of every raceway the norm has the load Q_c that a contact bears for 10^6 revolutions, and the dynamic equivalent load Q_e, a
+mean over all Z rolling elements, of order 3 (balls) or 4 (rollers) where the race turns relative to the load (inner),
+10/3 or 9/2 where it stands (outer).
 
 Balls: Q_c is that of `lowfi.rating.life` (2), which the norm writes by C_r,
 
     L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10),   P_ref = C/L_10r^(1/3),                             (1)
 
-the life that `life` returns; of four-point contact the sum has all flanks. With the C of a catalogue in place of the computed
-one L_10r is larger by the cube of their ratio.
+the life that `life` returns; of four-point contact the sum has all flanks. With the C of a catalogue in place of the
+computed one L_10r is larger by the cube of their ratio.
 
 Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and at its edges the stress is higher:
 
@@ -17,18 +17,19 @@ Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and a
     q_ek = (sum_j (f_k q_jk)^m/Z)^(1/m),   m = 4 (inner), 9/2 (outer),                                                (2)
     L_10r = (sum_k (q_ci/q_eik)^(-9/2) + (q_ce/q_eek)^(-9/2))^(-8/9),   P_ref = C/L_10r^(3/10).                         (3)
 
-Q_c is here `lowfi.rating.roller_life` (1) without lambda (0.83; thrust bearings 0.73), as f_k now has what ends and
-uneven loads cost. An even load on a straight roller, whose edges carry their full share, has L_10r = (x P/C)^(-4), x = lambda
-(mean of f_k^(9/2))^(2/9): 1.13 with 30 laminae, 0.96 with 120, 0.89 at last, as f narrows with their number. So the norm is
-for profiled rollers: where the edges are unloaded, L_10r does not depend on n_s.
+Q_c is here `lowfi.rating.roller_life` (1) without lambda (0.83; thrust bearings 0.73), as f_k now has what ends and uneven
+loads cost. An even load on a straight roller, whose edges carry their full share, has L_10r = (x P/C)^(-4), x = lambda
+(mean of f_k^(9/2))^(2/9): 1.13 with 30 laminae, 0.96 with 120, 0.89 at last, as f narrows with their number. So the norm
+is for profiled rollers: where the edges are unloaded, L_10r does not depend on n_s.
 
 The line loads are those of the statics: cone and cup approach by rigid motions of both rings, linear along the roller, so
 that a tilt of the rings reaches every lamina. A lamina answers as Hertz's line contact of both races in series, in place of
 the norm's spring 35948 N/mm^(10/9) L^(8/9), so that the roller's tilt between the races is included. Fewer slices than 30
 are divided into equal pieces of the same line load.
 
-Range: as `lowfi.rating.life` and `roller_life`; the inner ring turns relative to the load. ISO/TS 16281 covers radial
-and thrust bearings, and no screws. Source of (2) and (3), as github.com/minzhun/ISO16281 has them: ISO/TS 16281:2008, (47) to (65).
+Range: as `lowfi.rating.life` and `roller_life`; the inner ring turns relative to the load. ISO/TS 16281 covers radial and
+thrust bearings, and no screws. Source of (2) and (3): ISO/TS 16281:2008, (47) to (65), as github.com/minzhun/ISO16281 has
+them; the norm itself was not read.
 
 Compared: with lives that MASTA prints for a deep-groove bearing (`external-masta`), and in limits with ISO 281.
 """
