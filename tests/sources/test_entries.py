@@ -15,7 +15,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 #: Entries by class and verdict.
 COUNTS = {
-    ("hard", "reproduced"): {"external": 45, "lin": 31, "liu": 14, "smith": 98},
+    ("hard", "reproduced"): {"external": 48, "lin": 31, "liu": 14, "smith": 98},
     ("hard", "identity"): {"external": 11, "lin": 13, "liu": 4, "smith": 35},
     ("as-printed", "only as printed"): {"external": 2, "lin": 65, "liu": 1, "smith": 57},
     ("as-printed", "identity"): {"lin": 4},
@@ -25,7 +25,7 @@ COUNTS = {
     ("open", "contradicted"): {"lin": 10, "liu": 12, "smith": 43},
 }
 #: Entries that are judged by a value or a claim.
-SHIFTED = {"external": 139, "kalker": 36, "lin": 218, "liu": 71, "smith": 269}
+SHIFTED = {"external": 140, "kalker": 36, "lin": 218, "liu": 71, "smith": 269}
 
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
