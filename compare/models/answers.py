@@ -29,7 +29,7 @@ from rollbench.lowfi.bearings.rib import RibContact, rib_contact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque, roller_torque
 from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating import reference, roller_life
 from rollbench.lowfi.rating.contacts import (
     Contact,
     Ratings,
@@ -123,7 +123,7 @@ WIDEST = 0.6
 @record
 class LoadAnswers:
     """What contact loads alone answer, of any model or of the 3D reference: the worst contact, its static safety, where the
-    ellipses reach, and the life; None without load, words where a formula does not take the scene."""
+    ellipses reach, and the lives; None without load, words where a formula does not take the scene."""
 
     worst: Contact | None = quantity("worst_contact")
     safety: StaticSafety | None = quantity("static_safety")
@@ -132,6 +132,7 @@ class LoadAnswers:
     ratings: Ratings | None = quantity("ratings")
     words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
     modified: ModifiedLife | None = quantity("modified_life", default=None)
+    reference: reference.ReferenceLife | None = quantity("reference_life", default=None)
 
 
 @record
@@ -145,6 +146,7 @@ class RollerAnswers:
     life: Life | None = quantity("life")
     ratings: Ratings = quantity("ratings")
     torque: RollerTorque | None = quantity("roller_torque")
+    reference: reference.ReferenceLife | None = quantity("reference_life")
 
 
 @dataclass(frozen=True)
@@ -198,7 +200,8 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
     safety = None if worst is None else static_safety(scene, drawn, worst)
-    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified_life(scene, rated_life))
+    modified, basic = modified_life(scene, rated_life), reference.of_balls(scene, rated_life)
+    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -329,6 +332,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
         roller_life.life(row, line_loads),
         roller_life.ratings(row),
         roller_torque(row, line_loads, speed, lubricant),
+        reference.of_rollers(row, line_loads),
     )
 
 

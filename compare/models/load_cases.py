@@ -23,7 +23,7 @@ from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating import reference, roller_life
 from rollbench.lowfi.rating.life import (
     SLOPE,
     EquivalentLife,
@@ -153,7 +153,7 @@ class Extreme:
 class Lives:
     """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
     None with words that say why; set: its name, empty where it is the only one; modified: the former, by reliability and
-    lubricant."""
+    lubricant; reference: by ISO/TS 16281."""
 
     life: Life | None
     life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
@@ -163,6 +163,7 @@ class Lives:
     )
     set: str = ""
     modified: ModifiedLife | None = quantity("modified_life", default=None)
+    reference: reference.ReferenceLife | None = quantity("reference_life", default=None)
 
     @property
     @Stated(
@@ -297,14 +298,15 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     row = cycle.sets[name]
     if isinstance(row, RollerRow):
-        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name)
-    modified = modified_life(row, rated)
+        basic = reference.of_rollers(row, roller_life.over_cases([s.load for s, _ in used], shares))
+        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name, None, basic)
+    modified, basic = modified_life(row, rated), reference.of_balls(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
         standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
-        return Lives(rated, words, None, str(error), name, modified)
-    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified)
+        return Lives(rated, words, None, str(error), name, modified, basic)
+    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified, basic)
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:

@@ -5,8 +5,6 @@ Its section of friction: torque over the turn, losses, effect of coefficient and
 
 from __future__ import annotations
 
-import datetime
-import platform
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,27 +12,24 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import solve_one, together
+from rollbench.compare.models.load_cases import SolvedAxis, solve_any, solve_axis, solve_one, together
 from rollbench.compare.models.model_form import FILE, ModelForm
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
-from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
-from rollbench.compare.results.base import HEADINGS
-from rollbench.compare.results.base import Row as AnswerRow
+from rollbench.compare.report.axis_page import page_of_axis
+from rollbench.compare.report.parts import answers_table, notes, provenance, scene_text, source_files
 from rollbench.compare.results.rows import expected_words, rows_of, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.results.view import view_of
-from rollbench.compare.running import libraries
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import load_panel, loads
@@ -50,17 +45,15 @@ from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
-from rollbench.reports.cells import micro
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
-
-LIBRARIES = ("numpy", "scipy", "numba")
 
 
 @contextmanager
@@ -79,22 +72,31 @@ def replaced(out: Path) -> Iterator[None]:
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
     """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError for a scene of
-    another kind, Refusal where it does not solve."""
+    another kind, and a reference of several sets, Refusal where it does not solve."""
     described = catalogue.any_scene(name)
-    if not isinstance(described, DutyCycle):
-        return _page_of_scene(name, scene_file.whole(described, name), stores, file)
-    return _page_of_cases(name, described, stores, file)
+    sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
+    if sets and file is not None:
+        raise ArgumentError("reference", str(file), "with a scene of one set", "leave it out", name)
+    if isinstance(described, DutyCycle):
+        return _page_of_cases(name, described, stores, file)
+    if isinstance(described, Assembly):
+        return page_of_axis(name, solve_axis(described, default_model(described), Options()), stores)
+    return _page_of_scene(name, scene_file.whole(described, name), stores, file)
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
     """The page of the most pressed load case, with what all cases say together above it."""
-    scenes = {case.name: scene_file.whole(case.scene, name) for case in cycle.cases}
-    solved = [solve_one(scene, DEFAULT, Options()) for scene in scenes.values()]
+    solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
+    names = [case.name for case in cycle.cases]
     whole = together(cycle, solved)
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case
-    page = _page_of_scene(name, scenes[worst], stores, file, worst)
+    one = solved[names.index(worst)]
+    if isinstance(one, SolvedAxis):
+        page = page_of_axis(name, one, stores)
+    else:
+        page = _page_of_scene(name, one.scene, stores, file, worst)
     data = cases_json(cycle, solved, whole)
     rows: list[Row] = [
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
@@ -110,10 +112,10 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; below, case {worst}",
         verdict=f"Of {cases} {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
-        table=_answers(answers, "Of all load cases"),
+        table=answers_table(answers, "Of all load cases"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
-        view=view_of(cycle.title, solved, data, [*scenes], stores),
+        view=view_of(cycle.title, solved, data, names, stores),
     )
 
 
@@ -132,14 +134,14 @@ def _page_of_scene(
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
-    text, data = _scene_text(name), case_json(one)
+    text, data = scene_text(name), case_json(one)
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(answers, tangent),
         *filter(None, [section(scene, result, options)]),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
-        _notes(result, warnings),
+        notes(result, warnings),
     )
     return ScenePage(
         scene.title,
@@ -154,17 +156,8 @@ def _page_of_scene(
         _files(scene, stored, stores),
         warnings,
         view_of(scene.title, [one], data, (), stores, given),
-        table=_answers(rows_of(one), f"{scene.name}, model {DEFAULT}", expected_words(worth)),
+        table=answers_table(rows_of(one), f"{scene.name}, model {DEFAULT}", expected_words(worth)),
     )
-
-
-def _answers(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
-    """The table of answers, as ``rollbench solve`` prints it."""
-    kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
-    forms = {"value": "g4", "error to expect": "g4"}
-    quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]
-    cells: Iterator[Row] = ({q: micro(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
-    return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 
 @dataclass(frozen=True)
@@ -309,16 +302,6 @@ def _error(
     return Section("error", "How far these numbers may be trusted", items)
 
 
-def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
-    """Warnings, assumptions, what is left out."""
-    items: list[Text | Table | Figure] = []
-    warned = (*warnings, *result.warnings)
-    for head, lines in (("Warning", warned), ("Assumed", result.assumed), ("Left out", result.left_out)):
-        if lines:
-            items.append(Text(tuple(f"{head}: {line}" for line in lines), bullets=True))
-    return Section("assumptions", "Assumptions", items)
-
-
 def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
     loaded = result.load > 0.0
     arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
@@ -326,28 +309,16 @@ def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
     return LoadedScrew("picture", "The scene under load", scene, result.load, *arrows, caption)
 
 
-def _scene_text(name: str) -> str:
-    return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
-
-
 def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
     """SHA-256 of the sources, of the points of the estimate, and of every run of the reference that was used."""
-    out = {SOURCES: sources_hash()}
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
-    return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
+    return source_files() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
 def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
-    out = {
-        "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
-        "rollbench": f"{__version__}, commit {commit()}",
-        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "libraries": libraries(LIBRARIES),
-        "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
-        "model": f"{DEFAULT}; nothing in it is fitted to a 3D solution",
-    }
+    out = provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
@@ -355,8 +326,6 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None,
         out["3D reference"] = runs
     if file is not None:
         out["reference"] = f"{file.name}, SHA-256 {sha256(file.read_bytes())}"
-    if scene.source:
-        out["source"] = scene.source
     return out
 
 

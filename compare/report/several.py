@@ -30,6 +30,8 @@ GROUPS = (
     "ratings",
     "life",
     "modified_life",
+    "reference_life",
+    "axis_life",
     "shaft",
     "bearing_torque",
     "friction",

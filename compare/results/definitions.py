@@ -37,6 +37,7 @@ from rollbench.lowfi.bearings.torque import BallTorque, LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
 from rollbench.lowfi.rating.modified import ModifiedLife
+from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.rigidity import Rigidities
 from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
@@ -119,6 +120,7 @@ TABLES = (
         (
             ("life.", Life),
             ("modified_life.", ModifiedLife),
+            ("reference_life.", ReferenceLife),
             ("ratings.", Ratings),
             ("shaft.", ShaftLimits),
             ("", LoadAnswers),

@@ -32,6 +32,7 @@ from rollbench.lowfi.bearings.torque import BallTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
 from rollbench.lowfi.rating.modified import ModifiedLife
+from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.rigidity import Rigidities
 from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.meshes.one_arc import Clearance
@@ -60,6 +61,7 @@ GROUPS: tuple[tuple[str, type], ...] = (
     ("drive", AxisDrive),
     ("life", Life),
     ("modified_life", ModifiedLife),
+    ("reference_life", ReferenceLife),
     ("standard_life", EquivalentLife),
     ("axis_life", SystemLife),
     ("ratings", Ratings),

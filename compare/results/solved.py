@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.rating import life as rating
     from rollbench.lowfi.rating.life import SystemLife
     from rollbench.lowfi.rating.modified import ModifiedLife
+    from rollbench.lowfi.rating.reference import ReferenceLife
     from rollbench.lowfi.rating.shaft import ShaftLimits
 
 
@@ -177,6 +178,8 @@ class SetResult(Balls):
     """Its contacts without the loads of the scene; None where that has no equilibrium."""
     bearing_torque: BallTorque | None = None
     """Friction torque of a bearing [N m]; None of nuts and without load."""
+    reference_life: ReferenceLife | None = None
+    """Life of a bearing by ISO/TS 16281, in 10^6 revolutions; None of nuts and without load."""
 
     def __repr__(self) -> str:
         """Name, kind and what is loaded."""
@@ -230,6 +233,8 @@ class Result(Record, Balls):
     modified_life: ModifiedLife | None = None
     """Life by the scene's reliability, lubricant and contamination, in 10^6 revolutions; None where it gives none, and of
     several sets."""
+    reference_life: ReferenceLife | None = None
+    """Life of a bearing of one set by ISO/TS 16281, in 10^6 revolutions; None of screws and without load."""
     shaft: ShaftLimits | None = None
     """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of its shaft; None of rings and several sets."""
     preload: Preload | None = None
@@ -390,6 +395,7 @@ def result_of(
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life(together.least.life, together.speed),
         modified_life=together.least.modified,
+        reference_life=together.least.reference,
         axis_life=together.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
@@ -434,6 +440,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
         modified_life=answers.loads.modified,
+        reference_life=answers.loads.reference,
         shaft=answers.shaft,
         preload=_preload(answers.preload),
         bearing_torque=answers.torque,
@@ -492,6 +499,7 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         torque=loads.torque if isinstance(loads, RollerAnswers) else None,
         preload=None if answers is None else _preload(answers.preload),
         bearing_torque=None if answers is None else answers.torque,
+        reference_life=None if loads is None else loads.reference,
     )
 
 

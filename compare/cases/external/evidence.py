@@ -21,7 +21,8 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, load_table
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, curvatures, of_angle, thrust_state
@@ -29,7 +30,7 @@ from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_forc
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, mean_force, rating
+from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, life, mean_force, rating
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -90,7 +91,9 @@ def _motion(found: AxisResult, station: float, freedom: str) -> float:
 
 
 def masta(sheet: Sheet, study: Study) -> None:
-    """Deep-groove bearing between rigid rings, the inner one free only along each load."""
+    """Deep-groove bearing between rigid rings, the inner one free only along each load: displacement and life, which is
+    proportional to the cube of the rating that MASTA is given."""
+    rated = given("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
@@ -98,6 +101,11 @@ def masta(sheet: Sheet, study: Study) -> None:
     ):
         result, ring = solved(study, name)
         sheet.number(key, unit * _motion(result, ring.of.position, freedom))
+        assert ring.balls is not None
+        assert isinstance(ring.of.parts, Scene)
+        found = life(ring.of.parts, ring.balls.load)
+        assert found is not None
+        sheet.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
 
 def harris(sheet: Sheet, study: Study) -> None:
@@ -219,6 +227,17 @@ ROUNDED, WITHIN = 3.0, 5.0
 SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
+def mean_speed(case: str) -> float:
+    """Mean speed [rpm] of a scene whose load cases have the speeds and times of the phases."""
+    given = inputs()[case]
+    phases = zip(given["speeds"], given["time"], strict=True)
+    cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
+    cycle = scene_file.read("\n".join([catalogue.scene_text(SCENE), *cases]), SCENE)
+    assert isinstance(cycle, DutyCycle)
+    assert cycle.speed is not None
+    return cycle.speed * 30.0 / pi
+
+
 def mean_of_phases(case: str) -> float:
     """Mean force of phases with forces, speeds and shares of the time, in the unit of the forces."""
     given = inputs()[case]
@@ -230,6 +249,7 @@ def loads(sheet: Sheet, study: Study) -> None:
     """Mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
     for key, case in EXAMPLES.items():
         sheet.number(key, mean_of_phases(case))
+    sheet.number("speed_rexroth", mean_speed("rexroth"))
     sheet.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = halves(force, 1.0)
