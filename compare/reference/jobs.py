@@ -304,7 +304,7 @@ def ensure(
                 interrupt_main()
                 return
             stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
-            step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done{stage}")
+            step(f"[{finished}/{len(left)}] {perf_counter() - start:.0f} s{stage}")
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
@@ -314,7 +314,8 @@ def ensure(
         if reader_gone():
             raise BrokenPipeError from None
         stages = "" if engine.cache is None else f", finished stages of the one under way in {engine.cache}"
-        step(f"interrupted: {finished} of {len(left)} set-ups are kept in {store}{stages}; the same command goes on there")
+        kept = f"{finished} of {len(left)} set-ups are kept in {store}{stages}"
+        step(f"WARNING: interrupted: {kept}; the same command goes on there")
         raise
     finally:
         over.set()

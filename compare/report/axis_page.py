@@ -40,7 +40,7 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
         data,
         source_files(),
         view=view_of(scene.title, [one], data, (), stores),
-        table=answers_table(rows_of(one), f"{scene.name}, model {result.model}", expected_words(None)),
+        table=answers_table(rows_of(one), f"Answers of model {result.model}", expected_words(None)),
     )
 
 

@@ -156,7 +156,9 @@ def _page_of_scene(
         _files(scene, stored, stores),
         warnings,
         view_of(scene.title, [one], data, (), stores, given),
-        table=answers_table(rows_of(one), f"{scene.name}, model {DEFAULT}", expected_words(worth)),
+        table=answers_table(
+            rows_of(one), f"Answers of model {DEFAULT}, each with the error to expect", expected_words(worth)
+        ),
     )
 
 

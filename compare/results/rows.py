@@ -190,7 +190,8 @@ def _error(
 
 def _note(table: Mapping[str, Any], template: str) -> str:
     """A note with the values of its table; empty where one is not known."""
-    values = {key: f"{float(shown(x)):.6g}" if isinstance(x, float) else x for key, x in table.items() if x is not None}
+    known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
+    values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
     try:
         return template.format_map(values)
     except KeyError:
@@ -247,7 +248,8 @@ def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
 
 def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     """The rows of what ``rollbench friction`` answers of a whole screw or bearing, or of several sets; empty of others."""
-    torque = {**data["torque"], **{key: data[key] for key in ("losses",) if key in data}} if data.get("torque") else {}
+    solved = data.get("torque") and data.get("sets", True)
+    torque = data["torque"] | {"losses": data.get("losses")} if solved else {}
     band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
     return summary_rows({"friction": torque, "band": band, "drive": data.get("drive")})
 

@@ -425,36 +425,20 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     return "torque", f"{three(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
-def _load_line(t: ScrewTorque) -> Line:
-    """The torques against the axial load and with it, and the efficiencies."""
-    if not t.translating:
-        return "load", "no axial load: no efficiency"
-    forward, backward = t.efficiency
-    against = (
-        f"{t.load:.4g} N along the screw; {three(1e3 * t.forward)} N mm against it, efficiency {100.0 * forward:.3g} %"
-    )
-    if t.locking:
-        return "load", f"{against}; self-locking: to go with it, {three(-1e3 * t.backward)} N mm are needed too"
-    held = f"{three(1e3 * t.backward)} N mm hold it back where it drives, efficiency {100.0 * backward:.3g} %"
-    return "load", f"{against}; {held}"
-
-
 def residual_line(residual: float, left: float) -> Line:
     """How far loads and friction are from balance."""
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
 def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
-    """The results in a few lines, the driving torque first; what a coefficient decides, which is hardly known to one digit,
-    has three."""
+    """What explains the results, the driving torque first; what a coefficient decides, which is hardly known to one digit,
+    has three digits."""
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
     without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
     lines = [
         _driving_line(t, motion, inner if motion.turns == "screw" else outer),
         ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
-        *(() if ring else (_load_line(t),)),
-        energy_line(balance(t.input_power, t.power), 3),
     ]
     bare = f"{three(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:

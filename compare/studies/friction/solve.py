@@ -23,7 +23,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer
-from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
+from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, balance, three
 from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, solve_scene, status_of
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
@@ -210,7 +210,7 @@ def _answer(
         f"sets of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
-    lines = [*([of_balls, _energy_line(power)] if solved else []), left]
+    lines = [*([of_balls] if solved else []), left]
     tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
         {k: range_text(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
@@ -236,15 +236,6 @@ def _energy(solved: Solved) -> dict[str, Any]:
         "torque_power_W": number(turning),
         "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
     }
-
-
-def _energy_line(values: dict[str, Any]) -> Line:
-    """The powers in words."""
-    efficiency = values["efficiency_percent"]
-    by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
-    worth = "no power leaves the shaft" if efficiency is None else f"{by} drives with an efficiency of {efficiency:.3g} %"
-    label, text = energy_line(values, 3)
-    return label, f"{text}; {worth}"
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:

@@ -97,17 +97,16 @@ def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def band_lines(data: dict[str, Any]) -> list[Line]:
-    """The band in words."""
-    words = f"at the coefficients that are measured with lubricants, {MEASURED[0]:g} to {MEASURED[1]:g}"
-    lines = [("band", f"friction torque {_range(data['friction_torque_Nmm'])} N mm {words}")]
-    if data["makers_formula_Nmm"] is not None:
-        text = (
-            f"without load drag torque {_range(data['drag_torque_Nmm'])} N mm at these; makers' formula 0.05/sqrt(tan(lead "
-            f"angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: {three(data['makers_formula_Nmm'])} N mm"
-        )
-        lines.append(("drag", text))
-    return lines
+def drag_lines(data: dict[str, Any]) -> list[Line]:
+    """The drag torque of a preloaded screw over the coefficients, and by the makers' formula."""
+    if data["makers_formula_Nmm"] is None:
+        return []
+    text = (
+        f"without load {_range(data['drag_torque_Nmm'])} N mm at coefficients from {MEASURED[0]:g} to {MEASURED[1]:g}; "
+        f"makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
+        f"{three(data['makers_formula_Nmm'])} N mm"
+    )
+    return [("drag", text)]
 
 
 def _range(values: list[float | None]) -> str:
@@ -474,7 +473,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     every = [("per ball", output.BALL_COLUMNS, output.flat_rows(rows))] if state.loaded else []
     lines = [
         *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
-        *(band_lines(wide) if state.loaded else ()),
+        *(drag_lines(wide) if state.loaded else ()),
     ]
     if near is not None:
         lines.append(

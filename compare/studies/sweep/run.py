@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from rollbench.compare import __version__
@@ -27,8 +26,8 @@ Step = Callable[[str], None]
 COMPILE_FROM = 50
 #: Samples that are tried before anything is stored: where each is refused for the same reason, nothing else is.
 FIRST = 10
-#: Most samples of a job, which its process stores together; least number of jobs a worker; seconds between two messages.
-LARGEST_BATCH, BATCHES, PULSE = 20, 20, 2.0
+#: Most samples of a job, which its process stores together; least number of jobs a worker.
+LARGEST_BATCH, BATCHES = 20, 20
 #: Workers that a scheduler may come to have, where their number is not given: they can join at any time.
 MANY = 100
 
@@ -135,14 +134,10 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         for batch in batches
     ]
     writer = sample.Writer(folder, token)
-    reported = perf_counter()
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:
             writer.append(records)
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
-        time = perf_counter()
-        if time - reported > PULSE or done == len(left):
-            reported = time
-            step(f"[{done}/{len(left)}] {failed} failed")
+        step(f"[{done}/{len(left)}] {failed} failed")
