@@ -268,12 +268,40 @@ def report(
     everything: bool = False,
     source: str = "",
 ) -> Written:
-    """The validation report, or one page on a scene (a name or file), of several scenes also a table of them side by side,
-    written to the folder ``out``.
+    """Write the validation report, or pages on scenes with their verdict, as HTML.
 
-    only, quick, stored, fresh, everything, source: of the whole report, as the command's options (everything: ``--all``);
-    reference: of a page, your own in place of the 3D reference.
-    Raises InputError, Refusal where the scene does not solve.
+    Parameters
+    ----------
+    scene
+        Name or file of a scene, or several: a page for each, and a table of all. None: the validation report.
+    only
+        Names of the sections of the validation report; all unless given.
+    out
+        Folder to write.
+    store
+        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+    reference
+        CSV file with loads to compare a scene with instead of the 3D reference.
+    quick
+        Whether only coarse meshes of two cases are computed, and the sections that need no more.
+    stored
+        Whether only stored runs are used.
+    fresh
+        Whether all runs are computed again.
+    everything
+        Whether costly sections are computed too (``--all``).
+    source
+        Name of a source, such as ``"lin"``, whose page is written from stored runs.
+
+    Returns
+    -------
+    Written
+        First page of the report, and whether recomputed runs agree with the stored ones.
+
+    Raises
+    ------
+    rollbench.InputError
+        If an argument cannot be used; as its subclass ``Refusal`` if a scene is not covered.
     """
     folder = Path(out)
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
