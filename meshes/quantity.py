@@ -59,10 +59,12 @@ def quantity(
 
     Parameters
     ----------
-    key, definition, error, heading, form, parts, show
+    key, definition
         As the fields of `Stated`.
     *also : Stated
         Further keys, with what they show of the same value.
+    error, heading, form, parts, show
+        As the fields of `Stated`.
     default, default_factory : Any, default MISSING
         As of ``dataclasses.field``.
 

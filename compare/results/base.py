@@ -61,6 +61,11 @@ class Record(ABC):
         path
             Keys joined by dots, such as ``"summary.loads.max_N"``.
 
+        Returns
+        -------
+        number, text, list or dict
+            The value.
+
         Raises
         ------
         KeyError

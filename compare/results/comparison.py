@@ -72,7 +72,7 @@ class ModelLoads(Loads):
     rms_error: float
     """Root mean square error over the loaded contacts [% of the mean contact load]."""
     gate_error: float
-    """Largest error that `check` judges: in per cent of the contact's reference load, or of the mean load if it is small."""
+    """Largest error as `check` judges it: in per cent of the contact's load, or of the mean load if it is small."""
     ball: int
     """Ball of the largest error, from 1."""
     side: str
