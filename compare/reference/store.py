@@ -199,11 +199,11 @@ class Run:
     solve_seconds: float
     #: Peak memory of set-up and load cases so far [MB]; None: not measured.
     peak_MB: float | None
-    #: Largest unbalanced force of a ball, relative.
+    #: Largest unbalanced force of a ball, over the largest load.
     balance: float
-    #: Largest force along the groove, relative.
+    #: Largest unbalanced force of a ball along its groove, over the largest load.
     along_groove: float
-    #: Unbalanced force of the screw, relative.
+    #: Unbalanced force of shaft and housings where they are free, over the largest load.
     screw_balance: float
     #: Bounds on truncation errors, such as of neglected modes.
     quality: dict[str, float]
