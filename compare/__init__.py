@@ -8,7 +8,7 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """This package, which was a function of the library up to 0.14."""
+    """Package that was a function of the library up to 0.14."""
 
     def __call__(self, *_: object, **__: object) -> NoReturn:
         """Raise an error that names the present name of the function."""

@@ -73,11 +73,11 @@ def commands(first: str = "") -> App:
 
 
 def unwrapped(doc: str | None) -> str:
-    """Return a docstring with every paragraph on one line, so that help can wrap it at the width of the terminal.
+    r"""Return a docstring with every paragraph on one line, so that help can wrap it at the width of the terminal.
 
     Examples
     --------
-    >>> unwrapped("Solve.\\n\\nParameters\\n----------\\nscene\\n    A name,\\n    or a file.").splitlines()[-1]
+    >>> unwrapped("Solve.\n\nParameters\n----------\nscene\n    A name,\n    or a file.").splitlines()[-1]
     '    A name, or a file.'
     """
     paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"

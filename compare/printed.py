@@ -98,7 +98,7 @@ class Printed:
 
     @property
     def name(self) -> str:
-        """ "table:key"."""
+        """Table and key, ``table:key``."""
         return f"{self.table}:{self.key}"
 
 

@@ -170,7 +170,7 @@ def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
     share = np.linspace(0.0, 1.0, 8)
 
     def between(index: Any) -> Grid:
-        """The flat face from the bore to the outer diameter along one edge of the grid."""
+        """Return the flat face from the bore to the outer diameter along one edge of the grid."""
         wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
         flat = np.zeros_like(wall)
         return wall, phi[index][:, None] + flat, z[index][:, None] + flat

@@ -192,7 +192,6 @@ def _safe(text: str) -> str:
 
 def table(outcomes: Sequence[Outcome]) -> str:
     """Return CSV with a line of headings."""
-
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADS)

@@ -412,7 +412,22 @@ class SectionAnswer:
 
 
 def section(scene: Scene, answer: Loads) -> SectionAnswer:
-    """That of a low-order model or of a run of the 3D reference: at the largest axial load, else at the nut's centre."""
+    """Return motion and force of the loaded section, by a low-order model or a run of the 3D reference.
+
+    The section is that with the largest axial load, or the nut's centre without loads.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    answer
+        Loads and displacements.
+
+    Returns
+    -------
+    SectionAnswer
+        Axial displacement and force.
+    """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
     return SectionAnswer(moved, pull(scene, answer.load, np.radians(answer.angle)))

@@ -300,7 +300,6 @@ def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
     """Return what a mesh depends on besides the fields of the scene."""
-
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
     low, high = dims.ends(scene)

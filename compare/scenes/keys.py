@@ -129,7 +129,7 @@ class MaterialKeys(Table):
     @field_validator("youngs_modulus")
     @classmethod
     def _of_a_solid(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """A modulus that is a slip of a unit is refused, unless the table says that it is meant."""
+        """Refuse a modulus of no solid, usually due to a wrong unit, unless the table says that it is meant."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"

@@ -68,7 +68,6 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
     InputError
         For an unknown kind, a size of another kind than ball screw and double nut, and a size out of range.
     """
-
     kind = (kind or "ball-screw").replace("-", " ")
     sized = {"ball screw": scene_like, "double nut": double_nut_like}
     if not size:

@@ -64,7 +64,7 @@ class NutCheck:
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
     def sentence(self) -> str:
-        """The result in a sentence."""
+        """Return the result in a sentence."""
         met = "within" if self.difference <= TARGET else "NOT within"
         return (
             f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "

@@ -105,8 +105,10 @@ class Vary:
 
 
 def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
-    """The keys of a table, each with all its values: `read_vary` without ranges of no number of values, and with none.
-    Raises InputError."""
+    """Read the keys of a table, each with all its values.
+
+    As `read_vary`, but a range needs a number of values, and there may be no keys. InputError for anything else.
+    """
     try:
         keys = read_vary(texts) if texts else ()
         for one in keys:
@@ -118,7 +120,7 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
 
 
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
-    """The varied keys of the command line. Raises InputError for a text of another form, or a key given twice."""
+    """Read the varied keys of the command line; InputError for a text of another form, or a key given twice."""
     found = tuple(_read(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")

@@ -307,7 +307,6 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
 
 def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures to the folder."""
-
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     for figure in figures("sweep", sweep.keys, found, converged(records)):
