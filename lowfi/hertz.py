@@ -228,8 +228,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
     ----------
     curvature_1, curvature_2
         Relative principal curvatures [1/m], each the sum over both bodies, positive for convex ones; in either order,
-        shapes
-        broadcast.
+        shapes broadcast.
     modulus
         Contact modulus E* [Pa] (`contact_modulus`).
 
