@@ -1,5 +1,4 @@
-"""Before and during a long solution: what the machine must have for the 3D reference, progress on a terminal, and a limit
-of time."""
+"""Requirements of long computations (gmsh, packages, memory), messages of progress, and a time limit."""
 
 from __future__ import annotations
 
@@ -20,7 +19,7 @@ from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missi
 
 
 def gmsh_fault() -> str:
-    """Why gmsh cannot be loaded, with the shared libraries that are missing; empty where it can."""
+    """Return why gmsh cannot be loaded, with the missing shared libraries; empty if it can."""
     reason = fault("gmsh")
     if not reason or version("gmsh") is None:
         return reason
@@ -29,12 +28,12 @@ def gmsh_fault() -> str:
 
 
 def gmsh_remedy() -> str:
-    """What to do where gmsh cannot be loaded."""
+    """Return what to do if gmsh cannot be loaded."""
     return pip("gmsh") if version("gmsh") is None else install(MESHING)
 
 
 def need_gmsh() -> None:
-    """Raise InputError where gmsh cannot be loaded."""
+    """Raise InputError if gmsh cannot be loaded."""
     reason = gmsh_fault()
     if reason:
         advice = f"{gmsh_remedy()}, or leave the 3D reference out; see rollbench doctor"
@@ -50,18 +49,18 @@ def need_packages(*packages: str) -> None:
 
 
 def need_reference() -> None:
-    """Raise InputError where no run of the 3D reference can be computed."""
+    """Raise InputError if no run of the 3D reference can be computed."""
     need_gmsh()
     need_packages(*REFERENCE)
 
 
 def libraries(packages: Sequence[str]) -> str:
-    """Packages with their versions, in words."""
+    """Return packages with their versions, in words."""
     return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
 
 
 def machine() -> str:
-    """Processor and number of cores, in words."""
+    """Return processor and number of cores, in words."""
     cpu = platform.processor() or platform.machine()
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -70,19 +69,18 @@ def machine() -> str:
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def out_of_memory(reason: object) -> InputError:
-    """The error of work that needs more memory than this machine has."""
+    """Return the error for a computation that needs more memory than this machine has."""
     advice = "end other programs, take a coarser level or fewer workers, or a cluster (`backend=dask`)"
     return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
 
 
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
-    """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
-    does not say."""
+    """Return the memory that a process can take without swapping, within its control group [GB]; None if not known."""
     limits = []
     with suppress(OSError, ValueError, StopIteration):
         lines = proc.read_text(encoding="ascii").splitlines()
@@ -93,19 +91,19 @@ def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs
     return min(limits, default=None)
 
 
-#: Seconds after which a solution says that it is still at work, and between two such lines.
+#: Seconds after which a message says that a computation is still running, and between two such messages.
 FIRST, AGAIN = 2.0, 1.0
 
 #: Signs of a full bar; what erases the line; when the process began, for the time left.
 BAR, ERASE, START = 24, "\r\033[K", monotonic()
 _drawn = False
 
-#: Exit code of a solution that its limit of time ended: as where no equilibrium is found.
+#: Exit code if the time limit ends a computation: as without equilibrium.
 ENDED = 1
 
 
 def checked(limit: float | None) -> float | None:
-    """A limit of time [s]. Raises InputError for one that is no time."""
+    """Return a time limit [s]; InputError if it is not a valid one."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
     return limit
@@ -113,7 +111,7 @@ def checked(limit: float | None) -> float | None:
 
 @contextmanager
 def watched(label: str, limit: float | None = None) -> Iterator[None]:
-    """Show on a terminal's standard error how long ``label`` has been at work; at ``limit`` [s] say so and end the process.
+    """Show on a terminal's standard error how long ``label`` has been running, and end the process at ``limit`` [s].
 
     The process ends at once, whatever it computes (compiled kernels cannot be interrupted, but leave the interpreter
     free): only for work that writes no file.
@@ -130,8 +128,10 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """A progress bar of ``label`` on a terminal, by a function of what is computed and of the share that is done; nothing
-    in the first seconds."""
+    """Show a progress bar on a terminal's standard error; the yielded function takes a text and the share that is done.
+
+    Nothing is shown elsewhere, or in the first seconds.
+    """
     begin = monotonic()
 
     def show(what: str, share: float) -> None:
@@ -146,7 +146,8 @@ def bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
 def on_terminal(text: str) -> None:
     """Show progress on a terminal's standard error: one line with a bar and the time left of a text that says ``[3/12]`` or
-    ``34%``, above it other texts. Nothing elsewhere, but a text that begins with WARNING."""
+    ``34%``, above it other texts. Nothing elsewhere, but a text that begins with WARNING.
+    """
     found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
     if not sys.stderr.isatty() and not text.startswith("WARNING"):
         return
@@ -192,7 +193,7 @@ def _draw(text: str, share: float | None = None) -> None:
 
 
 def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
-    """Whether one of these outputs, file numbers, is a pipe that nobody reads any more (``| head``)."""
+    """Return whether one of some outputs (file numbers) is a pipe that nobody reads any more (``| head``)."""
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()

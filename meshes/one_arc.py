@@ -83,10 +83,12 @@ def near_apex(groove: float, angle: float, ball: float) -> bool:
 
     Parameters
     ----------
-    groove, ball : float
-        Radii of groove and ball [m].
+    groove : float
+        Radius of the groove [m].
     angle : float
         Contact angle [rad].
+    ball : float
+        Radius of the ball [m].
 
     Returns
     -------

@@ -69,6 +69,8 @@ def quantity(
         As the fields of `Stated`.
     *also : Stated
         Further keys, with what they show of the same value.
+    error, heading, form, parts, show
+        As the fields of `Stated`.
     default, default_factory : Any, default MISSING
         As of ``dataclasses.field``.
 

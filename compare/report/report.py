@@ -1,4 +1,4 @@
-"""Writes the validation report (`rollbench.report`): runs the models, fills the records, writes the page."""
+"""Writing the validation report (`rollbench.report`): runs models, fills the records, writes the pages."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ Step = Callable[[str], None]
 
 
 def provenance() -> dict[str, str]:
-    """What was run where: version, date, machine, library versions."""
+    """Return version, date, machine and versions of libraries."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
         "rollbench": f"{__version__}, commit {commit()}",
@@ -62,10 +62,10 @@ def provenance() -> dict[str, str]:
 
 
 class Progress:
-    """Lines of progress: which section, which step, how long it took."""
+    """Lines of progress: section, step, and time."""
 
     def __init__(self, total: int, say: Step) -> None:
-        """Start counting sections out of ``total``; say: takes the lines."""
+        """Start counting sections out of ``total``; ``say`` is called with the lines."""
         self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
@@ -80,8 +80,7 @@ class Progress:
 
 
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
-    """Compute the runs that the report needs and the stores of the study do not hold yet, if it has any; fresh: all of
-    them."""
+    """Compute the runs that the report needs and no store of the study holds; ``fresh``: all of them."""
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import all_variants, ensure, expected, plan, refinements
@@ -111,8 +110,10 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 
 
 def keep_experience(stores: Sequence[Path]) -> None:
-    """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
-    own levels do not show, and the modelling choices."""
+    """Write the experience from all compared scenes to the first store.
+
+    These are parts of the discretisation uncertainty that a scene's levels do not show, and the modelling choices.
+    """
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combined, varied
     from rollbench.compare.models.study import Study
@@ -129,7 +130,7 @@ def keep_experience(stores: Sequence[Path]) -> None:
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
-    """Sections asked for; if none all, or those of a quick report. Raises InputError for a bad name."""
+    """Return the sections named, else all, or those of a quick report; InputError for an unknown name."""
     for name in only:
         if name not in (names := [part.name for part in SECTIONS]):
             raise ArgumentError("only", f'"{name}"', ", ".join(names), "name a section")
@@ -137,7 +138,7 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
 
 
 def of_source(name: str) -> list[Listed]:
-    """Sections of the page of a case. Raises InputError for a case without page."""
+    """Return the sections of the page of a case; InputError for a case without page."""
     with_page = [case.name for case in every_case() if case.page]
     if name not in with_page:
         raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "name a case that has a page")
@@ -145,8 +146,7 @@ def of_source(name: str) -> list[Listed]:
 
 
 def save_model_form(study: Study) -> None:
-    """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
-    shipped; nothing without references or without a store."""
+    """Write the data of the estimate of the model's error to the report's store, to be shipped for ``rollbench solve``."""
     from rollbench.compare.models.applicability import save_places
     from rollbench.compare.models.model_form import save_points
     from rollbench.compare.models.modelling import ladder, points
@@ -176,7 +176,8 @@ def _page(
     parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
     """Sections of a page by name of their part, made in a worker, and what its study used; with evidence of printed
-    tables. keeping: bodies of geometries on disc, as the command line does."""
+    tables. keeping: bodies of geometries on disc, as the command line does.
+    """
     if keeping:
         kept.switch_on()
     study, made = _study(*given), {}
@@ -193,7 +194,8 @@ def make_sections(
     parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
     """Sections by name of their part, one after the other, or page by page in processes side by side; those that gather
-    what all others used and found come last."""
+    what all others used and found come last.
+    """
     sections: dict[str, Sequence[Section]] = {}
     last = [part for part in parts if part.name in GATHERING]
     tables: dict[str, list[str]] = {}
@@ -235,14 +237,44 @@ def make_report(
     source: str = "",
     say: Step = on_terminal,
 ) -> Answer:
-    """Run, draw and write the report; exit code 1 where the live check does not agree.
+    """Run, draw and write the report; exit code 1 if the live check does not agree.
 
-    quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
-    store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
-    holds them; everything: the costly sections too; against: an earlier report, to list what moved; source: the page of
-    this case alone, from stored runs; say: takes the lines of progress. Run times are those of the measuring run that is
-    kept; with ``fresh`` of a new one.
-    Raises InputError for a bad section name or folder.
+    Run times are those of the stored measuring run; with ``fresh`` of a new one.
+
+    Parameters
+    ----------
+    only
+        Names of sections; empty: all.
+    out
+        Folder to write.
+    quick
+        Whether only the coarsest meshes of two cases are computed, and the sections that need no more.
+    stored
+        Whether only shipped runs are used.
+    store
+        Folder that keeps computed runs, so that an interrupted report continues.
+    engine
+        Where runs are computed.
+    fresh
+        Whether stored runs are computed again.
+    everything
+        Whether costly sections are made too.
+    against
+        Earlier report, to list what changed.
+    source
+        Case whose page is written from stored runs.
+    say
+        Called with lines of progress.
+
+    Returns
+    -------
+    Answer
+        Lines and exit code.
+
+    Raises
+    ------
+    InputError
+        For an unknown section or a folder that cannot be used.
     """
     need_packages(*PACKAGES, "scikit-fem")
     before = None if against is None else tables(against)
@@ -308,7 +340,7 @@ def make_report(
 
 
 def one_scene(names: Sequence[str], **given: Any) -> None:
-    """Raise InputError for no scene, and where something is given that goes with one scene only."""
+    """Raise InputError without a scene, and if an argument for one scene is given with several."""
     if not names:
         raise ArgumentError("scene", "an empty list", "a name, a file, or several", "name a scene")
     for name, value in given.items():
@@ -330,12 +362,40 @@ def report(
     everything: bool = False,
     source: str = "",
 ) -> Written:
-    """The validation report, or one page on a scene (a name or file), of several scenes also a table of them side by side,
-    written to the folder ``out``.
+    """Write the validation report, or pages on scenes with their verdict, as HTML.
 
-    only, quick, stored, fresh, everything, source: of the whole report, as the command's options (everything: ``--all``);
-    reference: of a page, your own in place of the 3D reference.
-    Raises InputError, Refusal where the scene does not solve.
+    Parameters
+    ----------
+    scene
+        Name or file of a scene, or several: a page for each, and a table of all. None: the validation report.
+    only
+        Names of the sections of the validation report; all unless given.
+    out
+        Folder to write.
+    store
+        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+    reference
+        CSV file with loads to compare a scene with instead of the 3D reference.
+    quick
+        Whether only coarse meshes of two cases are computed, and the sections that need no more.
+    stored
+        Whether only stored runs are used.
+    fresh
+        Whether all runs are computed again.
+    everything
+        Whether costly sections are computed too (``--all``).
+    source
+        Name of a source, such as ``"lin"``, whose page is written from stored runs.
+
+    Returns
+    -------
+    Written
+        First page of the report, and whether recomputed runs agree with the stored ones.
+
+    Raises
+    ------
+    rollbench.InputError
+        If an argument cannot be used; as its subclass ``Refusal`` if a scene is not covered.
     """
     folder = Path(out)
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}

@@ -1,6 +1,6 @@
-"""``rollbench report SCENE``: one page on a scene that may be sent to a customer.
+"""``rollbench report SCENE``: a page on one scene, for a customer.
 
-Its section of friction: torque over the turn, losses, effect of coefficient and play.
+Its section on friction shows torque over a turn, losses, and the effect of coefficient and play.
 """
 
 from __future__ import annotations
@@ -58,8 +58,7 @@ SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
 
 @contextmanager
 def replaced(out: Path) -> Iterator[None]:
-    """Write a report into the folder ``out`` inside. Raises InputError where it holds what no report wrote, or cannot be
-    written."""
+    """Let a report be written into the folder ``out``; InputError if it holds other files or cannot be written."""
     from rollbench.reports.pages import check_target
 
     try:
@@ -71,8 +70,27 @@ def replaced(out: Path) -> Iterator[None]:
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
-    """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError for a scene of
-    another kind, and a reference of several sets, Refusal where it does not solve."""
+    """Make the page of a scene, or of its load cases.
+
+    Parameters
+    ----------
+    name
+        Name or file of the scene.
+    stores
+        Folders with runs of the 3D reference.
+    file
+        File with loads instead of the 3D reference.
+
+    Returns
+    -------
+    ScenePage
+        The page.
+
+    Raises
+    ------
+    InputError
+        For a scene of another kind, and a reference of several sets; as Refusal if it does not solve.
+    """
     described = catalogue.any_scene(name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
     if sets and file is not None:
@@ -85,7 +103,7 @@ def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> Scen
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
-    """The page of the most pressed load case, with what all cases say together above it."""
+    """Return the page of the load case with the highest pressure, with the sums over all load cases above it."""
     solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
     whole = together(cycle, solved)
@@ -122,7 +140,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
 def _page_of_scene(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
-    """The page of one load case of the file or shipped scene of that name."""
+    """Return the page of one load case."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
     given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
@@ -164,11 +182,13 @@ def _page_of_scene(
 
 @dataclass(frozen=True)
 class Against:
-    """What a user's own reference says: largest error [% of the mean load] and its contact, the uncertainty that the
-    reference states of any contact [% of the mean load], and what it says of itself."""
+    """Comparison with a user's reference."""
 
+    #: Errors of the loads.
     error: LoadError
+    #: Largest stated uncertainty of the reference [% of the mean load].
     uncertainty: float
+    #: Statement of the reference about itself.
     stated: str
 
     @property
@@ -179,7 +199,7 @@ class Against:
 
 
 def against(given: Reference, result: StaticResult) -> Against:
-    """A result held against a user's own reference."""
+    """Compare a result with a user's reference."""
     error = load_error(result.load, given.load, given.contacts)
     return Against(error, uncertainty_percent(given), given.stated)
 
@@ -187,7 +207,7 @@ def against(given: Reference, result: StaticResult) -> Against:
 def verdict(
     answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
 ) -> str:
-    """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
+    """Return the main result in one sentence: largest pressure, safety, and the error to expect."""
     worst, safety = answers.loads.worst, answers.loads.safety
     if worst is None or safety is None:
         return "No contact carries load."
@@ -209,7 +229,7 @@ def verdict(
 
 
 def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
-    """Figure and table of all contacts with their pressures, beside those of references."""
+    """Return figure and table of all contacts with their pressures, next to those of references."""
     panels = []
     pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
@@ -236,7 +256,7 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
 
 
 def _stiffness(answers: Answers, tangent: Tangent) -> Section:
-    """Rigidities by formulas and by the model, and the tangent stiffness at the nut."""
+    """Return the section on rigidities by formulas and model, and the tangent stiffness at the nut."""
     three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",
@@ -269,7 +289,7 @@ def _stiffness(answers: Answers, tangent: Tangent) -> Section:
 def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
-    """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
+    """Return the section on measured error with u_val, expected error, and the compared range."""
     items: list[Text | Table | Figure] = []
     if given is not None:
         text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
@@ -312,7 +332,7 @@ def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
 
 
 def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
-    """SHA-256 of the sources, of the points of the estimate, and of every run of the reference that was used."""
+    """Return the SHA-256 of sources, of the data of the estimate, and of every run of the reference that was used."""
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
@@ -331,15 +351,15 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None,
     return out
 
 
-#: Steps of the run over the turn that the page shows where the scene has none of its own.
+#: Number of steps of a run over one turn, if the scene states no run.
 STEPS = 24
 
-#: How much balls are larger in radius than the scene says [m], at the points of the figure.
+#: Oversizes of the ball radius relative to the scene [m], at the points of the figure.
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
 def section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
-    """Friction of a solved scene that names a coefficient; None for one that does not, or without friction's balance."""
+    """Return the section on friction of a solved scene with a coefficient; None for others, or without balance."""
     if scene.friction is None:
         return None
     motion = scene.motion or ONE_TURN
@@ -385,13 +405,13 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
 
 
 def _turn(scene: Scene, motion: Motion) -> Time:
-    """The scene's own run, or one turn; a bearing's balls come round again after the angle from one to the next."""
+    """Return the scene's run, or one turn; for a bearing the angle after which the balls repeat."""
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
 def _over_turn(run: Run) -> list[Panel]:
-    """Torque over the angle, with that of only the grooves; none where the run did not begin."""
+    """Return the torque over the angle, with that of the grooves only; none if the run did not start."""
     h = run.history
     if not h.begun:
         return []
@@ -404,7 +424,7 @@ def _over_turn(run: Run) -> list[Panel]:
 
 
 def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
-    """Torque over the coefficients that are measured, with the scene's own."""
+    """Return the torque over the measured coefficients, with the scene's."""
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
@@ -414,7 +434,7 @@ def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
 
 
 def _over_play(solved: Solved) -> Panel:
-    """Torque with balls larger or smaller than the scene's."""
+    """Return the torque with balls larger or smaller than the scene's."""
     scene, torques = solved.scene, []
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)

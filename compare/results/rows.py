@@ -87,7 +87,8 @@ OF_SETS = (
 
 def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
     """The rows of a solved scene, of several sets those of the whole and of the set with the worst contact; details: also
-    the quantities that a designer seldom asks for. Empty without answers."""
+    the quantities that a designer seldom asks for. Empty without answers.
+    """
     if one.answers is None:
         return []
     supports = _support_rows(one.answers.path)
@@ -119,7 +120,8 @@ def compared_rows(
     data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
     """Quantities of a model and of its reference, by their summaries: name, both values, unit, difference, and the error
-    that was to be expected."""
+    that was to be expected.
+    """
     theirs = {(kind, key): _at(table, key) for kind, table, stated in _tables(reference) for key, _ in stated}
     mean = (data.get("loads") or {}).get("mean_N")
     for kind, table, stated in _tables(data):

@@ -1,4 +1,4 @@
-"""What `rollbench.check` gives: `Verdict`, row by row."""
+"""Result of `rollbench.check`: a `Verdict` with a row for each judged quantity."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from rollbench.compare.scenes.scene_file import each_case
 
 
 class Judgement(StrEnum):
-    """How a quantity was judged."""
+    """Judgement of a quantity by its error e, the uncertainty u of the reference and the limit."""
 
     PASS = "pass"
-    """Error and uncertainty of the reference together are within the limit."""
+    """e + u is within the limit."""
     FAIL = "fail"
-    """The error less the uncertainty of the reference is beyond the limit."""
+    """e - u is beyond the limit."""
     NOT_CONVERGED = "not converged"
-    """The model found no loads in this load case."""
+    """The model found no equilibrium in this load case."""
     UNDECIDED = "undecided"
-    """The uncertainty of the reference decides: between pass and fail."""
+    """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
     NOT_COVERED = "not covered"
-    """The reference has nothing to judge by."""
+    """The reference has no such quantity."""
 
 
 #: What to do about a verdict that is not "pass".
@@ -43,61 +43,69 @@ ADVICE = {
 
 @dataclass(frozen=True)
 class VerdictRow:
-    """One quantity of a scene, of one of its load cases, or of one of several sets."""
+    """Judgement of one quantity of a scene, a load case or one of several sets."""
 
     scene: str
     """Name of the scene."""
     case: str | None
     """Name of the load case; None without load cases."""
     set: str | None
-    """Name of the set; None where there is one."""
+    """Name of the set; None if there is only one."""
     judged: str
-    """Whose values are judged: a model, or a file."""
+    """Origin of the judged values: name of a model or of a file."""
     quantity: str
-    """What is judged."""
+    """Name of the judged quantity."""
     judgement: Judgement
-    """The verdict."""
+    """Judgement of the quantity."""
     unit: str
-    """Unit of error, uncertainty and limit: ``%`` of contact loads (of a contact's load in the reference, of the mean load
-    where that is small), else that of the quantity's limit."""
+    """Unit of error, uncertainty and limit: ``%`` of the reference (for small contact loads, of the mean load), or the unit
+    of the limit, such as ``deg``."""
     error: float | None
-    """Error of the contact that decides [unit]; None where nothing could be compared."""
+    """Error of the contact that decides [unit]; None if nothing could be compared."""
     uncertainty: float | None
-    """What the reference is uncertain by there [unit]; None where that is not known."""
+    """Uncertainty of the reference at this contact [unit]; None if not known."""
     limit: float
     """Largest error that passes [unit]."""
     ball: int | None
-    """Ball that decides, from 1; None of values of the whole."""
+    """Ball of the contact that decides, from 1; None for values of the whole scene."""
     side: str | None
-    """Flank that decides: SL, SR, NL, NR."""
+    """Flank of the contact that decides: SL, SR, NL, NR."""
     contacts: int
-    """How many contacts were judged."""
+    """Number of judged contacts."""
     levels: tuple[int, ...]
     """Mesh levels of the reference."""
     detail: str
-    """What else is to be known."""
+    """Further explanation; may be empty."""
     line: str
-    """The verdict as one line of text."""
+    """The row as one line of text."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Verdict(Record):
-    """Whether values agree with their reference within a limit."""
+    """Judgement of the loads and values of scenes against their reference: a row for each quantity.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> verdict = rollbench.check("lin-case1", model="lin")
+    >>> verdict.passed, verdict.worst.ball, verdict.worst.side
+    (False, 31, 'SL')
+    """
 
     rows: tuple[VerdictRow, ...]
-    """Every quantity that was judged, in the order of scenes, load cases and sets."""
+    """Every judged quantity, in the order of scenes, load cases and sets."""
     warnings: tuple[str, ...]
-    """What a user should see before."""
+    """Warnings, such as unknown columns of a file."""
     not_judged: tuple[str, ...]
-    """Quantities that are not judged: not given, or not held by the reference."""
+    """Quantities that are not judged: not given, or not in the reference."""
     judged: tuple[gate.Verdict, ...]
-    """Records of the gate with all that it found, one for each row."""
+    """Records of the gate with further details, one for each row."""
     described: tuple[Described, ...]
-    """The scenes."""
+    """The judged scenes."""
 
     @property
     def judgement(self) -> Judgement:
-        """The gravest of all rows."""
+        """Worst judgement of all rows."""
         return Judgement(worst_of([row.judgement.value for row in self.rows]))
 
     @property
@@ -107,17 +115,23 @@ class Verdict(Record):
 
     @property
     def worst(self) -> VerdictRow | None:
-        """The row that decides: the gravest, and of these the one whose error is most of its limit; None without rows."""
+        """Row that decides: among those with the worst judgement the largest error over limit; None without rows."""
         gravest = [row for row in self.rows if row.judgement is self.judgement]
         return max(gravest, key=lambda row: abs(row.error or 0.0) / row.limit, default=None)
 
     @property
     def word(self) -> str:
-        """The gravest of all rows, in words."""
+        """Worst judgement of all rows, as text."""
         return self.judgement.value
 
     def to_dict(self) -> dict[str, JSON]:
-        """What ``rollbench check SCENE --json`` prints."""
+        """Return the JSON that ``rollbench check SCENE --json`` prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
         return with_schema(verdicts_json(self.described, self.judged) | rest)
 
@@ -165,14 +179,38 @@ class Verdict(Record):
         return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
 
     def __repr__(self) -> str:
-        """The gravest verdict, then a line for each row."""
+        """Return the worst judgement, then a line for each row."""
         return "\n".join([f"verdict: {self.word}", *self._notes])
 
 
 def verdict_of(
     described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, step: Callable[[str], None]
 ) -> Verdict:
-    """Judge scenes and their load cases. names: what errors name them; step: takes lines of progress. Raises InputError."""
+    """Judge scenes and their load cases.
+
+    Parameters
+    ----------
+    described
+        The scenes.
+    names
+        File or name of each scene, for errors.
+    request
+        What is judged, by which limits and references.
+    engine
+        Runs computations of the 3D reference.
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    Verdict
+        A row for each judged quantity.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a scene, file or limit cannot be used.
+    """
     warnings: list[str] = []
     judged = judged_cases(described, names, request, engine, step, warnings.append)
     left = not_judged(judged) if request.loads or request.values else []
@@ -208,8 +246,25 @@ def judged_cases(
     step: Callable[[str], None],
     warn: Callable[[str], None],
 ) -> list[gate.Verdict]:
-    """Verdicts on scenes and their load cases; "not converged" where the model of a case has no loads. step, warn: as
-    `check_scenes`."""
+    """Judge scenes and their load cases, as records of the gate.
+
+    Parameters
+    ----------
+    described, names, request, engine, step
+        As for `verdict_of`.
+    warn
+        Called with warnings.
+
+    Returns
+    -------
+    list of rollbench.compare.gate.verdict.Verdict
+        A record for each quantity, with the name of its load case; "not converged" where the model has no loads.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a scene, file or limit cannot be used.
+    """
     cases = cases_by_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
     of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
@@ -222,7 +277,20 @@ def judged_cases(
 
 
 def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
-    """All verdicts, the gravest, and of scenes with load cases those of each, in order, and which case decides."""
+    """Return the JSON of all verdicts.
+
+    Parameters
+    ----------
+    described
+        The scenes.
+    verdicts
+        Records of the gate, of all scenes and load cases.
+
+    Returns
+    -------
+    dict
+        The verdicts and the worst of them; of load cases also those of each case, and which case decides.
+    """
     gravest = worst_of([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []

@@ -249,7 +249,8 @@ def _supports(writer: Writer, shaft: Assembly) -> None:
 
 def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[Case]:
     """Loads on the shaft, and what ball nuts put on it, as components; of each case their attributes, of one the
-    components' own."""
+    components' own.
+    """
     names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
     for one in solved:
         found = dict[tuple[str, float], np.ndarray]()

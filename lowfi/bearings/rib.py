@@ -74,8 +74,7 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
     ------
     ValueError
         A sphere that does not reach the rib or fits it without gap: R_s must lie above the end's radius and below its
-        distance
-        from the apex. The text completes a sentence "must be ...".
+        distance from the apex. The text completes a sentence "must be ...".
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
@@ -91,7 +90,13 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
 
 
 def rib_height(row: RollerRow) -> float:
-    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it."""
+    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it.
+
+    Parameters
+    ----------
+    row
+        Row of tapered rollers.
+    """
     return USUAL_HEIGHT * row.diameter if row.rib_height is None else row.rib_height
 
 
@@ -130,8 +135,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     """Return the contact of the most loaded roller of a row with its rib.
 
     Range: straight or crowned rollers seated on their ribs, ellipse small against the end; the ellipse is truncated where
-    its
-    semi-axis b is larger than the height.
+    its semi-axis b is larger than the height.
 
     Parameters
     ----------

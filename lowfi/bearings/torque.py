@@ -276,5 +276,16 @@ def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) 
     """Return the factor G_1 that a running torque [N m] implies, for a manufacturer's curve or a test.
 
     The inverse of `taper_torque`, with the same arguments.
+
+    Parameters
+    ----------
+    torque
+        Running torque [N m].
+    viscosity
+        Kinematic viscosity, as `taper_torque` takes it.
+    speed
+        Speed of the shaft, as `taper_torque` takes it.
+    axial
+        Thrust [N].
     """
     return torque / taper_torque(1.0, viscosity, speed, axial)

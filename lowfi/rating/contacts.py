@@ -195,9 +195,8 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
     """Return the static safety of a ball's contact between parts of hardened bearing steel.
 
     By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: the permanent
-    deformation
-    of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near the elastic
-    limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
+    deformation of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near
+    the elastic limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
 
     Parameters
     ----------
@@ -357,6 +356,11 @@ def roller_safety(worst: RollerContact) -> StaticSafety:
     """Return the static safety of a roller's line contact between parts of hardened bearing steel.
 
     ISO 76 rates the contacts of roller bearings at the load of 4000 MPa, and the pressure grows with the root of the load.
+
+    Parameters
+    ----------
+    worst
+        Line contact with the highest pressure.
     """
     return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
@@ -377,6 +381,11 @@ def contact_rating(scene: Scene) -> float:
 
 def static_rating(scene: Scene) -> float:
     """Return the basic static load rating C_0 of a screw or bearing by (2).
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
 
     Returns
     -------
@@ -424,6 +433,11 @@ class Ratings:
 
 def ratings(scene: Scene) -> Ratings:
     """Return the dynamic and static load ratings of a screw or bearing.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
 
     Raises
     ------

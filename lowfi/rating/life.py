@@ -234,9 +234,13 @@ def filled_turns(scene: Scene) -> float:
     """Return the number of turns that the balls of all starts fill, without the gaps between circuits.
 
     Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. Exact for equal
-    spacing
-    within circuits of two balls or more, whatever their gaps; where spacings are unequal, a longer one counts as the
-    median.
+    spacing within circuits of two balls or more, whatever their gaps; where spacings are unequal, a longer one counts as
+    the median.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
     """
     azimuths = np.sort(scene.balls.azimuths)
     angle = float(np.median(np.diff(azimuths))) if azimuths.size > 1 else 2.0 * pi
@@ -292,6 +296,11 @@ def _turn_rating(scene: Scene) -> Array:
 
 def rating(scene: Scene) -> float:
     """Return the basic dynamic load rating C of one pair of opposite raceways.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
 
     Returns
     -------

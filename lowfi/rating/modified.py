@@ -131,6 +131,13 @@ def fatigue_limit(scene: Scene) -> float:
 def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     """Return the life modified by the reliability, lubricant and contamination of a scene's operation.
 
+    Parameters
+    ----------
+    scene
+        Scene that states reliability, lubricant and contamination.
+    life
+        Basic rating life by the contact loads; None: not known.
+
     Returns
     -------
     ModifiedLife | None
