@@ -110,7 +110,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
 
 
 def block(lines: Sequence[Line]) -> str:
-    """Labels and what they say, for the terminal."""
+    """Return labels and texts of lines for the terminal."""
     from rollbench.compare.text.entries import entry
 
     return "\n".join(entry(label, text, text_width()) for label, text in lines)

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 
 def _progress(done: int, total: int, text: str) -> None:
-    """One line on a terminal, which the next one takes the place of; an empty one at the end."""
+    """Show one line on a terminal, which the next one replaces; an empty one at the end."""
     if sys.stderr.isatty():
         sys.stderr.write(f"\r\033[K[{done}/{total}] {text}" if text else "\r\033[K")
 
 
 def run_stability(*, as_json: bool) -> Answer:
-    """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
+    """Run the table; exit code 1 if our solver fails on any case. ``as_json``: progress on a terminal only."""
     from rollbench.compare.studies.extremes import failures, table
 
     def progress(done: int, total: int, case: str) -> None:
@@ -56,9 +56,9 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
 
 
 def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
-    """Run the survey of drawn screws: its errors and every scene without an answer; exit code 1 where there is any, else 0.
+    """Run the survey of drawn screws, with its errors and every scene without result; exit code 1 if there is any.
 
-    Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
+    InputError for counts out of range, a folder of something else, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.studies import survey
