@@ -114,7 +114,7 @@ def export(
 
 
 def run_json(scene: Scene, out: Path | None) -> Answer:
-    """Write a scene as a program that is a model gets it; ``<scene>.json`` unless given. Raises InputError."""
+    """Write a scene as a program that is a model gets it, to ``<scene>.json`` unless given; InputError as `export`."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.programs import scene_json
 
@@ -224,7 +224,7 @@ def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
 
 
 def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
-    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and a grid with gaps."""
+    """Write the table of a JSON file for ROSS and Modelica; InputError for another file and a grid with gaps."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
     from rollbench.compare.text.table import failure_words
@@ -274,10 +274,9 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
 
 
 def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
-    """Mesh, condense all four sides and write the file, whole or not at all, for all load cases of the scene that was
-    ``typed``.
+    """Mesh and condense all four flanks, and write the file completely or not at all, for all load cases of a scene.
 
-    Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
+    InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, written
     from rollbench.compare.reference.levels import LEVELS

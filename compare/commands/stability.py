@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def run_stability() -> Answer:
-    """Run the table; exit code 1 where our solver fails on any case, else 0."""
+    """Run the table; exit code 1 if our solver fails on any case, else 0."""
     from rollbench.compare.studies.extremes import failures, table
 
     rows = table(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
@@ -44,9 +44,9 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
 
 
 def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
-    """Run the survey of drawn screws: its errors and every scene without an answer; exit code 1 where there is any, else 0.
+    """Run the survey of drawn screws, with its errors and every scene without result; exit code 1 if there is any.
 
-    Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
+    InputError for counts out of range, a folder of something else, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.running import on_terminal

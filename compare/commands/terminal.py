@@ -1,4 +1,4 @@
-"""The application that the commands of the command line are added to."""
+"""Application of the command line, to which commands are added, and options that several commands share."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class OfProgram:
 
 
 def model_of(program: OfProgram | None, model: str = "") -> str:
-    """The model that is asked for by its name, or by a command. Raises InputError for both, and for seconds alone."""
+    """Return the model given by its name, or by a command; InputError for both, and for a time limit without command."""
     if program is None or program == OfProgram():
         return model
     if not program.model_command:
@@ -93,7 +93,7 @@ def engine(where: Where | None, here: int | None = None) -> Engine:
 
 
 def cache_folder() -> Path | None:
-    """Folder of meshes and condensed parts, None for none."""
+    """Return the folder of meshes and condensed parts; None for no cache."""
     from rollbench.meshes.cache import default_root
 
     return default_root()

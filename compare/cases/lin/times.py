@@ -47,7 +47,7 @@ CALLS = {
 
 
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
-    """All times of the page, measured now: five minutes on two quiet cores."""
+    """Return all times of the page, measured now: five minutes on two quiet cores."""
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevel] = []
     for name in STATIC.values():
@@ -78,7 +78,7 @@ class Seconds:
 
 
 def seconds(study: Study, name: str, way: str) -> Seconds:
-    """Seconds of a scene: ``lin``, ``numerical``, ``formula``, or ``3D``, from the measuring run that is kept."""
+    """Return seconds of a scene: ``lin``, ``numerical``, ``formula``, or ``3D``, from the measuring run that is kept."""
     kept = study.once(times_of, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:

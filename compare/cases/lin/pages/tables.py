@@ -1,5 +1,4 @@
-"""The tables of the thesis as it prints them, in its order, with what is computed for each number and our run times; the
-sentences with numbers; figures of what they say."""
+"""Page with the tables of the thesis as it prints them, with computed numbers and run times, sentences and figures."""
 
 from __future__ import annotations
 
@@ -46,25 +45,25 @@ SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f"
 
 
 def costs(study: Study, way: str, name: str) -> Row:
-    """Seconds of ours, cold and further: ``way`` of a scene, and of its 3D model."""
+    """Return our run times, cold and further: ``way`` of a scene, and of its 3D model."""
     low, solid = seconds(study, name, way), seconds(study, name, "3D")
     cells: Row = {LOW["cold"]: low.cold, LOW["further"]: low.further}
     return cells | {SOLID["cold"]: solid.cold, SOLID["further"]: solid.further, OLDER: solid.older}
 
 
 def printed_seconds(name: str) -> float:
-    """A printed time in seconds."""
+    """Return a printed time in seconds."""
     one = entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
 def count(table: str, key: str) -> str:
-    """A printed number of elements."""
+    """Return a printed number of elements."""
     return f"{value_of(table, key):,.0f}"
 
 
 def solid_size(study: Study, name: str) -> str:
-    """Size of the finest 3D model of a scene, in words."""
+    """Return the size of the finest 3D model of a scene, in words."""
     if name in STATIC.values():
         found = study.reference(name)
         return "" if found is None else f"{found.best.unknowns:,} unknowns (level {found.best.level})"
@@ -73,7 +72,7 @@ def solid_size(study: Study, name: str) -> str:
 
 
 def of_2_2(study: Study) -> dict[str, Row]:
-    """Seconds and elements of Table 2.2."""
+    """Return seconds and elements of Table 2.2."""
     more: dict[str, Row] = {}
     for k, name in STATIC.items():
         ours = len(fixed_partition(study.scene(name))) - 1
@@ -96,19 +95,19 @@ def of_2_2(study: Study) -> dict[str, Row]:
 
 
 def of_3_4(study: Study) -> dict[str, Row]:
-    """The 3D value of Table 3.4 has the loads of the reading that gives the printed digits."""
+    """Return the 3D values of Table 3.4, with the loads of the reading that gives the printed digits."""
     found = {f.printed.name: f for f in evidence(study, "lin-3.4")}
     keys = [name for name in found if name.startswith("lin-3.4:a_eps") and name.endswith("numerical")]
     return {name: {AGAINST: error(found[name].as_printed, found[name].reference)} for name in keys}
 
 
 def error(value: float | None, reference: float | None) -> float | None:
-    """Error [%], None without one of the two."""
+    """Return the error [%], None without one of the two."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 
 def of_3_5(study: Study) -> dict[str, Row]:
-    """Seconds, elements and printed differences of Table 3.5."""
+    """Return seconds, elements and printed differences of Table 3.5."""
     more: dict[str, Row] = {}
     for case, name in LINEAR.items():
         for way, own in (("numerical", "numerical"), ("analytic", "formula"), ("ansys", "numerical")):
@@ -124,7 +123,7 @@ def of_3_5(study: Study) -> dict[str, Row]:
 
 
 def of_3_7(study: Study) -> dict[str, Row]:
-    """Seconds, elements, printed differences of Table 3.7, and the 3D value in the inferred reading."""
+    """Return seconds, elements, printed differences of Table 3.7, and the 3D value in the inferred reading."""
     more: dict[str, Row] = {}
     for case, name in SCREW.items():
         inferred: Row = {INFERRED_3D: source_cases.in_3d(study, f"{name}-inferred").get("force 1-2 N")}
@@ -163,12 +162,12 @@ WHY = {
 
 
 def why(name: str) -> str:
-    """Why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
+    """Return why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
 def ours(study: Study) -> dict[str, str]:
-    """What stands for ours in the source's own layout where it is no value: times and sizes."""
+    """Return texts of the source's layout that are no computed values: times and sizes."""
     out: dict[str, str] = {}
 
     def words(cold: float | None, further: float | None, older: str = "") -> str:
@@ -194,7 +193,7 @@ def ours(study: Study) -> dict[str, str]:
 
 
 def load_figure(study: Study) -> Figure:
-    """Loads over the ball's number in the case studies: ours, 3D, and what the text says (Figures 2.9, 2.11, 2.12)."""
+    """Draw loads over the ball's number in the case studies: ours, 3D, and what the text says (Figures 2.9, 2.11, 2.12)."""
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
@@ -230,7 +229,7 @@ MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _ratio_mark, 2: _ball
 
 
 def mesh_figure(study: Study) -> Figure:
-    """Error over the cell size: static loads, and ball-to-ball forces; with the printed differences from ANSYS."""
+    """Draw the error over the cell size: static loads, and ball-to-ball forces; with the printed differences from ANSYS."""
     static, balls = [], []
     for name in STATIC.values():
         found = study.reference(name)
@@ -267,7 +266,7 @@ def mesh_figure(study: Study) -> Figure:
 
 
 def answers_rows(study: Study) -> Iterator[Row]:
-    """Loads and errors of the case studies, as ``rollbench compare`` prints them."""
+    """Yield loads and errors of the case studies, as ``rollbench compare`` prints them."""
     for k, name in STATIC.items():
         found = study.reference(name)
         if found is None:
@@ -294,7 +293,7 @@ def answers_rows(study: Study) -> Iterator[Row]:
 
 
 def answers_table(study: Study) -> Table:
-    """Table of `answers_rows`."""
+    """Return the table of `answers_rows`."""
     title = "Case studies: loads and errors, as rollbench compare prints them"
     return Table.of("lin-answers", title, answers_rows(study), "Again by: rollbench compare lin-case1, and so on.")
 
@@ -315,7 +314,7 @@ GUIDE = (
 
 
 def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Sections of the report."""
+    """Return the sections of the report."""
     step("printed numbers of the thesis")
     names = [name for name in tables() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(study, *names)}
@@ -335,7 +334,7 @@ def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
 
 
 def conclusion(found: Iterable[Evidence]) -> str:
-    """How many of the printed numbers come out."""
+    """Return how many of the printed numbers come out."""
     numbers = [f for f in found if not f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
@@ -348,7 +347,7 @@ def conclusion(found: Iterable[Evidence]) -> str:
 
 
 def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
-    """Section of one table of the thesis, or of its sentences."""
+    """Return the section of one table of the thesis, or of its sentences."""
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
         items.append(inputs(layout, found))
@@ -365,7 +364,7 @@ def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Se
 
 
 def times_note(study: Study) -> str:
-    """What the seconds are of."""
+    """Return a note on the conditions of the run times."""
     kept = study.once(times_of, "lin")
     return (
         f"Printed seconds: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next "
