@@ -389,7 +389,7 @@ def reference_lines(of: str, d: dict[str, Any] | None) -> list[tuple[str, str]]:
     capacity, carried = d["raceway_capacity_N"], d["raceway_equivalent_load_N"]
     each = ", ".join(f"{name} {shown(carried[name])} of {shown(Q)} N" for name, Q in capacity.items())
     million, load = shown(d["L10r_million_revolutions"]), shown(d["equivalent_reference_load_N"])
-    return [("16281", f"{of}L10r {million} million revolutions, P_ref {load} N; Q_e of Q_c: {each}")]
+    return [("ISO 16281", f"{of}L10r {million} million revolutions, P_ref {load} N; Q_e of Q_c: {each}")]
 
 
 def _shaft(data: dict[str, Any]) -> list[tuple[str, str]]:

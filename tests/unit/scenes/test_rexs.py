@@ -175,6 +175,7 @@ def test_what_is_missing_is_asked_for_and_filled_in(tmp_path):
         ({'unit="deg"': 'unit="rad"'}, "pressure_angle|angular_position"),
         ({'version="1.7"': 'version="2.0"'}, "model"),
         ({">angular_contact_ball_bearing<": ">radial_roller_bearing<"}, "bearing_type"),
+        ({">negative<": ">both_directions<"}, "axial_force_absorption_of_row"),
         ({'<attribute id="width" unit="mm">16<': '<attribute id="width" unit="mm">wide<'}, "width"),
         ({"<relations>": "<relations><relation id='999' type='side'><ref id='9999' role='x'/></relation>"}, "9999"),
         ({"</model>": ""}, "file"),
