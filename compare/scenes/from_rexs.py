@@ -86,7 +86,10 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
     if len(model.cases) == 1:
         for k, attributes in model.cases[0].items():
             model.components[k].attributes |= attributes
-    table = _tables(reader, chosen)
+    try:
+        table = _tables(reader, chosen)
+    except (ValueError, OverflowError) as error:  # of a text that was given, or a count that is none
+        raise ArgumentError("set", str(error), "numbers with their units", "see the values given", str(path)) from None
     if reader.given:
         keys = "title, material.KEY or SET.KEY that REXS or this file lacks"
         raise ArgumentError("set", ", ".join(reader.given), keys, "see the keys that the file asks for", str(path))

@@ -189,7 +189,9 @@ def test_a_faulty_file_is_refused_where_it_is_faulty(tmp_path, words, named):
 
 def test_unknown_shafts_and_keys_are_refused(tmp_path):
     file = edited(tmp_path)
-    for shaft, given, named in (("7", [], "shaft"), ("", ["left.nose=1 mm"], "left.nose"), ("", ["left"], "KEY=VALUE")):
+    ratio = ["material.poissons_ratio=steel"]
+    wrong = (("7", [], "shaft"), ("", ["left.nose=1 mm"], "left.nose"), ("", ["left"], "KEY=VALUE"), ("", ratio, "set"))
+    for shaft, given, named in wrong:
         with pytest.raises(ArgumentError, match=named):
             new_of_rexs(tmp_path / "no.toml", file, shaft, given)
 
