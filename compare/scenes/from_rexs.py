@@ -86,7 +86,10 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
     if len(model.cases) == 1:
         for k, attributes in model.cases[0].items():
             model.components[k].attributes |= attributes
-    table = _tables(reader, chosen)
+    try:
+        table = _tables(reader, chosen)
+    except (ValueError, OverflowError) as error:  # of a text that was given, or a count that is none
+        raise ArgumentError("set", str(error), "numbers with their units", "see the values given", str(path)) from None
     if reader.given:
         keys = "title, material.KEY or SET.KEY that REXS or this file lacks"
         raise ArgumentError("set", ", ".join(reader.given), keys, "see the keys that the file asks for", str(path))
@@ -205,10 +208,12 @@ def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, nam
     takes = row.word("axial_force_absorption_of_row") or bearing.word("axial_force_absorption")
     floats = bearing.word("axial_force_absorption") == FLOATS
     takes = reader.given.pop(f"{name}.thrust", "") or THRUST.get("both_directions" if takes == FLOATS else takes, takes)
-    if takes not in THRUST.values():
+    one_way = kind in ROLLERS or "angular_contact" in kind
+    if takes not in THRUST.values() or (one_way and takes == "both"):
         where = f"component {row.id} ({row.type}), attribute axial_force_absorption_of_row"
         advice = f'add it, or give --set "{name}.thrust=+z" (-z, both)'
-        reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", ", ".join(THRUST), advice))
+        allowed = "positive or negative" if one_way else ", ".join(THRUST)
+        reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
     if not count:
         reader.lack(row, "number_of_rolling_elements", f"{name}.count")
     shift = bearing.number("preload_distance") or 0.0

@@ -47,7 +47,8 @@ class Writer:
         self.notes: list[str] = []
         self.unit = self.model.add("gear_unit", shaft.title)
         self.casing = self.model.add("gear_casing", "casing")
-        speed = None if shaft.motion is None else _rpm(shaft.motion.speed)
+        turns = shaft.motion is not None and shaft.motion.turns == "screw"
+        speed = _rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
         self.shaft = self.model.add("shaft", shaft.name, **_place(0.0, self.unit), rotational_speed=speed)
         for part in (self.casing, self.shaft):
             self.model.relate("assembly", assembly=self.unit, part=part)

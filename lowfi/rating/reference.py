@@ -115,7 +115,7 @@ def edge_stress(laminae: int) -> Array:
     Examples
     --------
     >>> edge_stress(30)[:3].round(3).tolist()
-    [2.328, 1.126, 1.064]
+    [2.328, 1.127, 1.064]
     """
     k = np.arange(1, laminae + 1)
     place = np.abs(2 * k - laminae - 1) / (2.0 * laminae - 2.0)

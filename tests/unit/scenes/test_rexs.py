@@ -175,6 +175,7 @@ def test_what_is_missing_is_asked_for_and_filled_in(tmp_path):
         ({'unit="deg"': 'unit="rad"'}, "pressure_angle|angular_position"),
         ({'version="1.7"': 'version="2.0"'}, "model"),
         ({">angular_contact_ball_bearing<": ">radial_roller_bearing<"}, "bearing_type"),
+        ({">negative<": ">both_directions<"}, "axial_force_absorption_of_row"),
         ({'<attribute id="width" unit="mm">16<': '<attribute id="width" unit="mm">wide<'}, "width"),
         ({"<relations>": "<relations><relation id='999' type='side'><ref id='9999' role='x'/></relation>"}, "9999"),
         ({"</model>": ""}, "file"),
@@ -188,7 +189,9 @@ def test_a_faulty_file_is_refused_where_it_is_faulty(tmp_path, words, named):
 
 def test_unknown_shafts_and_keys_are_refused(tmp_path):
     file = edited(tmp_path)
-    for shaft, given, named in (("7", [], "shaft"), ("", ["left.nose=1 mm"], "left.nose"), ("", ["left"], "KEY=VALUE")):
+    ratio = ["material.poissons_ratio=steel"]
+    wrong = (("7", [], "shaft"), ("", ["left.nose=1 mm"], "left.nose"), ("", ["left"], "KEY=VALUE"), ("", ratio, "set"))
+    for shaft, given, named in wrong:
         with pytest.raises(ArgumentError, match=named):
             new_of_rexs(tmp_path / "no.toml", file, shaft, given)
 
