@@ -69,7 +69,7 @@ def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     sides = ["right" if _is_number(rows, headings, k) else "left" for k in range(len(headings))]
     line = "<tr>{}</tr>".format
-    head = "".join(f"<th style='text-align:{sides[k]}'>{headings[k]}</th>" for k in kept)
+    head = "".join(f"<th style='text-align:{sides[k]}'>{html.escape(headings[k])}</th>" for k in kept)
     body = "".join(
         line("".join(f"<td style='text-align:{sides[k]}'>{html.escape(micro(row[k]))}</td>" for k in kept)) for row in rows
     )

@@ -13,8 +13,8 @@ import numpy as np
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
-from rollbench.compare.results.base import JSON, Record, Row, deprecated, with_schema
-from rollbench.compare.results.rows import expected_words, rows_of, together_rows
+from rollbench.compare.results.base import JSON, Record, Row, as_html, deprecated, with_schema
+from rollbench.compare.results.rows import expected_words, rows_of, set_rows, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json, pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
@@ -432,6 +432,11 @@ class Result(Record, Balls):
     def table(self) -> Sequence[Row]:
         """The rows that ``rollbench solve`` prints, of load cases those of all together."""
         return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook, of several sets with a row on each."""
+        rows = [row for one in self.solved if isinstance(one, SolvedAxis) and not self.cases for row in set_rows(one)]
+        return super()._repr_html_() + (as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
     @property
     def _notes(self) -> tuple[str, ...]:

@@ -141,10 +141,10 @@ class Verdict(Record):
         """A row for every quantity that was judged; scene and model stand in `answer` where they are the same in all."""
         rows = []
         for v in self.judged:
-            numbers = (f"{abs(x):.3g} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty, v.limit))
+            numbers = (f"{abs(x):.2f} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty))
             ball = "" if v.ball is None else f"ball {v.ball} {v.flank}"
             note = "; ".join(filter(None, (ball, v.pair_text.strip(", "), v.detail)))
-            rows.append((v.word, v.of, v.judged, v.quantity, *numbers, note))
+            rows.append((v.word, v.of, v.judged, v.quantity, *numbers, f"{v.limit:.4g} {v.unit}", note))
         same = [len({row[k] for row in rows}) == 1 for k in range(len(self.headings))]
         return [["" if same[k] and k in (1, 2) else text for k, text in enumerate(row)] for row in rows]
 
