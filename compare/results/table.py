@@ -109,7 +109,7 @@ class Over:
     """Key of the scene, as it was given."""
     column: str
     """Name of its column, which ends with the unit of the values."""
-    values: tuple[Any, ...]
+    values: tuple[float | str, ...]
     """Values in the order of the rows; numbers in the unit of the column."""
 
     @property
@@ -155,7 +155,7 @@ class Table(Data):
         return sum(row.converged for row in self.rows)
 
     @property
-    def places(self) -> list[Mapping[str, Any]]:
+    def places(self) -> list[dict[str, float | str]]:
         """Values of the keys for each row, by column."""
         columns = [x.column for x in self.over]
         return [dict(zip(columns, values, strict=True)) for values in product(*(x.values for x in self.over))]
@@ -174,7 +174,7 @@ class Table(Data):
         """Tangent stiffness of all rows, (n, 6, 6) [N/m, N/rad, N m/rad]; nan where there is none."""
         return np.array([np.full((6, 6), np.nan) if x.stiffness is None else x.stiffness for x in self.rows])
 
-    def columns(self) -> dict[str, list[Any]]:
+    def columns(self) -> dict[str, list[float | str | None]]:
         """Return the columns of a flat table, named as the keys of the JSON.
 
         Returns
