@@ -42,6 +42,7 @@ class Study:
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     #: Values of `once`.
     computed: dict[Any, Any] = field(default_factory=dict)
+    #: Evidence by printed table.
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:

@@ -119,8 +119,8 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
     """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
 
     A worker of another ``version``, which may have joined the cluster at any time, refuses it by an InputError.
-    Results and exceptions are sent as bytes: joblib hangs on results that cannot be unpickled. Those of cloudpickle hold
-    functions without a name, too, as a table of the report has them.
+    Results and exceptions are sent as bytes: joblib hangs on results that cannot be unpickled. Those of
+    cloudpickle may hold functions without a name, as a table of the report has them.
     """
     import cloudpickle
 

@@ -159,12 +159,12 @@ def save_model_form(study: Study) -> None:
 
 @cache
 def _study(stores: Sequence[Path] | None, quick: bool, timed: bool, cache: Path | None) -> Study:
-    """The study of this process, a worker: its pages share results."""
+    """Return the study of this worker process, whose pages share results."""
     return Study(stores, quick=quick, timed=timed, cache=cache)
 
 
 def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
-    """The sections of a part; with the ladder also what the model-form estimate rests on."""
+    """Return the sections of a part; with the ladder also save the data of the estimate of the model's error."""
     module, _, function = part.module.partition(":")
     made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
     if part.name == "ladder":
@@ -175,8 +175,9 @@ def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
 def _page(
     parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Sections of a page by name of their part, made in a worker, and what its study used; with evidence of printed
-    tables. keeping: bodies of geometries on disc, as the command line does.
+    """Make the sections of a page in a worker, by name of their part; return them, and what its study used.
+
+    With evidence of printed ``tables``; ``keeping``: store bodies of geometries on disk, as the command line does.
     """
     if keeping:
         kept.switch_on()
@@ -193,8 +194,9 @@ def _page(
 def make_sections(
     parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
-    """Sections by name of their part, one after the other, or page by page in processes side by side; those that gather
-    what all others used and found come last.
+    """Make the sections, by name of their part, one after the other, or page by page in parallel processes.
+
+    Those that gather what all others used and found come last.
     """
     sections: dict[str, Sequence[Section]] = {}
     last = [part for part in parts if part.name in GATHERING]
