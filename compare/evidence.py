@@ -258,7 +258,9 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
             load_table(name)  # which names the tables that there are
         computation = computations()[name]
         study.uses(computation.every_scene)
-        found += study.once(computation.compute)
+        if name not in study.evidence:
+            study.evidence[name] = computation.compute(study)
+        found += study.evidence[name]
     return found
 
 

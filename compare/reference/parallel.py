@@ -99,14 +99,17 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
     """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
 
     A worker that is not of ``version``, which may have joined the cluster at any time, refuses it by an InputError.
-    Results and exceptions travel as bytes: joblib hangs on results that cannot be unpickled.
+    Results and exceptions travel as bytes: joblib hangs on results that cannot be unpickled. Those of cloudpickle hold
+    functions without a name, too, as a table of the report has them.
     """
+    import cloudpickle
+
     one_thread()
     with _ALONE:
         try:
             if version != __version__:
                 raise _other_version(f"a worker of rollbench {__version__}, which joined later", version)
-            return number, True, pickle.dumps(function(*arguments))
+            return number, True, cloudpickle.dumps(function(*arguments))
         except Exception as error:
             note = f"In a worker: {traceback.format_exc()}"
             try:
@@ -130,8 +133,11 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:
-            for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
-                yield answer
+            with warnings.catch_warnings():
+                # of a worker whose jobs have kept 300 MB, which joblib starts anew
+                warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
+                for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
+                    yield answer
         except BrokenProcessPool as error:
             raise _died(error) from error
         finally:

@@ -38,6 +38,13 @@ PAGES = {
     "entries": "Every printed entry",
 }
 
+#: Sections of what all others used and found: they are made last.
+GATHERING = ("notes", "verdicts", "audit")
+
+#: Pages that rest on compiled kernels: in two processes the first one compiles them from the start, the others come last
+#: and find them.
+COMPILED = ("lin", "smith", "liu")
+
 #: Verdicts that say nothing of a model, and others as a sentence has them.
 APART = {"input": "inputs", "identity": "identities"}
 

@@ -105,7 +105,7 @@ class Over:
 
     key: str
     column: str
-    values: tuple[Any, ...]
+    values: tuple[float | str, ...]
 
     @property
     def unit(self) -> str:
@@ -139,7 +139,7 @@ class Table(Data):
         return sum(row.converged for row in self.rows)
 
     @property
-    def places(self) -> list[Mapping[str, Any]]:
+    def places(self) -> list[dict[str, float | str]]:
         """The place of each row: its values by the columns of the keys."""
         columns = [x.column for x in self.over]
         return [dict(zip(columns, values, strict=True)) for values in product(*(x.values for x in self.over))]
@@ -158,7 +158,7 @@ class Table(Data):
         """All stiffnesses ``(n, 6, 6)`` [N/m, N/rad, N m/rad]; nan without."""
         return np.array([np.full((6, 6), np.nan) if x.stiffness is None else x.stiffness for x in self.rows])
 
-    def columns(self) -> dict[str, list[Any]]:
+    def columns(self) -> dict[str, list[float | str | None]]:
         """Columns of a flat table, by the keys of the JSON: the place, the status, ``K_ux_ux`` to ``K_rz_rz`` in N, m and
         rad, the quantities that were asked for, and the errors to expect of them."""
         flat = [dict(_flat(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]

@@ -9,7 +9,7 @@ import json
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -95,11 +95,11 @@ def figure(table: Table) -> Figure | None:
     curves: dict[str, list[int]] = {}
     for k, place in enumerate(table.places):
         curves.setdefault(place_words(rest, place) if rest else "", []).append(k)
-    x = columns[table.over[along].column]
+    x = cast("list[float]", columns[table.over[along].column])
     xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
     panels = []
     for name in names:
-        one, y = quantities(TableRow)[name], columns[name]
+        one, y = quantities(TableRow)[name], cast("list[float]", columns[name])
         series = []
         for label, at in curves.items():
             known = [k for k in at if y[k] is not None]
@@ -119,7 +119,7 @@ def _bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
         return None
-    values = [table.columns()[name][k] for k in at]
+    values = [cast("float", table.columns()[name][k]) for k in at]
     low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
     return low, high
 
