@@ -171,7 +171,20 @@ def shown(value: float, error: float | None = None, digits: int = 4) -> str:
 
 
 def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
-    """A range for people, one number where its ends agree to the digits shown."""
+    """Return a range as text, or one number if its ends agree to the digits shown.
+
+    Parameters
+    ----------
+    ends
+        Lower and upper end, both in the unit shown; None: not known.
+    digits
+        Number of significant digits of each end.
+
+    Returns
+    -------
+    str
+        ``LOW to HIGH``, one number, or "not known".
+    """
     if ends is None:
         return "not known"
     low, high = (shown(x, digits=digits) for x in ends)

@@ -145,8 +145,15 @@ def bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
 
 def on_terminal(text: str) -> None:
-    """Show progress on a terminal's standard error: one line with a bar and the time left of a text that says ``[3/12]`` or
-    ``34%``, above it other texts. Nothing elsewhere, but a text that begins with WARNING.
+    """Show a message on progress on the standard error of a terminal.
+
+    A text with ``[3/12]`` or ``34%`` is shown as one line with a bar and the time left, other texts above this line. If
+    standard error is not a terminal, only a text that begins with WARNING is shown.
+
+    Parameters
+    ----------
+    text
+        The message.
     """
     found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
     if not sys.stderr.isatty() and not text.startswith("WARNING"):
@@ -169,8 +176,20 @@ def clear() -> None:
 
 
 def duration(seconds: float) -> str:
-    """A duration in words, with one number.
+    """Return a duration in words, with one number.
 
+    Parameters
+    ----------
+    seconds
+        The duration [s].
+
+    Returns
+    -------
+    str
+        Number and unit: s, min or h.
+
+    Examples
+    --------
     >>> duration(42.0), duration(600.0), duration(9000.0)
     ('40 s', '10 min', '2.5 h')
     """
@@ -180,7 +199,7 @@ def duration(seconds: float) -> str:
 
 
 def _left(spent: float, share: float) -> str:
-    """The time left after some seconds for a share, in words."""
+    """Return in words the time left when a share (0 to 1) of the work took some seconds; empty if not known."""
     return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
 
 

@@ -22,7 +22,27 @@ from rollbench.reports.scene_page import ScenePage
 
 
 def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePage:
-    """The page of a solved axis; name: of its file. Raises Refusal where it does not solve."""
+    """Return the page of several solved sets on a shaft.
+
+    Parameters
+    ----------
+    name
+        Path of the scene file, or name of a shipped scene.
+    one
+        The solved shaft.
+    stores
+        Folders with runs of the 3D reference.
+
+    Returns
+    -------
+    ScenePage
+        The page.
+
+    Raises
+    ------
+    Refusal
+        If the scene has no solution.
+    """
     scene, result = one.scene, one.result
     if one.answers is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
@@ -45,7 +65,20 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
 
 
 def verdict(result: AxisResult, answers: AxisAnswers) -> str:
-    """The answer in one sentence: of all sets the pressure that is most of what is allowed."""
+    """Return one sentence on the contact with the highest pressure relative to its limit, of all sets.
+
+    Parameters
+    ----------
+    result
+        Solution of the shaft.
+    answers
+        Its answers.
+
+    Returns
+    -------
+    str
+        Load [N], pressure [MPa] and static safety of this contact, or that no contact carries load.
+    """
     if not answers.by_pressure:
         return "No contact carries load."
     k = answers.by_pressure[0]

@@ -39,7 +39,22 @@ def notes(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Se
 
 
 def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
-    """The table of answers, as ``rollbench solve`` prints it."""
+    """Return the table of answers with the rows that ``rollbench solve`` prints.
+
+    Parameters
+    ----------
+    rows
+        Rows of results.
+    title
+        Title of the table.
+    note
+        Sentence below the table; its first letter is capitalised.
+
+    Returns
+    -------
+    Table
+        The table, without columns that have no text.
+    """
     kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
     forms = {"value": "g4", "error to expect": "g4"}
     quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]

@@ -159,12 +159,12 @@ def save_model_form(study: Study) -> None:
 
 @cache
 def _study(stores: Sequence[Path] | None, quick: bool, timed: bool, cache: Path | None) -> Study:
-    """Return the study of this worker process, whose pages share results."""
+    """Return the study of this worker process; all pages that the process makes share its results."""
     return Study(stores, quick=quick, timed=timed, cache=cache)
 
 
 def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
-    """Return the sections of a part; with the ladder also save the data of the estimate of the model's error."""
+    """Return the sections of a part; for the ladder also save the data of the model-form estimate."""
     module, _, function = part.module.partition(":")
     made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
     if part.name == "ladder":
@@ -175,9 +175,10 @@ def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
 def _page(
     parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Make the sections of a page in a worker, by name of their part; return them, and what its study used.
+    """Return the sections of a page by the name of their part, and a study with the scenes and evidence that they used.
 
-    With evidence of printed ``tables``; ``keeping``: store bodies of geometries on disk, as the command line does.
+    Runs in a worker process. The study also gets the evidence of the printed ``tables``. With ``keeping`` the bodies of
+    geometries are kept on disk, as on the command line.
     """
     if keeping:
         kept.switch_on()
@@ -194,9 +195,29 @@ def _page(
 def make_sections(
     parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
-    """Make the sections, by name of their part, one after the other, or page by page in parallel processes.
+    """Return the sections of the parts, made one after the other or page by page in parallel processes.
 
-    Those that gather what all others used and found come last.
+    Parts that collect the results of all others come last.
+
+    Parameters
+    ----------
+    parts
+        Parts to make.
+    announce
+        Called with the name of each part: before it is made, or with parallel processes when its page is done.
+    step
+        Called with messages on progress within a part; not called by parallel processes.
+    study
+        Study that the parts use; it is extended by what parallel processes used.
+    workers
+        Number of processes.
+    say
+        Called with the computing time of each part in a parallel process.
+
+    Returns
+    -------
+    dict[str, Sequence[Section]]
+        Sections by the name of their part.
     """
     sections: dict[str, Sequence[Section]] = {}
     last = [part for part in parts if part.name in GATHERING]

@@ -37,8 +37,23 @@ class Row(NamedTuple):
 
 
 def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] = HEADINGS) -> str:
-    """Rows as aligned text with headings, no line wider than ``width``: values flush right, the last column wrapped; no
-    column without a text.
+    """Return rows as aligned text below their headings.
+
+    Numbers are flush right, the last column is wrapped, and a column without any text is left out.
+
+    Parameters
+    ----------
+    rows
+        Texts of each row, one for each heading.
+    width
+        Largest length of a line [characters].
+    headings
+        Headings of the columns.
+
+    Returns
+    -------
+    str
+        Lines of text, separated by newlines.
     """
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     table = [[row[k] for k in kept] for row in (headings, *rows)]
@@ -65,7 +80,20 @@ def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -
 
 
 def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
-    """The same as a table of HTML."""
+    """Return rows as an HTML table below their headings.
+
+    Parameters
+    ----------
+    rows
+        Texts of each row, one for each heading.
+    headings
+        Headings of the columns; a column without any text is left out.
+
+    Returns
+    -------
+    str
+        HTML of the table.
+    """
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     sides = ["right" if _is_number(rows, headings, k) else "left" for k in range(len(headings))]
     line = "<tr>{}</tr>".format
@@ -209,15 +237,23 @@ class Record(ABC):
     headings: ClassVar[Sequence[str]] = HEADINGS
 
     def table(self) -> Sequence[Sequence[str]]:
-        """The rows of the table that a notebook shows, below `headings`; every single value unless a result has its own."""
+        """Return the rows of the table that a notebook shows.
+
+        Unless a kind of result has rows of its own, there is one row for every single value in its JSON.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
         return [Row(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
 
     def __str__(self) -> str:
-        """The table as aligned text."""
+        """Return the table as aligned text, with the notes below it."""
         return "\n".join([*([as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes])
 
     def _repr_html_(self) -> str:
-        """The table for a notebook."""
+        """Return the table as HTML for a notebook, with the notes below it."""
         return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:

@@ -262,6 +262,17 @@ def verdict(whole: Compared, reference: Reference) -> str:
 
 
 def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of the table of a comparison: answers of the model of the verdict, and those of the reference."""
+    """Return headings and rows of the table that compares answers of the judged model with those of the reference.
+
+    Parameters
+    ----------
+    whole
+        The comparison.
+
+    Returns
+    -------
+    tuple[tuple[str, ...], list[tuple[str, ...]]]
+        Headings, and the texts of each row, one for each heading.
+    """
     headings = ("quantity", whole.spoken.title, whole.itself.label, "unit", "difference", "expected")
     return headings, [*compared_rows(answers_of(whole.spoken), answers_of(whole.itself), whole.expected)]

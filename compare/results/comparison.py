@@ -189,7 +189,13 @@ class Comparison(Record):
         return answer_rows(self.compared[0][1])[0]
 
     def table(self) -> Sequence[Sequence[str]]:
-        """The rows that ``rollbench compare`` prints, of load cases and sets one after the other."""
+        """Return the rows that ``rollbench compare`` prints; load cases and sets follow one another.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
         return [
             (", ".join(filter(None, (one.found.scene * (len(self.compared) > 1), name))), *row)
             for one, whole in self.compared

@@ -86,8 +86,21 @@ OF_SETS = (
 
 
 def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
-    """The rows of a solved scene, of several sets those of the whole and of the set with the worst contact; details: also
-    the quantities that a designer seldom asks for. Empty without answers.
+    """Return the rows of a solved scene.
+
+    For several sets on a shaft these are the rows of the whole, then those of the set with the worst contact.
+
+    Parameters
+    ----------
+    one
+        The solved scene.
+    details
+        Whether to include quantities that a designer seldom asks for.
+
+    Returns
+    -------
+    list[Row]
+        The rows; empty without answers.
     """
     if one.answers is None:
         return []
@@ -103,7 +116,22 @@ def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
 
 
 def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
-    """The rows of a summary, as JSON has it; worth: errors to expect of them."""
+    """Return the rows of a summary.
+
+    Parameters
+    ----------
+    data
+        The summary, as in the JSON.
+    worth
+        Errors to expect of its values; None: not known.
+    details
+        Whether to include quantities that a designer seldom asks for.
+
+    Returns
+    -------
+    list[Row]
+        The rows, in the order of `GROUPS`.
+    """
     found = []
     mean = (data.get("loads") or {}).get("mean_N")
     for (group, _), (kind, table, stated) in zip(GROUPS, _tables(data), strict=True):
@@ -119,8 +147,21 @@ def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, det
 def compared_rows(
     data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
-    """Quantities of a model and of its reference, by their summaries: name, both values, unit, difference, and the error
-    that was to be expected.
+    """Yield the quantities that the summaries of a model and of its reference both have.
+
+    Parameters
+    ----------
+    data
+        Summary of the model, as in the JSON.
+    reference
+        Summary of the reference, as in the JSON.
+    worth
+        Errors to expect of the model; None: not known.
+
+    Yields
+    ------
+    tuple[str, str, str, str, str, str]
+        Name, value of the model, value of the reference, unit, difference [%], and the error that was to be expected.
     """
     theirs = {(kind, key): _at(table, key) for kind, table, stated in _tables(reference) for key, _ in stated}
     mean = (data.get("loads") or {}).get("mean_N")
@@ -134,7 +175,7 @@ def compared_rows(
 
 
 def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
-    """Record, table and quantities by their keys in it, of every group of a summary; of one that it lacks an empty one."""
+    """Yield record, table and quantities (by their keys) of each group; the table is empty if the summary lacks it."""
     for group, kind in GROUPS:
         table = data.get(group) if group else data
         stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
@@ -145,13 +186,13 @@ def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], 
 
 
 def _named(x: Stated) -> tuple[str, str]:
-    """Name and unit of a quantity."""
+    """Return the name and the unit of a quantity."""
     name, unit = heading_of(x)
     return name, unit.replace("million revolutions", "1e6 rev")
 
 
 def _at(table: Mapping[str, Any], key: str) -> Any:
-    """The value at a key, with a dot where it is in a table; an ellipsis where there is no such key."""
+    """Return the value at a key, whose dots lead into inner tables; an ellipsis if there is no such key."""
     value: Any = table
     for name in key.split("."):
         value = value.get(name, ...) if isinstance(value, Mapping) else ...
@@ -159,7 +200,7 @@ def _at(table: Mapping[str, Any], key: str) -> Any:
 
 
 def _row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
-    """The row of one quantity; None where it has no value."""
+    """Return the row of one quantity; None if it has no value."""
     value = _at(table, key)
     if value in (None, ..., ""):
         return None
@@ -180,7 +221,7 @@ def _row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None,
 def _error(
     value: float, expected: tuple[str, float], worth: ModelForm | None, mean: float | None
 ) -> tuple[float | None, str]:
-    """Error to expect of a value in its unit, and in words; None and nothing where none is known."""
+    """Return the expected error of a value, in the unit of the value and in words; None and empty text if not known."""
     field, times = expected
     percent = getattr(worth, field) if worth is not None and field else None
     if percent is None:
@@ -191,7 +232,7 @@ def _error(
 
 
 def _note(table: Mapping[str, Any], template: str) -> str:
-    """A note with the values of its table; empty where one is not known."""
+    """Return a note with the values of its table filled in; empty if one of them is not known."""
     known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
     try:
@@ -201,7 +242,7 @@ def _note(table: Mapping[str, Any], template: str) -> str:
 
 
 def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
-    """Why the quantities of a record have no value, behind its rows."""
+    """Yield rows that say why quantities of a record have no value."""
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
     if kind is LoadSums and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
@@ -222,7 +263,7 @@ def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
 
 
 def _support_rows(path: LoadPath | None) -> Iterator[Row]:
-    """What supports take of the loads, where they take something."""
+    """Yield a row for each component of the loads of which a support takes a part."""
     if path is None:
         return
     for taker in path.takers:
@@ -233,7 +274,18 @@ def _support_rows(path: LoadPath | None) -> Iterator[Row]:
 
 
 def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
-    """A row on every set: its name, kind, place, axial force, and the answers of `OF_SETS`; no column without a value."""
+    """Return one row for each set on a shaft: name, position, axial force, rigidity and the answers of `OF_SETS`.
+
+    Parameters
+    ----------
+    one
+        The solved shaft.
+
+    Returns
+    -------
+    list[dict[str, Any]]
+        Texts of each row by their headings, without columns that have no value; empty without answers.
+    """
     if one.answers is None:
         return []
     found = []
@@ -249,7 +301,18 @@ def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
 
 
 def friction_rows(data: Mapping[str, Any]) -> list[Row]:
-    """The rows of what ``rollbench friction`` answers of a whole screw or bearing, or of several sets; empty of others."""
+    """Return the rows of an answer of ``rollbench friction`` for a whole screw or bearing, or for several sets.
+
+    Parameters
+    ----------
+    data
+        JSON of the answer.
+
+    Returns
+    -------
+    list[Row]
+        The rows; empty for other kinds of scene.
+    """
     solved = data.get("torque") and data.get("sets", True)
     torque = data["torque"] | {"losses": data.get("losses")} if solved else {}
     band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
@@ -257,7 +320,18 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
 
 
 def together_rows(whole: Together) -> list[Row]:
-    """What the load cases of a duty cycle say together; of several sets the life of the one that lives shortest."""
+    """Return the rows on all load cases of a duty cycle together.
+
+    Parameters
+    ----------
+    whole
+        Results of all load cases; for several sets the life is the shortest of them.
+
+    Returns
+    -------
+    list[Row]
+        The rows.
+    """
     rows = summary_rows(together_json(whole))
     rows = [row._replace(note=whole.shortest) if row.quantity == "life L10" else row for row in rows]
     if whole.uncovered:
@@ -266,7 +340,18 @@ def together_rows(whole: Together) -> list[Row]:
 
 
 def expected_words(worth: ModelForm | None) -> str:
-    """What the errors to expect are, in one sentence."""
+    """Return one sentence that explains the errors to expect.
+
+    Parameters
+    ----------
+    worth
+        The errors to expect; None for several sets on one shaft, where they are not known.
+
+    Returns
+    -------
+    str
+        The sentence, without a full stop.
+    """
     if worth is None:
         return "error to expect: not known of several sets on one shaft; measure it: rollbench compare SCENE"
     if worth.percent is None:

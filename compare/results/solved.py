@@ -430,7 +430,13 @@ class Result(Record, Balls):
         return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     def table(self) -> Sequence[Row]:
-        """The rows that ``rollbench solve`` prints, of load cases those of all together."""
+        """Return the rows that ``rollbench solve`` prints; for load cases the rows on all of them together.
+
+        Returns
+        -------
+        Sequence[Row]
+            The rows.
+        """
         return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
 
     def _repr_html_(self) -> str:

@@ -138,7 +138,15 @@ class Verdict(Record):
     headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
 
     def table(self) -> Sequence[Sequence[str]]:
-        """A row for every quantity that was judged; scene and model stand in `answer` where they are the same in all."""
+        """Return one row for each quantity that was judged.
+
+        Scene and model are left out of the rows if they are the same in all; `answer` names them.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
         rows = []
         for v in self.judged:
             numbers = (f"{abs(x):.2f} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty))

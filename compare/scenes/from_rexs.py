@@ -40,7 +40,11 @@ Steels = tuple[Component | None, Component | None]
 
 @dataclass
 class Reader:
-    """One file that is read. missing: its faults; given: values of keys by the user; notes: what is left out."""
+    """A REXS file while it is read.
+
+    ``given`` has the user's values by their keys, ``missing`` the faults found, ``assumed`` the assumptions made, and
+    ``notes`` what is left out.
+    """
 
     path: Path
     model: Model
@@ -50,7 +54,10 @@ class Reader:
     notes: list[str] = field(default_factory=list)
 
     def need(self, component: Component, attribute: str, key: str, names: Iterable[str] = ()) -> str | None:
-        """The text of a number with its unit: of the user's key, of the attribute, of the first of other attributes."""
+        """Return a number with its unit as text: the user's value of the key, else that of the first attribute present.
+
+        If there is no value, the attribute is recorded as missing and None is returned.
+        """
         if key in self.given:
             return self.given.pop(key)
         for name in (attribute, *names):
@@ -60,7 +67,7 @@ class Reader:
         return None
 
     def lack(self, component: Component, attribute: str, key: str, unit: str = "") -> None:
-        """Note an attribute that is missing, and the key that gives it."""
+        """Record a missing attribute, and the key by which the user can give it."""
         unit = unit or UNITS[attribute]
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
         example = "a number or a word" if unit == "none" else f"a value with a unit, REXS has {unit}"
@@ -68,17 +75,36 @@ class Reader:
 
 
 def quantity(attribute: str, value: float) -> str:
-    """A number of REXS with its unit, as a scene file has it."""
+    """Return the number of a REXS attribute with its unit, as text for a scene file."""
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
 
 
 def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, list[str]]:
-    """Tables of a scene file, and sentences on what was left out.
+    """Return the tables of a scene file for one shaft of a REXS file.
 
-    shaft: name or id of the shaft, empty where the file has one with bearings; given: texts by their keys, of a set
-    NAME.KEY. Raises SceneError for what is missing, one for each attribute, ArgumentError for a shaft and keys that are
-    not there, and InputError as `read`.
+    Parameters
+    ----------
+    path
+        The REXS file.
+    shaft
+        Name or id of the shaft; empty if the file has only one with bearings.
+    given
+        Values that the user gives, as text by their keys; ``NAME.KEY`` for the set NAME.
+
+    Returns
+    -------
+    tuple[Table, list[str]]
+        The tables, and sentences on what was left out.
+
+    Raises
+    ------
+    SceneError
+        For missing attributes; it holds one fault for each.
+    ArgumentError
+        For a shaft or keys that do not exist, and for given values that cannot be read.
+    InputError
+        For a file that `read` refuses.
     """
     model = read(path)
     reader = Reader(path, model, dict(given))
@@ -100,7 +126,7 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
 
 
 def _shaft(reader: Reader, name: str) -> Component:
-    """The shaft that is asked for."""
+    """Return the shaft with this name or id, or the only one with bearings; raise ArgumentError if not exactly one fits."""
     model = reader.model
     with_bearings = {r.roles["inner_part"] for r in model.relations if _is_bearing(model, r.roles)}
     shafts = {k: c for k, c in model.components.items() if c.type == "shaft" and k in with_bearings}
@@ -112,12 +138,12 @@ def _shaft(reader: Reader, name: str) -> Component:
 
 
 def _is_bearing(model: Model, roles: dict[str, int]) -> bool:
-    """Whether a relation is that of a rolling bearing to what it holds."""
+    """Return whether a relation joins a rolling bearing to its inner and outer part."""
     return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
 
 
 def _tables(reader: Reader, shaft: Component) -> Table:
-    """All tables of the scene."""
+    """Return all tables of the scene."""
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
     steel = model.material(shaft.id)
@@ -157,7 +183,7 @@ def _tables(reader: Reader, shaft: Component) -> Table:
 
 
 def _section(reader: Reader, x: Component) -> Table:
-    """A plain stretch; a cone as a cylinder of its mean diameters."""
+    """Return the table of a plain section of the shaft; a cone becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
         if x.number(name) is None:
@@ -173,7 +199,7 @@ def _section(reader: Reader, x: Component) -> Table:
 
 
 def _rows(reader: Reader, bearing: Component, steels: Steels, names: set[str]) -> list[Table]:
-    """The sets of a bearing, one for each row."""
+    """Return the tables of the sets of a bearing, one for each row, with names that are not in ``names``."""
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
     if kind not in (*BALLS, *BALLS_OF_THRUST, *ROLLERS):
@@ -193,13 +219,13 @@ def _rows(reader: Reader, bearing: Component, steels: Steels, names: set[str]) -
 
 
 def _moved(place: str, by: float) -> str:
-    """A place in mm, moved by a distance [mm]."""
+    """Return a position in mm, as text, moved by a distance [mm]."""
     value, _, unit = place.partition(" ")
     return f"{float(value) + by!r} {unit}"
 
 
 def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, name: str, place: str) -> Table:
-    """The set of one row."""
+    """Return the table of the set for one row of a bearing."""
     model, kind = reader.model, bearing.word("bearing_type")
     elements = model.parts(row.id, "rolling_element")
     element = elements[0] if elements else row
@@ -235,7 +261,7 @@ def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, nam
 
 
 def _rollers(reader: Reader, row: Component, element: Component, name: str, place: str, count: int) -> Table:
-    """The tables of a row of tapered rollers."""
+    """Return the tables of position and rollers for a row of tapered rollers."""
     of = f"{name}.rollers"
     depth = reader.given.pop(f"{of}.ring_depth", None)
     if depth is None:
@@ -263,7 +289,7 @@ def _balls(
     place: str,
     count: int,
 ) -> Table:
-    """The tables of a row of balls."""
+    """Return the tables of track, screw, nut and balls for a row of balls."""
     model, element = reader.model, elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
     inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
@@ -312,44 +338,44 @@ def _balls(
 
 
 def _angle(text: str | None) -> str | None:
-    """A contact angle without its sign, which gives the direction of the row."""
+    """Return a contact angle without its sign; the thrust of the row states the direction."""
     return None if text is None else text.removeprefix("-")
 
 
 def _material(reader: Reader, of: Component, key: str) -> Table:
-    """A material by its two constants, of a component that has them; steel is not assumed."""
+    """Return the table of a material from the two elastic constants of a component; missing ones are asked for."""
     ratio = reader.need(of, "poisson_ratio", f"{key}.poissons_ratio")
     modulus = reader.need(of, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
 
 
 def _unlike(reader: Reader, steel: Component | None, usual: Component | None, key: str) -> Table:
-    """The key of a part's material where that is not the usual one."""
+    """Return the material table of a part if it differs from the usual material, else an empty table."""
     if steel is None or (usual is not None and steel.attributes == usual.attributes):
         return {}
     return {"material": _material(reader, steel, f"{key}.material")}
 
 
 def _bearings(model: Model, shaft: Component) -> list[Component]:
-    """The rolling bearings whose inner rings sit on the shaft."""
+    """Return the rolling bearings whose inner rings sit on the shaft."""
     sides = (r.roles for r in model.relations if _is_bearing(model, r.roles) and r.roles["inner_part"] == shaft.id)
     return [model.components[roles["assembly"]] for roles in sides]
 
 
 def _steel(model: Model, bearing: Component) -> Component | None:
-    """The material of a bearing's first rolling element, or of the bearing."""
+    """Return the material of the first rolling element of a bearing that has one, else that of the bearing."""
     rows = model.parts(bearing.id, "rolling_bearing_row")
     return model.material(*(x.id for row in rows for x in model.parts(row.id, "rolling_element")), bearing.id)
 
 
 def _of_side(model: Model, shaft: Component, type: str) -> list[Component]:
-    """Components of a type at a side of the shaft."""
+    """Return the components of a type that are attached to the shaft by a side relation."""
     sides = (r.roles for r in model.relations if r.type == "side" and shaft.id in r.roles.values())
     return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
 
 
 def _support(reader: Reader, x: Component) -> Table:
-    """A concept bearing as a rigid support."""
+    """Return the table of a rigid support for a concept bearing; empty if it holds nothing."""
     fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (x.number("bending_stiffness") or 0.0) >= RIGID else []
@@ -359,7 +385,7 @@ def _support(reader: Reader, x: Component) -> Table:
 
 
 def _load(x: Component, case: dict[str, Value]) -> Table:
-    """A load on the shaft; torque about its axis goes to the drive, which holds it."""
+    """Return the table of a load on the shaft; the drive takes the torque about the axis."""
     known = Component(x.id, x.type, x.name, x.attributes | case)
     force = [known.number(f"force_{axis}_direction") or 0.0 for axis in "vwu"]
     moment = [known.number(f"torque_around_{axis}_axis") or 0.0 for axis in "vwu"]
@@ -368,7 +394,7 @@ def _load(x: Component, case: dict[str, Value]) -> Table:
 
 
 def _cases(model: Model, shaft: Component, loads: list[Component]) -> list[Table]:
-    """The load cases: loads, and shares of the time with the speeds where both are known."""
+    """Return the tables of the load cases: loads and shares of time, or times and speeds if the file has both for all."""
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
     of_unit = [Component(0, "", "", case.get(unit, {})) for case in model.cases]
     of_shaft = [Component(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.cases]
@@ -385,7 +411,7 @@ def _cases(model: Model, shaft: Component, loads: list[Component]) -> list[Table
 
 
 def _oil(model: Model, shaft: Component) -> float | None:
-    """Viscosity at work [mm2/s] that a bearing of the shaft states."""
+    """Return the operating viscosity [mm2/s] that a bearing of the shaft states; None if none does."""
     found = (bearing.number("operating_viscosity") for bearing in _bearings(model, shaft))
     return next((x for x in found if x is not None), None)
 

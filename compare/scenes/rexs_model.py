@@ -77,7 +77,7 @@ class Component:
     attributes: dict[str, Value] = field(default_factory=dict)
 
     def number(self, attribute: str) -> float | None:
-        """A number; None where it is missing, or no number."""
+        """Return the value of an attribute as a number; None if it is missing or not a number."""
         value = self.attributes.get(attribute)
         try:
             return None if value is None or isinstance(value, (bool, tuple)) else float(value)
@@ -85,7 +85,7 @@ class Component:
             return None
 
     def word(self, attribute: str) -> str:
-        """A word; empty where it is missing."""
+        """Return the value of an attribute as a word; empty if it is missing or not a word."""
         value = self.attributes.get(attribute, "")
         return value if isinstance(value, str) else ""
 
@@ -101,30 +101,55 @@ class Relation:
 
 @dataclass
 class Model:
-    """A REXS model. cases: of each load case, the attributes of components by their ids."""
+    """A REXS model: components by their ids, relations, and for each load case the attributes of components by id."""
 
     components: dict[int, Component] = field(default_factory=dict)
     relations: list[Relation] = field(default_factory=list)
     cases: list[dict[int, dict[str, Value]]] = field(default_factory=list)
 
     def add(self, type: str, name: str = "", **attributes: Value | None) -> int:
-        """A new component with those attributes that are not None; its id."""
+        """Add a component.
+
+        Parameters
+        ----------
+        type
+            Type in REXS.
+        name
+            Name.
+        **attributes
+            Values of attributes in the units of `UNITS`; None is left out.
+
+        Returns
+        -------
+        int
+            Id of the component.
+        """
         k = len(self.components) + 1
         self.components[k] = Component(k, type, name, {a: v for a, v in attributes.items() if v is not None})
         return k
 
     def relate(self, type: str, order: int | None = None, **roles: int) -> None:
-        """A new relation between components by their roles."""
+        """Add a relation between components.
+
+        Parameters
+        ----------
+        type
+            Type in REXS.
+        order
+            Place of the part among others, from 1; None: no order.
+        **roles
+            Ids of the components by their roles.
+        """
         self.relations.append(Relation(type, roles, order))
 
     def parts(self, whole: int, type: str) -> list[Component]:
-        """The components of a type that are part of another, in their order."""
+        """Return the components of a type that are part of the component ``whole``, in their order."""
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
 
     def material(self, *ids: int) -> Component | None:
-        """The material of the first of these components that refers to one."""
+        """Return the material of the first of the components ``ids`` that refers to one; None if none does."""
         for k in ids:
             for r in self.relations:
                 if r.type == "reference" and r.roles.get("origin") == k and "referenced" in r.roles:
@@ -135,7 +160,23 @@ class Model:
 
 
 def read(path: Path) -> Model:
-    """The model in a file. Raises InputError for a file that is no REXS of version 1, an unknown id and another unit."""
+    """Return the model in a REXS file.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Model
+        Components, relations and load cases; of attributes those of `UNITS`.
+
+    Raises
+    ------
+    InputError
+        For a file that is not REXS 1.x, an unknown id, an unexpected unit, and a number that cannot be read.
+    """
     text = read_text(path).lstrip("\ufeff")
     if "<!DOCTYPE" in text:
         raise InputError(str(path), "DOCTYPE", "a document type", "an XML file without one", "take it out")
@@ -172,7 +213,7 @@ def _id(element: ET.Element, path: Path) -> int:
 
 
 def _attributes(component: ET.Element, path: Path) -> dict[str, Value]:
-    """The attributes of `UNITS` that have a value. Raises InputError for another unit, and for what is no number."""
+    """Return the attributes of `UNITS` that have a value; raise InputError for a wrong unit or an invalid number."""
     found = {}
     for one in component.iterfind("attribute"):
         name, unit = one.get("id", ""), one.get("unit", "")
@@ -199,7 +240,22 @@ def _value(text: str, unit: str) -> Value:
 
 
 def text_of(model: Model, version: str, date: str) -> str:
-    """The text of a file with the model; version: of this program; date: when it is written (ISO 8601)."""
+    """Return the text of a REXS file with a model.
+
+    Parameters
+    ----------
+    model
+        The model.
+    version
+        Version of this program.
+    date
+        Date of writing (ISO 8601).
+
+    Returns
+    -------
+    str
+        XML.
+    """
     head = {"version": VERSION, "applicationId": "rollbench", "applicationVersion": version, "date": date}
     root = ET.Element("model", head | {"applicationLanguage": "en"})
     relations, components = ET.SubElement(root, "relations"), ET.SubElement(root, "components")
@@ -234,7 +290,7 @@ def _write(parent: ET.Element, component: Component, attributes: dict[str, Value
 
 
 def _text(value: str | float | bool) -> str:
-    """A value; a number with 15 digits, in which those of a scene file come back."""
+    """Return a value as text; a number has 15 digits, enough to read back the numbers of a scene file."""
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.15g}" if isinstance(value, float) else str(value)

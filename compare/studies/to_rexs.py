@@ -59,21 +59,21 @@ class Writer:
         self.rows: list[tuple[int, list[list[int]]]] = []
 
     def steel(self, part: int, material: Material) -> None:
-        """Refer to a material, written once."""
+        """Let a part refer to a material, which is added at its first use."""
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
             self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
         self.model.relate("reference", origin=part, referenced=self.steels[material])
 
     def part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
-        """A component that is part of another; its id."""
+        """Add a component as a part of the component ``whole``, and return its id."""
         k = self.model.add(type, name, **attributes)
         self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
         return k
 
 
 def _is_seat(housing: Housing) -> bool:
-    """Whether a housing holds all but the motion along the shaft, and nothing acts on it."""
+    """Return whether a housing holds all but the motion along the shaft, and nothing acts on it."""
     held = housing.fixed == tuple((name, 0.0) for name in SEAT)
     return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 
@@ -83,16 +83,30 @@ def _rpm(speed: float) -> float:
 
 
 def _place(u: float, unit: int) -> dict[str, Value]:
-    """Attributes of a place on the shaft [m] in the coordinates of the gear unit."""
+    """Return the attributes of a position on the shaft [m], in the coordinates of the gear unit."""
     vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
     return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
 
 
 def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> tuple[str, list[str]]:
-    """Text of a REXS file with the scene and its results, and sentences on what it does not hold.
+    """Return the text of a REXS file with a scene and its results.
 
-    solved: the scene, or each of its load cases in order; all have converged. Raises Refusal for supports that REXS has no
-    attribute for.
+    Parameters
+    ----------
+    described
+        The shaft, or the duty cycle of one.
+    solved
+        Solution of the shaft, or of each load case in order; all have converged.
+
+    Returns
+    -------
+    tuple[str, list[str]]
+        XML, and sentences on what the file does not hold.
+
+    Raises
+    ------
+    Refusal
+        For supports that REXS has no attribute for.
     """
     shaft = described.parts if isinstance(described, DutyCycle) else described
     assert isinstance(shaft, Assembly)
@@ -122,7 +136,7 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
 
 
 def _sections(writer: Writer, shaft: Assembly) -> None:
-    """Plain stretches, and the thread or what is between them with its outer diameter."""
+    """Add the plain sections of the shaft; the thread and gaps between them get the outer diameter of the screw."""
     screw = shaft.screw
     plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
     ends = [0.0, *(p[1] for p in plain)]
@@ -145,7 +159,7 @@ def _sections(writer: Writer, shaft: Assembly) -> None:
 
 
 def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | None) -> int:
-    """A bearing of one row between the shaft and the casing; its id."""
+    """Add a bearing of one row between the shaft and the casing, and return its id."""
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
         "bearing_type": kind,
@@ -166,7 +180,7 @@ def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | N
 def _elements(
     writer: Writer, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
-    """Rolling elements of a row with their contacts; ids of these."""
+    """Add the rolling elements of a row with their contacts, and return the ids of the contacts of each element."""
     found = []
     for k, azimuth in enumerate(azimuths, 1):
         at: dict[str, Value] = {"angular_position_around_u": degrees(azimuth)}
@@ -178,7 +192,7 @@ def _elements(
 
 
 def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
-    """A bearing of balls; ids of it and of its contacts."""
+    """Add a ball bearing, and return its id and those of the contacts of each ball."""
     nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
     thrust = "axial_" if is_thrust(parts) else ""
     kind = {"deep groove": "radial_grooved_ball_bearing", "both": f"{thrust}four_point_contact_ball_bearing"}
@@ -208,7 +222,7 @@ def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[lis
 
 
 def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
-    """A bearing of tapered rollers; ids of it and of its contacts."""
+    """Add a tapered roller bearing, and return its id and those of the contacts of each roller."""
     kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
     bearing = _bearing(writer, row, kind)
     of_row: dict[str, Value | None] = {
@@ -232,7 +246,7 @@ def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, li
 
 
 def _supports(writer: Writer, shaft: Assembly) -> None:
-    """Supports as rigid concept bearings; the rotation that is held is the drive's. Raises Refusal for others."""
+    """Add supports as rigid concept bearings, without the rotation that the drive holds; raise Refusal for others."""
     for s in shaft.supports:
         fixed = {name for name, value in s.fixed if value == 0.0}
         across, tilt = fixed & {"ux", "uy"}, fixed & {"rx", "ry"}
@@ -249,8 +263,9 @@ def _supports(writer: Writer, shaft: Assembly) -> None:
 
 
 def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[Case]:
-    """Loads on the shaft, and what ball nuts put on it, as components; of each case their attributes, of one the
-    components' own.
+    """Add the loads on the shaft, with those from ball nuts, and return their attributes in each load case.
+
+    With a single case the components themselves get these attributes, too.
     """
     names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
     for one in solved:
@@ -285,7 +300,7 @@ def _forces(wrench: np.ndarray) -> dict[str, Value]:
 
 
 def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
-    """Results of one load case: of shaft, bearings and contacts. speed [rad/s]: of the case, None for the scene's."""
+    """Return the results of one load case for shaft, bearings and contacts; speed [rad/s], None: that of the scene."""
     result, motion = one.result, one.scene.motion
     assert one.answers is not None
     place: dict[str, Value] = {"u_coordinates_of_beam_nodes": tuple(1e3 * result.centreline_z)}
@@ -306,7 +321,7 @@ def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
 
 
 def _of_bearing(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
-    """Results of one bearing."""
+    """Return the results of one bearing as attributes."""
     at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
     relative = np.array(at) - s.outer
     relative[2] += s.of.offset
@@ -335,7 +350,7 @@ def _of_bearing(result: AxisResult, s: SetResult, answers: SetAnswers, speed: fl
 
 
 def _lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
-    """Life by ISO/TS 16281, in hours at a speed [rad/s]."""
+    """Return the life by ISO/TS 16281 as attributes, with hours if a speed [rad/s] is given."""
     if life is None:
         return {}
     name = "nominal_reference_rating_life"
@@ -346,7 +361,7 @@ def _lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
 
 
 def _of_balls(contacts: list[list[int]], s: SetResult) -> Case:
-    """Force, angle and pressure of each contact; of one arc a groove, that of its two flanks which is loaded."""
+    """Return force, angle and pressure of each contact; of a groove of one arc those of its loaded flank."""
     assert s.balls is not None
     assert isinstance(s.of.parts, Scene)
     load, angle = s.balls.load, np.degrees(s.balls.contact_angle)
@@ -366,7 +381,7 @@ def _of_balls(contacts: list[list[int]], s: SetResult) -> Case:
 
 
 def _of_rollers(contacts: list[list[int]], s: SetResult, row: RollerRow) -> Case:
-    """Force, loads of laminae and largest pressure of each contact."""
+    """Return force, loads of the laminae and largest pressure of each contact."""
     assert s.line_loads is not None
     assert s.roller_load is not None
     places = tuple(1e3 * middles(row.length, row.slices))

@@ -105,12 +105,17 @@ def of_balls(scene: Scene, life: Life | None) -> ReferenceLife | None:
 
 
 def edge_stress(laminae: int) -> Array:
-    """Return the factors f_k of the stress along a roller by (2), ``(laminae,)``.
+    """Return the factors f_k of the stress along a roller by (2).
 
     Parameters
     ----------
     laminae
         Number n_s, 2 or more.
+
+    Returns
+    -------
+    Array
+        Factors without unit, ``(laminae,)``; 1 in the middle of an odd number.
 
     Examples
     --------
