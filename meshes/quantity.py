@@ -65,11 +65,11 @@ def quantity(
 
     Parameters
     ----------
-    key, definition, error, heading, form, parts, show, expected, note
+    key, definition
         As the fields of `Stated`.
     *also : Stated
         Further keys, with what they show of the same value.
-    error, heading, form, parts, show
+    error, heading, form, parts, show, expected, note
         As the fields of `Stated`.
     default, default_factory : Any, default MISSING
         As of ``dataclasses.field``.

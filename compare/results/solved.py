@@ -440,7 +440,7 @@ class Result(Record, Balls):
         return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
 
     def _repr_html_(self) -> str:
-        """The table for a notebook, of several sets with a row on each."""
+        """Return the table for a notebook, of several sets with a row on each."""
         rows = [row for one in self.solved if isinstance(one, SolvedAxis) and not self.cases for row in set_rows(one)]
         return super()._repr_html_() + (as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
