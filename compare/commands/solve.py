@@ -71,7 +71,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
         written += _write(one, tangent, files)
     if choices.loads_csv is not None:
         written += _write_loads(choices.loads_csv, solved, names)
-    shown = {"balls": choices.balls, "details": choices.verbose}
+    shown = {"balls": choices.balls, "details": choices.verbose, "stiffness": bool(choices.stiffness_at)}
     if found.cycle is None or found.together is None:
         tangent = found.tangents[0]
         lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]

@@ -47,7 +47,9 @@ CURVE_COLUMNS: tuple[Column, ...] = (
 ROUND_OFF = 1e-9
 
 
-def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
+def case_table(
+    one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
+) -> list[Any]:
     """A solved scene for the terminal: status, warnings, the table of answers, tables of sets and balls, what errors are to
     be expected and what to do; balls: with the table of every ball; details: with further quantities, balance and solver,
     assumptions and what was left out (always where there are no answers)."""
@@ -57,7 +59,7 @@ def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool =
     details = details or one.answers is None
     if isinstance(one, SolvedAxis):
         drawn, title = f", {count_of(len(one.scene.sets), 'set')}", [one.scene.title]
-        tables = _set_tables(one, balls=balls, details=details)
+        tables = _set_tables(one, balls=balls, stiffness=details or stiffness)
     else:
         drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
         tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
@@ -218,8 +220,8 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
     return ["", head, plain(("", *FREEDOMS), rows)]
 
 
-def _set_tables(one: SolvedAxis, *, balls: bool, details: bool) -> list[Any]:
-    """Sets, balls and rollers where asked for, housings; details: with the stiffness."""
+def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
+    """Sets, balls and rollers where asked for, housings; with the stiffness where asked for."""
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -229,7 +231,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, details: bool) -> list[Any]:
         moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items() if x)
         force = ", ".join(shown(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3])
         out.append(f"{h.name}: {moved or 'does not move'}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
-    return [*out, *(_stiffness_lines(result) if details else [])]
+    return [*out, *(_stiffness_lines(result) if stiffness else [])]
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
@@ -291,6 +293,7 @@ def cases_table(
     *,
     balls: bool = False,
     details: bool = False,
+    stiffness: bool = False,
 ) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
@@ -299,7 +302,11 @@ def cases_table(
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
-        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in shown)]
+        lines = [
+            x
+            for x in case_table(one, balls=balls, details=details, stiffness=stiffness)
+            if not (isinstance(x, str) and x in shown)
+        ]
         shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
         parts += [f"case {case.name}, share {case.share:.4g}", *lines, *(stiffness_lines(tangent) if tangent else []), ""]
     return parts
