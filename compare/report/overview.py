@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.evidence import audit
+from rollbench.compare.evidence import audit, computations
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
@@ -381,7 +381,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     table = standing_table(standings(points))
     step("every model on every quantity")
     step("printed values by table and section")
-    items = (quantity_table(study), contact_figure(study, found), by_place(audit(study), "printed-values", unfolded=True))
+    laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
+    items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
     return Section("overview", title, (table, further_figure(points)), conclusion=sentence, summary=summary)
 

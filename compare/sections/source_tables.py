@@ -300,11 +300,12 @@ def how(tables: Iterable[str]) -> Iterator[Table]:
         yield Table.of(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
 
 
-def _in_order(place: str) -> tuple[bool, list[int], bool, str]:
+def _in_order(place: str) -> tuple[bool, list[int], str]:
     """Return the rank of a place of a source: by chapter, tables before sections, by their numbers; appendices last."""
-    numbers = [int(n) for n in re.findall(r"\d+", place)]
     in_text, text = "Table" not in place, place.rpartition(", ")[2]
-    return re.match(r"\D*[A-Z]\b", text) is not None, [*numbers[:1], int(in_text), *numbers[1:]], in_text, text
+    letter = re.match(r"\D*\b([A-Z])\b", text)
+    numbers = [ord(letter[1])] if letter else [int(n) for n in re.findall(r"\d+", text)]
+    return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
 
 
 def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
