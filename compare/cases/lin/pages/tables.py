@@ -173,6 +173,8 @@ SPEED = {
 }
 #: Note of a table, by its number.
 NOTES = {
+    "3.2": "Case (I), P_f,IL and P_f,OR against 3D: the contact that sticks between rigid bodies creeps by its elasticity in "
+    "3D, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
     "3.4": "Low-order, ours, as in Table 3.5: loads in balance at the stated contact angles, which the 3D model has too.",
     "3.5": "Low-order, ours, as in Table 3.4: loads in balance at the stated contact angles, which the 3D model has too.",
     "B.1": "Low-order, ours: groove of Table 2.1, 3.254 mm, as the text says; the printed values belong to another.",
@@ -321,7 +323,11 @@ def answers_rows(study: Study) -> Iterator[Row]:
 def answers_table(study: Study) -> Table:
     """Table of `answers_rows`."""
     title = "Case studies: loads and errors, as rollbench compare prints them"
-    return Table.of("lin-answers", title, answers_rows(study), "Again by: rollbench compare lin-case1, and so on.")
+    note = (
+        "Case 3: the right end is held in x and y, as a bearing holds it; the text's reading, in x alone, changes loads as "
+        "table cases-readings says. Again by: rollbench compare lin-case1, and so on."
+    )
+    return Table.of("lin-answers", title, answers_rows(study), note)
 
 
 FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
