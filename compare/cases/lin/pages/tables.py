@@ -130,7 +130,9 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
             }
         )
     note = f"The text: {SPEED[layout.number]}. {times_note(study)}"
-    return Table.of(layout.stem("times"), f"Table {layout.number}: run times and elements, printed and ours", rows, note, unfolded=True)
+    return Table.of(
+        layout.stem("times"), f"Table {layout.number}: run times and elements, printed and ours", rows, note, unfolded=True
+    )
 
 
 def error(value: float | None, reference: float | None) -> float | None:
