@@ -94,7 +94,7 @@ def seconds(study: Study, name: str, way: str) -> Seconds:
         return Seconds(known.cold, known.warm)
     if way != "3D":
         return Seconds()
-    run = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    two = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return (
-        Seconds() if run is None else Seconds(older=f"{run.seconds:.3g} s of processor time, measured with {run.measured}")
+        Seconds() if two is None else Seconds(older=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
     )
