@@ -48,9 +48,6 @@ WIDE = 8
 #: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
 HOW = "how"
 
-#: Keys of columns that stay on a phone, where others are hidden.
-VERDICTS = ("class", "verdict", "status")
-
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
 Progress = Callable[[str], None]
@@ -238,26 +235,17 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
     shown, empty = filled(table)
     shown = [c for c in shown if c.key != HOW]
     numbers = [is_number(column, table) for column in shown]
-    measured = [k for k, number in enumerate(numbers) if number and k]
-    errors = (k for k in measured if shown[k].label.startswith(("error", "largest error")))
-    value = next(errors, next((k for k in measured if shown[k].unit), measured[0] if measured else -1))
-    names = [k for k, number in enumerate(numbers) if not number][:2]
     heads: Sequence[dict[str, str]] = [
-        {
-            "label": c.label,
-            "unit": c.unit,
-            "align": ("num" if number else "text") + ("" if k in (0, value, *names) or c.key in VERDICTS else " aside"),
-        }
-        for k, (c, number) in enumerate(zip(shown, numbers, strict=True))
+        {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
+        for c, number in zip(shown, numbers, strict=True)
     ]
     cells = [
         [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
         for row in table.rows
     ]
     for row, record in zip(cells, table.rows, strict=True):
-        for cell, head in zip(row, heads, strict=True):
+        for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
-            cell["align"] += " aside" if head["align"].endswith(" aside") else ""
     remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
     note = "\n".join(filter(None, [table.note, remark]))
     form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rollbench.compare.evidence import audit, computations
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
@@ -18,6 +19,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
+from rollbench.compare.sections.source_tables import by_place
 from rollbench.compare.sections.u_val import rows_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
@@ -378,7 +380,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     limits = (*LIMITS, when_measured(study, step))
     table = standing_table(standings(points))
     step("every model on every quantity")
-    items = (quantity_table(study), contact_figure(study, found))
+    step("printed values by table and section")
+    laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
+    items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
     return Section("overview", title, (table, further_figure(points)), conclusion=sentence, summary=summary)
 
@@ -444,7 +448,7 @@ def gate_word(study: Study, rung: Rung) -> str:
 def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     """Draw computed over reference load for every contact of every scene, both over the scene's mean load."""
     series = []
-    for model in ("lin", DEFAULT):
+    for model in KINDS:
         x, y, names = [], [], []
         for rung in study.once(ladder):
             if rung.model == model and rung.scene in found:
@@ -454,7 +458,7 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
                 x += [float(truth[i, s]) for i, s in at]
                 y += [float(value[i, s]) for i, s in at]
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
-        series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
+        series.append(Series(model, x, y, "markers", names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
     truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
     allowed = 0.01 * LIMIT * gate_scale(truths, 1.0)
@@ -462,5 +466,5 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     series.append(Series("equal", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %; small dots: lin."
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %."
     return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

@@ -6,6 +6,7 @@ of results is shown twice: in the source's layout, printed and computed next to 
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,9 +16,9 @@ from typing import Any
 
 from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import Evidence, computations, source
+from rollbench.compare.evidence import Evidence, computations, sentences, source
 from rollbench.compare.measure import error_percent
-from rollbench.compare.printed import entry
+from rollbench.compare.printed import Printed, entry, load_table
 from rollbench.compare.sections.verdicts import shown_error
 from rollbench.reports.content import Quantity, Row, Table
 
@@ -170,6 +171,7 @@ OFF = {
     "right": Quantity("off", "ours against printed", "%", "+.2f"),
     "faulty": Quantity("off_faulty", "with faults against printed", "%", "+.2f"),
     "reading": Quantity("off_reading", "inferred against printed", "%", "+.2f"),
+    "solid": Quantity("off_solid", "3D against printed", "%", "+.2f"),
 }
 AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
 SCENES = Quantity("scenes", "scenes, or why none", "", "s")
@@ -207,8 +209,10 @@ def compared(
         for head, name in zip(layout.columns, names, strict=True):
             if name and name not in columns and found[name].printed.cls != "input":
                 f = found[name]
-                row = _compared(layout, f, why.get(name, "")) | dict.fromkeys(further) | more.get(name, {})
-                remark = remarks.setdefault(f.reason, len(remarks) + 1) if f.reason else None
+                base = _compared(layout, f, why.get(name, ""))
+                row = base | {q: None for q in further if q not in base} | more.get(name, {})
+                reason = sentences(f.reason, _band(f.printed))
+                remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
                 first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
                 first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
                 last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
@@ -221,7 +225,8 @@ def compared(
 
 def _compared(layout: Layout, f: Evidence, why: str) -> Row:
     p, form = f.printed, f"g{layout.digits}"
-    off = {"right": _off(f.value, p.value), "faulty": _off(f.as_printed, p.value), "reading": _off(f.reading, p.value)}
+    values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
+    off = {key: _off(value, p.value) for key, value in values.items()}
     return {
         PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
         Quantity("right", "low-order, ours", "", form): _round_off(f.value),
@@ -231,8 +236,14 @@ def _compared(layout: Layout, f: Evidence, why: str) -> Row:
         OFF["right"]: off["right"],
         OFF["faulty"]: off["faulty"],
         OFF["reading"]: off["reading"],
+        OFF["solid"]: off["solid"],
         AGAINST: _off(f.value, f.reference),
     }
+
+
+def _band(p: Printed) -> str:
+    """Return ends and origin of a band in words; empty for another class."""
+    return f"Band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
 
 
 def _off(value: float | None, reference: float | None) -> float | None:
@@ -275,6 +286,7 @@ def how(tables: Iterable[str]) -> Iterator[Table]:
     """Yield, for each printed table, how its numbers are computed: scenes, function, test, command."""
     for name in tables:
         one = computations()[name]
+        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_in_order))
         rows: list[Row] = [
             {
                 Quantity("keys", "entries", "", "s"): pattern,
@@ -285,10 +297,18 @@ def how(tables: Iterable[str]) -> Iterator[Table]:
             }
             for pattern, behind in one.behind
         ]
-        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed", rows)
+        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
 
 
-def by_place(found: Sequence[Evidence]) -> Table:
+def _in_order(place: str) -> tuple[bool, list[int], str]:
+    """Return the rank of a place of a source: by chapter, tables before sections, by their numbers; appendices last."""
+    in_text, text = "Table" not in place, place.rpartition(", ")[2]
+    letter = re.match(r"\D*\b([A-Z])\b", text)
+    numbers = [ord(letter[1])] if letter else [int(n) for n in re.findall(r"\d+", text)]
+    return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
+
+
+def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
     """Count the printed numbers, the results among them and the reproduced ones, by table and section of the sources."""
     groups: dict[str, list[Evidence]] = {}
     for f in found:
@@ -299,12 +319,12 @@ def by_place(found: Sequence[Evidence]) -> Table:
         places: dict[str, list[Evidence]] = {}
         for f in of_source:
             places.setdefault(f.printed.place, []).append(f)
-        rows += [_counted(place, entries) for place, entries in places.items()]
+        rows += [_counted(place, places[place]) for place in sorted(places, key=_in_order)]
     note = (
         "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
         "printed has every entry."
     )
-    return Table.of("printed-by-table", "Printed values by table and section, and how many come out", rows, note)
+    return Table.of(name, "Printed values by table and section, and how many come out", rows, note, unfolded=unfolded)
 
 
 def _counted(place: str, found: Sequence[Evidence]) -> Row:
