@@ -246,6 +246,7 @@ QUANTITIES = {
     "balls": "contact load",
     "N/um": "rigidity",
     "N mm": "contact patch",
+    "1e6 rev": "life",
 }
 
 #: Entries whose unit says something else.
