@@ -207,8 +207,8 @@ def conclusion(found: list[combined.Combined]) -> str:
         f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified: it is "
         f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as readings are (table "
         f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
-        f"combinations of readings of what the text leaves open; {len(found) - len(errors)} more are against it. The nearest of them "
-        "misses the two ratios and four errors "
+        f"combinations of readings of what the text leaves open; {len(found) - len(errors)} more are against it. The "
+        "nearest of them misses the two ratios and four errors "
         f"that are printed by {missed:.2f} % (root mean square)."
     )
 

@@ -175,8 +175,8 @@ SPEED = {
 }
 #: Note of a table, by its number.
 NOTES = {
-    "3.2": "Case (I), P_f,IL and P_f,OR against 3D: the contact that sticks between rigid bodies creeps by its elasticity in "
-    "3D, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
+    "3.2": "Case (I), P_f,IL and P_f,OR against 3D: the contact that sticks between rigid bodies creeps by its elasticity "
+    "in 3D, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
     "3.4": "Low-order, ours, as in Table 3.5: loads in balance at the stated contact angles, which the 3D model has too.",
     "3.5": "Low-order, ours, as in Table 3.4: loads in balance at the stated contact angles, which the 3D model has too.",
     "B.1": "Low-order, ours: groove of Table 2.1, 3.254 mm, as the text says; the printed values belong to another.",
