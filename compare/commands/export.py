@@ -82,14 +82,16 @@ def export(
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
+    if model and rexs is None:
+        raise ArgumentError("model", model, "with `rexs`", "leave it out")
+    if rexs is not None and (ross is not None or modelica is not None):
+        raise ArgumentError("rexs", str(rexs), "without `ross` and `modelica`, which are of a table", "give one of them")
     if ross is not None or modelica is not None or rexs is not None:
         if part or format or out is not None or level != 1 or ball is not None or deck:
             raise ArgumentError("ross, modelica, rexs", "given", "none of the options of meshes with it", "leave them out")
         if rexs is not None:
             return print_answer(run_rexs(scene, rexs, model))
         return print_answer(run_table(scene, ross, modelica))
-    if model:
-        raise ArgumentError("model", model, "with `rexs`", "leave it out")
 
     if deck:
         if part or format or level != 1 or ball is not None:

@@ -20,7 +20,7 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.processes import local, one_thread
+from rollbench.meshes.processes import local, one_thread, restarts_unsaid
 
 #: A job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
@@ -153,9 +153,7 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:
-            with warnings.catch_warnings():
-                # of a worker whose jobs have kept 300 MB, which joblib starts anew
-                warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
+            with restarts_unsaid():
                 for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
                     yield answer
         except BrokenProcessPool as error:

@@ -39,10 +39,9 @@ PAGES = {
 }
 
 #: Sections of what all others used and found: they are made last.
-GATHERING = ("notes", "verdicts", "audit")
+GATHERING = ("overview", "notes", "verdicts", "audit")
 
-#: Pages that rest on compiled kernels: in two processes the first one compiles them from the start, the others come last
-#: and find them.
+#: Pages that rest on compiled kernels: where two processes make the report, one of them makes these.
 COMPILED = ("lin", "smith", "liu")
 
 #: Verdicts that do not concern a model, and the other ones in a sentence.

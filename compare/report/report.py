@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -21,17 +21,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.parallel import as_done
-from rollbench.compare.report.pages import (
-    COMPILED,
-    GATHERING,
-    PAGES,
-    SECTIONS,
-    Listed,
-    kept_parts,
-    lacking,
-    live_check,
-    pages,
-)
+from rollbench.compare.report.pages import COMPILED, GATHERING, SECTIONS, Listed, kept_parts, lacking, live_check, pages
 from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
@@ -40,7 +30,7 @@ from rollbench.compare.running import cores, gmsh_fault, libraries, machine, nee
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
 from rollbench.meshes import kept
-from rollbench.meshes.libraries import PAGES as PACKAGES
+from rollbench.meshes.libraries import PAGES
 from rollbench.meshes.processes import held_to_one_thread
 from rollbench.reports.content import Report, Section
 
@@ -157,12 +147,6 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
-@cache
-def _study(stores: Sequence[Path] | None, quick: bool, timed: bool, cache: Path | None) -> Study:
-    """Return the study of this worker process; all pages that the process makes share its results."""
-    return Study(stores, quick=quick, timed=timed, cache=cache)
-
-
 def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
     """Return the sections of a part; for the ladder also save the data of the model-form estimate."""
     module, _, function = part.module.partition(":")
@@ -172,21 +156,20 @@ def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
     return (made,) if isinstance(made, Section) else tuple(made)
 
 
-def _page(
+def _elsewhere(
     parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Return the sections of a page by the name of their part, and a study with the scenes and evidence that they used.
+    """Return the sections of parts by name, and a study with the scenes and evidence that they used.
 
     Runs in a worker process. The study also gets the evidence of the printed ``tables``. With ``keeping`` the bodies of
     geometries are kept on disk, as on the command line.
     """
     if keeping:
         kept.switch_on()
-    study, made = _study(*given), {}
+    study, progress, made = Study(*given), Progress(len(parts), say), {}
     for part in parts:
-        start = perf_counter()
-        made[part.name] = _made(part, lambda _: None, study)
-        say(f"      {part.name}: {perf_counter() - start:.1f} s")
+        progress.section(part.name)
+        made[part.name] = _made(part, progress.step, study)
     if tables:
         evidence(study, *tables)
     return made, Study(scenes=study.scenes, others=study.others, evidence=study.evidence)
@@ -195,24 +178,25 @@ def _page(
 def make_sections(
     parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
-    """Return the sections of the parts, made one after the other or page by page in parallel processes.
+    """Return the sections of the parts, made one after the other or in two processes.
 
-    Parts that collect the results of all others come last.
+    Of two processes one makes the pages that rest on compiled kernels, the other the rest, so that neither compiles or
+    computes what the other does. Parts that collect the results of all others come last.
 
     Parameters
     ----------
     parts
         Parts to make.
     announce
-        Called with the name of each part: before it is made, or with parallel processes when its page is done.
+        Called with the name of each part: before it is made, or when its process is done.
     step
-        Called with messages on progress within a part; not called by parallel processes.
+        Called with messages on progress within a part.
     study
-        Study that the parts use; it is extended by what parallel processes used.
+        Study that the parts use; it is extended by what other processes used.
     workers
-        Number of processes.
+        Number of processes; above 2 as 2.
     say
-        Called with the computing time of each part in a parallel process.
+        Called with lines of progress by other processes.
 
     Returns
     -------
@@ -220,19 +204,17 @@ def make_sections(
         Sections by the name of their part.
     """
     sections: dict[str, Sequence[Section]] = {}
-    last = [part for part in parts if part.name in GATHERING]
-    tables: dict[str, list[str]] = {}
-    for table, one in by_table().items() if last else ():
-        tables.setdefault(one.case.name, []).append(table)
-    by_page = {name: [p for p in parts if p.page == name and p not in last] for name in PAGES}
-    first, *late = COMPILED
-    ordered = (first, *(name for name in PAGES if name not in COMPILED), *late)
-    names = [name for name in ordered if by_page[name] or name in tables]
-    if workers > 1 and len(names) > 1:
-        given = (study.stores, study.quick, study.timed, study.cache)
-        page = partial(_page, keeping=kept.switched_on())
-        jobs = [(page, (by_page[name], tables.get(name, ()), given, say)) for name in names]
-        for _, (made, used) in as_done(jobs, workers=workers):
+    if workers > 1:
+        last = [part for part in parts if part.name in GATHERING]
+        gathered = [(name, one.case.name) for name, one in by_table().items()] if last else []
+        given = (study.stores, None, study.quick, study.timed, study.cache)
+        jobs = []
+        for compiled in (True, False):
+            half = [part for part in parts if part not in last and (part.page in COMPILED) == compiled]
+            tables = [name for name, case in gathered if (case in COMPILED) == compiled]
+            if half or tables:
+                jobs.append((partial(_elsewhere, keeping=kept.switched_on()), (half, tables, given, say)))
+        for _, (made, used) in as_done(jobs, workers=2):
             for name in made:
                 announce(name)
             sections |= made
@@ -299,7 +281,7 @@ def make_report(
     InputError
         For an unknown section or a folder that cannot be used.
     """
-    need_packages(*PACKAGES, "scikit-fem")
+    need_packages(*PAGES, "scikit-fem")
     before = None if against is None else tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:

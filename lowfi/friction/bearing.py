@@ -247,8 +247,6 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> list[Solution]:
     """Return solutions over radial displacements u_y ``(n,)`` [m] (Lin Figure 3.7), each solved separately.
 
-    law: friction law of `solve_ball_as_printed`; without it, least dissipation.
-
     Parameters
     ----------
     bearing

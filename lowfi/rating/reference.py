@@ -150,11 +150,11 @@ def of_rollers(row: RollerRow, line_loads: Array) -> ReferenceLife | None:
     q = np.repeat(line_loads, pieces, axis=-1) / top  # loads over the largest: no overflow
     n = q.shape[-1]
     reduced = roller_life.THRUST if roller_life.is_thrust(row) else roller_life.RADIAL
-    capacities, loads = {}, {}
+    stress, capacities, loads = edge_stress(n), {}, {}
     for race, Q, order in zip(
         RACES, roller_life.race_capacities(row) / reduced, (roller_life.TURNING, roller_life.STANDING), strict=True
     ):
-        mean = edge_stress(n) * np.mean(q**order, axis=0) ** (1.0 / order)
+        mean = stress * np.mean(q**order, axis=0) ** (1.0 / order)
         capacities[race] = float(Q)
         loads[race] = top * row.length * float(np.mean(mean**4.5)) ** (2.0 / 9.0)
     damage = sum((loads[race] / capacities[race]) ** 4.5 for race in RACES)

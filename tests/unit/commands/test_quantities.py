@@ -67,4 +67,4 @@ SHOWN = [
 @pytest.mark.parametrize(("value", "error", "text"), SHOWN)
 def test_people_see_no_digit_beyond_those_of_the_error(value: float, error: float, text: str) -> None:
     assert shown(value, error) == text
-    assert abs(float(text) - value) <= max(0.5 * 10.0 ** math.floor(math.log10(error)), abs(value) * 5e-4)
+    assert abs(float(text) - value) <= max(0.15 * error, abs(value) * 5e-4)

@@ -227,3 +227,13 @@ def test_components_attributes_and_relations_are_those_of_the_schema(tmp_path, s
 def load_axis(path):
     """The axis of a file."""
     return rollbench.read(path)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("--rexs", "a.rexs", "--ross", "b.py"), ("--rexs", "a.rexs", "--format", "msh"), ("--ross", "b.py", "--model", "lin")],
+)
+def test_options_that_would_do_nothing_are_refused(command, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    command.refused("export", "smith-axis-taper", *words)
+    assert not list(tmp_path.iterdir())

@@ -9,7 +9,7 @@ from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.rotary_linear import pair
 from rollbench.compare.cases.lin.pages.friction import bearing_figure, torque_figure
-from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, seconds
+from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, Seconds, seconds
 from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study, with_groove
@@ -97,6 +97,11 @@ def sizes(study: Study, name: str, way: str) -> tuple[str, str]:
     return count(table, key), solid_size(study, name)
 
 
+def faster(slow: float | None, fast: float | None) -> float | None:
+    """Return how many times faster one of two times is; None without one of them."""
+    return None if not slow or not fast else slow / fast
+
+
 def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
     """Run times and elements of a layout, printed and ours, with the ratios that the text speaks of."""
     names = [
@@ -106,18 +111,14 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
     rows: list[Row] = []
     for label, head, name in names:
         scene, way = TIMED[name]
-        own, solid = seconds(study, scene, way), seconds(study, scene, "3D")
-        of_3d = way == "3D"
-
-        def faster(slow: float | None, fast: float | None, same: bool = of_3d) -> float | None:
-            return None if same or not slow or not fast else slow / fast
-
+        own = seconds(study, scene, way)
+        solid, slow = (Seconds(), None) if way == "3D" else (seconds(study, scene, "3D"), ansys[scene])
         rows.append(
             {
                 Quantity("label", "number", "", "s"): label,
                 Quantity("column", "column", "", "s"): head,
                 Quantity("printed", "printed", "", "s"): f"{found[name].printed.printed} {found[name].printed.unit}",
-                RATIO["printed"]: faster(ansys[scene], printed_seconds(name)),
+                RATIO["printed"]: faster(slow, printed_seconds(name)),
                 LOW[0]: own.cold,
                 LOW[1]: own.further,
                 OLDER: own.older,
