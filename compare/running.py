@@ -155,11 +155,13 @@ def on_terminal(text: str) -> None:
     text
         The message.
     """
+    global _drawn
     found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
     if not sys.stderr.isatty() and not text.startswith("WARNING"):
         return
     if found is None:  # above the line of progress, which another process may have drawn
         _say(f"{ERASE * sys.stderr.isatty()}rollbench: {text}\n")
+        _drawn = False
         return
     done, of, percent = (int(x or 0) for x in found.groups())
     share = done / of if of else percent / 100.0
