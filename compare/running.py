@@ -171,7 +171,7 @@ def on_terminal(text: str) -> None:
 def clear() -> None:
     """Remove the line of progress, before anything else is printed."""
     global _drawn
-    if _drawn:
+    if _drawn and sys.stderr.isatty():
         _say(ERASE)
     _drawn = False
 

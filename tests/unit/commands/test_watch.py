@@ -37,3 +37,12 @@ def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, c
     assert [bar.count("#") / len(bar) for bar in bars] == [0.0, 0.5, 1.0]
     assert "my.toml: 50 steps" in shown
     assert shown.endswith("\r\033[K")
+
+
+def test_nothing_is_erased_where_no_line_can_be(monkeypatch, capsys):
+    monkeypatch.setattr(running.sys.stderr, "isatty", lambda: True)
+    running.on_terminal("meshes [1/2]")
+    assert "meshes [1/2]" in capsys.readouterr().err
+    monkeypatch.setattr(running.sys.stderr, "isatty", lambda: False)
+    running.clear()
+    assert capsys.readouterr().err == ""
