@@ -26,7 +26,7 @@ from rollbench.meshes.processes import one_thread
 
 #: Longest time to wait after an interrupt for threads that clean up [s].
 TIDYING = 2.0
-#: Arguments of the library whose options have other names, and those that are given without one.
+#: Options whose names differ from the arguments of the library; positional arguments have no dashes.
 OPTIONS = {
     "models": "--model",
     "limits": "--limit",
@@ -38,7 +38,7 @@ OPTIONS = {
 }
 
 
-#: Commands and their modules in ``compare.commands`` under the headings of ``rollbench --help``, by what one wants.
+#: Headings of ``rollbench --help``, with commands and their modules in ``compare.commands``.
 COMMANDS = {
     "Start here": {
         "new": "new",
@@ -95,9 +95,9 @@ def arrange(app: App) -> None:
                 app[name].sort_key = number
                 command = app[name].default_command
                 command.__doc__ = unwrapped(command.__doc__)
-    besides = Group("Besides", sort_key=len(COMMANDS))
+    others = Group("Other options", sort_key=len(COMMANDS))
     for flag in ("--help", "--version"):
-        app[flag].group = (besides,)
+        app[flag].group = (others,)
 
 
 def option(argument: str) -> str:

@@ -32,18 +32,19 @@ def bench(
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
-    """Measure run times here: errors of the models against run times, commands typed in an empty home, threads.
+    """Measure run times on this machine: models with their errors, whole commands, and threads.
 
     Parameters
     ----------
     names
-        Scenes with a 3D reference whose models are timed; lin-case1 unless given, with --long all that the report compares.
+        Scenes with a 3D reference whose models are timed. Default: lin-case1; with --long all scenes that the report
+        compares.
     long
-        Measure the levels of the 3D reference too, an hour in all on quiet cores, and no threads.
+        Also time every mesh level of the 3D reference, about an hour on idle cores; threads are not timed.
     source
-        Measure what the page of a case shows, such as lin, and nothing else: minutes on quiet cores.
+        Measure only the times that the page of this case shows (such as lin), minutes on idle cores.
     store
-        With --long or --source: folder of stored runs to keep these times in, which a report then shows.
+        With --long or --source: folder of stored runs in which the times are kept for the report.
     """
     if source is not None and (names or long):
         raise ArgumentError("source", source, "without names and --long", "leave them out")
@@ -55,7 +56,7 @@ def bench(
 
 
 def run_source(source: str, store: Path | None) -> Answer:
-    """Measure the run times on the page of a case; InputError for a case without run times."""
+    """Measure the run times that the page of a case shows. Raises InputError for a case without run times."""
     from rollbench.compare.case import every_case
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
@@ -80,7 +81,7 @@ def run_source(source: str, store: Path | None) -> Answer:
 
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
-    """Measure run times; a command that fails has a note. InputError for a scene without reference."""
+    """Measure run times; a command that fails carries a note. Raises InputError for a scene without a reference."""
     from rollbench.compare.studies.run_times import COMMANDS, in_threads, typed
 
     jobs = [*models(names, store, long=long)]
@@ -93,8 +94,10 @@ def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer
 
 
 def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[Job]:
-    """Models of scenes, long: and levels of the 3D reference, by one measuring run, which is kept in a store if there is
-    one. Raises InputError for a scene without reference."""
+    """Time the models of scenes in one measuring run and, with ``long``, the levels of the 3D reference.
+
+    The times are kept in ``store`` if it is given. Raises InputError for a scene without a reference.
+    """
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.sections.reference_time import compared_scenes, measured_now, measuring_run, time_points

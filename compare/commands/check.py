@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Files:
-    """Files that verdicts are written to besides, and an earlier one to hold them against."""
+    """Files to write the verdicts to, and an earlier file of verdicts to compare with."""
 
     junit: Path | None = None
     markdown: Path | None = None
@@ -34,13 +34,13 @@ class Files:
     baseline: Path | None = None
 
     def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
-        """What changed since the verdicts of the baseline. Raises InputError."""
+        """Return what changed since the verdicts of the baseline. Raises InputError."""
         from rollbench.compare.gate.publish import changes
 
         return [] if self.baseline is None else changes(self.baseline, outcomes)
 
     def since(self, changed: Sequence[Change]) -> list[str]:
-        """The changes in words; none without a baseline."""
+        """Return the changes as sentences; none without a baseline."""
         if self.baseline is None:
             return []
         return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [
@@ -48,7 +48,7 @@ class Files:
         ]
 
     def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
-        """Write the files that are asked for; lines that say so."""
+        """Write the requested files and return a line for each."""
         from rollbench.compare.gate.publish import publish
 
         written = publish(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
@@ -56,7 +56,7 @@ class Files:
 
 
 def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files) -> Answer:
-    """Judge scenes, a row on each quantity, or on each of its load cases; the exit code is that of the gravest verdict."""
+    """Judge scenes, one row per quantity or per load case; the exit code is that of the worst verdict."""
     from rollbench.compare.gate.publish import of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import as_text
@@ -89,7 +89,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
 
 
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
-    """All rows of the gate of what is shipped."""
+    """Return all rows of the acceptance check of the shipped data."""
     from rollbench.compare.gate.gate import (
         band_rows,
         closed_form_rows,
@@ -112,7 +112,7 @@ def run_gate(study: Study, max_error: float) -> list[GateRow]:
 
 
 def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False) -> Answer:
-    """The gate of what is shipped: counts, and rows that do not pass, or all; exit code 1 where a row fails."""
+    """Check the shipped data: counts, and the rows that do not pass (or all); exit code 1 where a row fails."""
     from rollbench.compare.gate.publish import of_row
     from rollbench.compare.gate.user import as_shares
     from rollbench.compare.gate.verdict import LIMIT, Limits
@@ -140,7 +140,10 @@ def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False)
 
 
 def gate_table(rows: Sequence[GateRow]) -> Table:
-    """Rows of the gate, those that fail first; none reads "ok" whose figure is over its line."""
+    """Return the rows of the gate as a table, failed rows first.
+
+    Digits are chosen so that no value beyond its limit is printed as if it were within.
+    """
     texts = (
         (
             row.verdict,
@@ -181,66 +184,70 @@ def check(
     as_json: Json = False,
     program: OfProgram | None = None,
 ) -> int:
-    """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
-    balance, 3D references); with --printed: every number and claim that the sources print.
+    """Judge a model on scenes by their 3D reference: pass, fail or undecided; without scenes, check all shipped data.
 
-    A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is
-    beyond the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The
-    error of a contact load is in per cent of its reference load (of the mean load below a tenth of it).
+    A scene passes where error + u is within the limit, with u the uncertainty of the reference; it fails where error - u
+    is beyond the limit, and is undecided in between. It is not covered where no reference is stored and none may be
+    computed. The error of a contact load is in per cent of its reference load (of the mean load where the reference load
+    is below a tenth of the mean).
+
+    Without scenes, the shipped data are checked: printed values, closed forms, equilibrium, 3D references. With
+    --printed, every number and claim that the sources print is judged.
 
     Exit codes: 0 all pass (without scenes: no row fails); 1 one fails; 2 bad input; 3 none fails, but one is undecided; 4
-    none of these, but one is not covered.
+    none fails or is undecided, but one is not covered.
 
     Parameters
     ----------
     scenes
-        Names of shipped scenes, or scene files. A scene may set its own limits in a table [gate].
+        Names of shipped scenes, or scene files. A scene may set its limits in a table [gate].
     model
-        Low-order model that is judged: refined unless given.
+        Low-order model to judge. Default: refined.
     loads
-        Judge the loads of another program instead: CSV file with the columns ball, flank (SL, SR, NL, NR), newton; with
-        azimuth_deg and z_mm too, balls are matched by these. Columns contact_angle_deg, approach_um, pressure_MPa are
-        judged too. Headings say the unit: load_kN, angle_rad, z_um.
+        Judge loads computed by another program: CSV file with the columns ball, flank (SL, SR, NL, NR), newton. With
+        azimuth_deg and z_mm too, balls are matched by position. Columns contact_angle_deg, approach_um, pressure_MPa are
+        judged too. Headings give the unit: load_kN, angle_rad, z_um.
     values
-        Judge values of the whole screw by another program: CSV file with the columns quantity (displacement, rigidity,
-        torque, life), value, unit, where (empty: the scene's loads; an axial load such as 5 kN, or of a displacement a
-        station such as 400 mm).
+        Judge values of the whole screw computed by another program: CSV file with the columns quantity (displacement,
+        rigidity, torque, life), value, unit, where (empty: at the scene's loads; an axial load such as 5 kN; for a
+        displacement also a station such as 400 mm).
     max_error
-        Limit of the error of loads in per cent, in place of the scenes' own; 7 where neither is given.
+        Limit of the error of loads in per cent; it replaces the scenes' limits. Default: the scene's limit, else 7.
     limit
-        Limit of another quantity, NAME=NUMBER in per cent, of a contact angle in degrees; may be given several times.
-        Unless given: contact angle 1, approach two thirds, pressure a third and life three times the limit of the loads,
-        which is also that of the others. A model is judged on the quantities that are named.
+        Limit of another quantity, NAME=NUMBER, in per cent (contact angle: in degrees); may be repeated. Default: contact
+        angle 1 degree; approach two thirds, pressure one third, life three times the limit of the loads; other quantities
+        the limit of the loads. A model is judged on the quantities that are named.
     strict
-        Treat an unknown column as an error, not as a warning.
+        Treat an unknown column as an error instead of a warning.
     reference
-        Judge by this file in place of the 3D reference: your own loads in the columns of --loads, of every flank, with a
-        column uncertainty_N, or a line "# uncertainty: 0.5 %" above, and "# provenance: words"; without, zero is taken.
+        Judge by this file instead of the 3D reference: reference loads of every flank in the columns of --loads, with a
+        column uncertainty_N, or a line "# uncertainty: 0.5 %" and a line "# provenance: ..." above. Default uncertainty:
+        0.
     levels
-        Compute mesh levels 1 to N of the reference where they are not stored; the best stored unless given, 2 where there
-        are fewer. Level 1 alone has an uncertainty from experience with other scenes.
+        Compute mesh levels 1 to N of the reference where they are not stored. Default: the best stored level, or 2 where
+        fewer are stored. With level 1 only, the uncertainty is estimated from other scenes.
     stored
-        Take the reference from runs stored in this folder, besides those shipped, and compute none.
+        Take the reference from the runs stored in this folder or shipped, and compute none.
     no_compute
         Compute no run of the reference.
     store
-        Folder of the reference's runs, besides those shipped.
+        Folder of stored reference runs, used in addition to the shipped runs.
     junit
         Also write the verdicts as JUnit XML.
     markdown
-        Also write them as Markdown for a comment, with a chart of the worst ball and its neighbours, and add it to the
-        summary that the environment names (GITHUB_STEP_SUMMARY).
+        Also write them as Markdown for a comment, with a chart of the worst ball and its neighbours, and append it to the
+        job summary of the CI (the file named by GITHUB_STEP_SUMMARY).
     csv
         Also write them as CSV.
     baseline
-        Report what changed since this file of verdicts, written by an earlier --csv or --json.
+        Report what changed since this file of verdicts, which an earlier --csv or --json wrote.
     printed
-        Judge what the sources print instead: each entry gets a verdict, and the exit code is 1 where one differs from the
-        verdict that is expected of it.
+        Judge what the sources print: each entry gets a verdict; exit code 1 where a verdict differs from the expected
+        one.
     source
-        With --printed: the sources to judge, such as lin; all unless given.
+        With --printed: sources to judge, such as lin. Default: all.
     only
-        With --printed: the tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical; all unless given.
+        With --printed: tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical. Default: all.
     verbose
         Without scenes: also print the rows that pass.
     """
@@ -282,7 +289,7 @@ def check(
 
 
 def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:
-    """Raise ArgumentError for the first argument that is given where it means nothing."""
+    """Raise ArgumentError for the first given argument that has no meaning here."""
     for name, value in given.items():
         if value:
             text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)

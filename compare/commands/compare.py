@@ -30,12 +30,12 @@ NOT_SETTLED = 5
 
 
 def code_of(references: Iterable[Reference]) -> int:
-    """Exit code of a command that shows references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
+    """Return the exit code for references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
 def parse_levels(text: str) -> tuple[int, ...]:
-    """Levels of ``--levels``: ``3`` (levels 1 to 3), ``1,3``, ``source,1,2,3``. Raises InputError."""
+    """Return the levels named by ``--levels``: ``3`` (levels 1 to 3), ``1,3``, ``source,1,2,3``. Raises InputError."""
     from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL
 
     allowed = f"a number from 1 to {len(LEVELS)}, or some of source, {', '.join(map(str, LEVELS))} with commas"
@@ -60,13 +60,13 @@ def run_compare(
     verbose: bool = False,
     reference: Path | None = None,
 ) -> Answer:
-    """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
-    reference: file of the user's own, in place of it.
+    """Compare models with the reference of every scene: verdict, answers, table and files; compute missing runs first.
 
-    JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
-    them. balls: also print every contact; verbose: what the comparison is uncertain by.
-    levels: None for the best stored reference (levels `ADVISED` are computed where there is none); else just those. fresh:
-    compute them even where they are stored. Raises Refusal for a scene of which no run converged.
+    JSON: verdict and answers of every scene, and rows of every quantity and model, with the reference's coarser runs.
+    balls: also print every contact; verbose: also print the contributions to the uncertainty; reference: a file of the
+    user's that replaces the 3D reference. levels: None for the best stored reference (levels `ADVISED` are computed where
+    there is none), else exactly these; fresh: compute them even where they are stored. Raises Refusal for a scene of
+    which no run converged.
     """
     from rollbench.compare.commands.compare_output import older_times, start_lines, write_files
     from rollbench.compare.commands.compare_output import table as compared_table
@@ -142,7 +142,7 @@ def _contacts(scene: Scene, models: Sequence[Beside], reference: Reference) -> A
 
 
 def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
-    """The same for the terminal."""
+    """Return the comparison over a duty cycle as lines for the terminal."""
     from rollbench.compare.results.comparison import together_json
 
     return [line for data in together_json(cycle, each) for line in ("", _line(data))]
@@ -179,37 +179,35 @@ def compare(
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
-    A verdict, answers of model and reference, a table of models; every contact goes to <scene>-compare.csv and .svg in
-    the store. Scenes against one another: rollbench solve A B. For a page to send: rollbench report SCENE. Exit code 5
-    where loads of the reference did not settle: what they may still move by is said, kept with the run and added to its
-    uncertainty.
+    Prints a verdict, the answers of model and reference, and a table of models; writes every contact to
+    <scene>-compare.csv and .svg in the store. To compare scenes with one another: rollbench solve A B. For a page to
+    send: rollbench report SCENE. Exit code 5 where loads of the reference did not settle: the remaining change is
+    printed, stored with the run and added to its uncertainty.
 
     Parameters
     ----------
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models of rollbench list; condensed takes the bodies of the reference's finest level. Unless given:
-        refined, the default of every command, whose error is the verdict, and beside it the others that the report
-        compares.
+        Low-order models, by name (see: rollbench list); condensed uses the bodies of the reference's finest level.
+        Default: the verdict is on refined, and the table also has the other models that the report compares.
     levels
-        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given,
-        levels 1 and 3 where there is none.
+        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2. Default: the best stored level;
+        levels 1 and 3 where none is stored.
     store
-        Folder of the reference's results, besides those shipped.
+        Folder of stored reference runs, used in addition to the shipped runs.
     fresh
         Compute runs even where they are stored or shipped.
     balls
         Also print every contact.
     verbose
-        Also print what the comparison is uncertain by, the gate's rule, and times of stored runs.
+        Also print the contributions to the uncertainty, the rule of the verdict, and the times of stored runs.
     reference
-        Compare with this file in place of the 3D reference, which stands beside it where it is stored; as for rollbench
-        check.
+        Compare with this file instead of the 3D reference, which is listed too where it is stored. Format: see rollbench
+        check --reference.
     bodies
-        Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
+        For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
-
     wanted = None if levels is None else parse_levels(levels)
     command = model_of(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
@@ -226,9 +224,9 @@ def compare(
 def runs_of(
     scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
 ) -> list[RollingRun]:
-    """Runs of the levels in order, stored ones where there are; each is stored when it is done.
+    """Return the runs of the levels in order, stored ones where they exist; each new run is stored when it is done.
 
-    Raises Refusal for a scene that is beyond the 3D model, and where a run did not converge.
+    Raises Refusal for a scene that the 3D model does not cover, and where a run did not converge.
     """
     from rollbench.compare.reference.parallel import as_done
     from rollbench.compare.reference.store import shipped_store
@@ -249,7 +247,7 @@ def runs_of(
 
 
 def known_levels(levels: Sequence[int]) -> list[int]:
-    """The levels as they are. Raises InputError for one that rolling balls do not have."""
+    """Return the levels as a list. Raises InputError for a level that rolling balls do not have."""
     from rollbench.compare.studies.rolling.runs import LEVELS, SOURCE_LEVEL
 
     other = [k for k in levels if k not in LEVELS]
@@ -263,7 +261,7 @@ def known_levels(levels: Sequence[int]) -> list[int]:
 def run_rolling_compare(
     names: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
-    """Low-order models beside the 3D model of rolling; all its levels unless given."""
+    """Compare low-order models with the 3D model of rolling. levels: all by default."""
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.levels import HALF_SPACE
     from rollbench.compare.scenes import catalogue
@@ -285,7 +283,7 @@ def run_rolling_compare(
 
 
 def finite(row: dict[str, Any]) -> dict[str, Any]:
-    """A row without infinity."""
+    """Return a row with None in place of infinity."""
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 
 
@@ -323,8 +321,10 @@ def _table(name: str, rows: Sequence[RollingRow]) -> Any:
 def run_rolling_study(
     names: Sequence[str], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> Answer:
-    """Every quantity on every grid, all of them unless given, as it is and on top of the rigid limit, and its uncertainty
-    from them all."""
+    """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.
+
+    levels: all by default.
+    """
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.compare.studies.rolling.rows import uncertainty
@@ -353,7 +353,7 @@ def _study_parts(out: Sequence[dict[str, Any]]) -> Iterator[Any]:
 
 
 def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
-    """A quantity on a grid: with limit and elasticity apart, and the grid's own number."""
+    """Return one quantity on one grid: value, rigid limit, elasticity, and the value computed on this grid only."""
     from rollbench.compare.studies.rolling.rows import load_state
     from rollbench.compare.studies.rolling.runs import SOURCE_LEVEL
 
@@ -373,11 +373,10 @@ def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
 
 
 def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> bool:
-    """Whether scenes are all of kinds that only friction solves; False for whole screws and bearings.
+    """Return whether all scenes are of kinds that only friction solves; False for whole screws and bearings.
 
-    means_nothing: arguments that rolling balls do not know, and whether each was given. Raises InputError
-    where some are and some are not, for an unknown name of bodies, for finite bodies under whole screws, and for such an
-    option.
+    means_nothing: arguments that do not apply to rolling balls, and whether each was given. Raises InputError for a mix
+    of both, for an unknown name of bodies, for finite bodies with whole screws, and for such an argument.
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue

@@ -1,4 +1,4 @@
-"""What ``rollbench compare`` prints and writes of a scene: a table of models, contacts, files."""
+"""Text, tables and files of ``rollbench compare`` for one scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MP
 
 
 def start_lines(whole: Compared) -> list[str]:
-    """From where displacements are counted, where that is not the nominal place."""
+    """Return a line on the origin of displacements where it is not the nominal position."""
     if not whole.start:
         return []
     return [
@@ -50,12 +50,12 @@ def _cells(b: Beside) -> list[str]:
 
 
 def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
-    """One row for each model, the reference first; narrower than 80 columns."""
+    """Return the table of models, the reference first; narrower than 80 columns."""
     return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
 
 
 def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
-    """The seconds of stored runs, which no column of this command's own has, with what they were measured with."""
+    """Return lines with the times of stored runs, which the table leaves out, and the programs they were measured with."""
     by_stamp: dict[str, list[str]] = {}
     for b in (itself, *models):
         if b.answer.seconds and b.answer.measured:
@@ -64,7 +64,7 @@ def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
 
 
 def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
-    """One row for each contact: loads [N] of reference, its uncertainty, and of the models."""
+    """Return one row per contact: loads [N] of the reference with uncertainty, and of the models."""
     rows = []
     loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
@@ -76,7 +76,7 @@ def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -
 
 
 def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Figure:
-    """Loads over the balls, a panel for each flank of the screw that carries load."""
+    """Return the figure of loads over the balls, one panel for each loaded flank of the screw."""
     panels = []
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
@@ -88,7 +88,7 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
 
 
 def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
-    """Write the contacts as CSV and the figure as SVG into the store; a line that says so."""
+    """Write the contacts as CSV and the figure as SVG into the store; return a line that names them."""
     rows = contact_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
     write_csv(Path(f"{stem}.csv"), rows)

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 def run_crosscheck(
     name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
 ) -> Answer:
-    """Compare a scene's contact loads by the 3D reference with those by CalculiX.
+    """Compare the contact loads of a scene by the 3D reference with those by CalculiX.
 
-    InputError for a scene without results, results of another scene of that name, and if CalculiX fails.
+    Raises InputError for a scene without results, for results of another scene of that name, and where CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck import nut
     from rollbench.compare.studies.crosscheck.results import agreement, contact_rows, load, save, shipped
@@ -49,7 +49,10 @@ def run_crosscheck(
 
 
 def stored(folder: Path, scene: Scene) -> CrossData:
-    """Return the results of a scene; InputError if there are none, or they belong to another scene of its name."""
+    """Return the stored results of a scene.
+
+    Raises InputError if there are none, or if they belong to another scene of its name.
+    """
     from rollbench.compare.studies.crosscheck.results import load
     from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
 
@@ -99,22 +102,22 @@ def crosscheck(
     store: Path = Path("rollbench-reference"),
     as_json: Json = False,
 ) -> int:
-    """Compare the 3D reference with CalculiX, contact by contact: two-balls or lin-case1-cut.
+    """Compare the 3D reference with CalculiX, contact by contact, on the scenes two-balls or lin-case1-cut.
 
     Parameters
     ----------
     scene
         Name of a shipped scene that was solved by CalculiX.
     run
-        Solve with CalculiX (ccx) now those of its decks that have no stored result, and rewrite the stored results.
+        Solve with CalculiX (ccx) the decks that have no stored result, and rewrite the stored results.
     fresh
-        With --run: solve all decks again, up to an hour of one core.
+        With --run: solve all decks again, up to an hour on one core.
     data
-        Folder of the stored results; that of the package unless given.
+        Folder of the stored results. Default: the shipped ones.
     work
         Folder of the decks and their results; a deck whose result is there is not solved again.
     store
-        Folder of the reference's runs, besides those shipped; computed where none is stored.
+        Folder of stored reference runs, used in addition to the shipped runs; a missing run is computed.
     """
     from rollbench.compare.reference.jobs import Engine
 

@@ -1,4 +1,4 @@
-"""The commands ``doctor``, what this machine has, what it lacks and what that costs, and ``completion`` of its shell."""
+"""The commands ``doctor`` (what this machine has and lacks) and ``completion`` (for the shell)."""
 
 from __future__ import annotations
 
@@ -43,8 +43,11 @@ PROGRAMS = {
 
 @dataclass(frozen=True)
 class Check:
-    """One check of the machine: its state (optional: absent, and not needed), what was found, what its absence costs and
-    the remedy; these two are empty where it is present."""
+    """One check of the machine.
+
+    state: "optional" if it is absent and not needed; found: what was found; cost: what its absence costs, and advice: the
+    remedy, both empty where it is present.
+    """
 
     name: str
     state: State
@@ -69,7 +72,7 @@ def run_doctor(store: Path) -> Answer:
 
 
 def _looked(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
-    """Return the check of a requirement: found, or missing with its cost, the remedy and its state then."""
+    """Return the check of a requirement: found, or missing with cost, remedy and state."""
     return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
 
 
@@ -124,7 +127,6 @@ def _numbers(version: str) -> tuple[int, ...]:
     >>> _numbers("4.15.2rc1") > _numbers("4.13")
     True
     """
-
     return tuple(int(number) for number in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
 
 
@@ -211,32 +213,29 @@ def _shipped() -> Iterator[Check]:
 
 @app.command
 def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) -> int:
-    """Check this machine: packages, system libraries, drawing, folders, memory; what is missing and disabled; licences.
+    """Check this machine: packages, system libraries, rendering, folders, memory, licences; what is missing and its effect.
 
-    Exit codes: 0 nothing is missing (programs marked optional may be, and packages of an extra that is not installed),
-    1 something is.
+    Exit codes: 0 nothing is missing (optional programs and packages of extras that are not installed do not count), 1
+    something is.
 
     Parameters
     ----------
     store
-        Folder of the reference's runs.
+        Folder of stored reference runs.
     """
-
     return print_answer(run_doctor(store), as_json)
 
 
 @app.command
 def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) -> None:
-    """Print what makes a shell complete commands and options, or install it.
-
-    For this session only: eval "$(rollbench completion bash)".
+    """Print the script with which a shell completes commands and options, or install it.
 
     Parameters
     ----------
     shell
         bash, zsh or fish.
     install
-        Write it where the shell looks for it in the home folder, and print where that is.
+        Write the script to where the shell looks for it in the home folder, and print the path.
     """
     text = app.generate_completion(prog_name="rollbench", shell=shell)
     if install:

@@ -39,46 +39,49 @@ def export(
     rexs: Path | None = None,
     model: Word = "",
 ) -> int:
-    """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
-    as CAD (STEP, lengths in mm), a small scene as one deck that CalculiX runs (--deck ccx), or the bearings of a shaft with
-    their results as REXS.
+    """Write meshes and results of the 3D reference, CAD parts, a CalculiX deck, or bearings as REXS, for other programs.
+
+    Meshes and result fields: VTU, MSH, MED or INP, lengths in m. All parts as CAD: STEP, lengths in mm. A small scene as
+    one deck that CalculiX runs: --deck ccx. The bearings of a shaft with their results: --rexs.
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     part
-        screw, nut or ball, whole; screw-with-sockets (nut, ball): as the reference condenses it, a hole at every contact,
-        which patch-SL (the groove's fine patch; SR, NL, NR) and ball-patch-SL fill; or block-source; none with --deck
-        and --format step.
+        screw, nut, ball or whole; screw-with-sockets, nut-with-sockets, ball-with-sockets: the body with a hole at every
+        contact, as the reference condenses it; patch-SL (SR, NL, NR) and ball-patch-SL: the fine meshes that fill these
+        holes; block-source. Not with --deck or --format step.
     out
-        File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.step or, with --deck, <scene>.inp.
+        File to write; an existing file is replaced. Default: <scene>-<part>.vtu, <scene>.step or, with --deck,
+        <scene>.inp.
     format
-        vtu, msh, med, inp, step, or json (what --model-command hands to a program); by the file's name unless given.
+        vtu, msh, med, inp, step, or json (the input of --model-command). Default: by the file's suffix.
     level
         Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
     ball
-        Solve the scene and add displacement and stress: of this ball and its patches, or of screw or nut, with sockets.
+        Solve the scene and add displacement and stress of this ball and its patches, or of screw or nut with sockets.
     deck
         Program to write the whole contact problem for: ccx (CalculiX; Abaqus reads the same file).
     unit
         Unit of length in the deck: mm (with N and MPa) or m (with N and Pa).
     balls
-        Cut the screw of the deck to some neighbouring balls: 3:5 keeps balls 3, 4 and 5.
+        Keep only some neighbouring balls in the deck, and cut the screw to them: 3:5 keeps balls 3, 4 and 5.
     b_over_h
-        Elements of the deck across the short half axis of a contact of mean load.
+        Elements of the deck across the minor semi-axis of a contact of mean load.
     growth
-        Growth of the deck's element sizes per distance from the contacts.
+        Growth of the deck's element size with the distance from the contacts.
     stiffness
-        Contact pressure per overclosure of the deck, in N/mm3.
+        Contact pressure per overclosure in the deck, in N/mm3.
     ross
-        Python module with a BearingElement of ROSS for each row of a table: scene is the JSON file of rollbench table.
+        Write a Python module with a BearingElement of ROSS for each row of a table; SCENE is then the JSON file of
+        rollbench table.
     modelica
-        The same table as a file for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two).
+        Write the same table for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two keys).
     rexs
-        REXS file (1.7): bearings with rows and rolling elements, shaft and loads of an axis, and what is solved of them.
+        Write a REXS file (1.7): bearings with rows and rolling elements, shaft and loads of an axis, and their results.
     model
-        Low-order model for these results; refined unless given.
+        With --rexs: low-order model of the results. Default: refined.
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
@@ -116,7 +119,10 @@ def export(
 
 
 def run_json(scene: Scene, out: Path | None) -> Answer:
-    """Write a scene as a program that is a model gets it, to ``<scene>.json`` unless given; InputError as `export`."""
+    """Write a scene as the input file of an external model. Raises InputError as `export`.
+
+    out: ``<scene>.json`` by default.
+    """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.programs import scene_json
 
@@ -128,17 +134,17 @@ def run_json(scene: Scene, out: Path | None) -> Answer:
 def run_export(
     scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, ball: int | None = None
 ) -> Answer:
-    """Write the mesh of a part, the parts of its surface as named groups (flanks, lands and ends; sockets; contact zones);
-    lengths in m.
+    """Write the mesh of a part, with named groups for its surfaces; lengths in m.
 
-    ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
-    screw or nut, on the body that is solved, with sockets; None: only the mesh.
-    form: vtu, msh, med or inp, by the suffix of ``out`` unless given, vtu without one; out: the file, which is replaced
-    if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
-    of the reference's meshes, None for none.
-    Raises InputError for an unknown part, format or level, a package that is missing, a mesh that cannot be built and a
-    file that cannot be written; all except the last two before anything is meshed, as is a screw's field where the scene
-    holds or loads it beyond the low end of its 3D stretch.
+    Groups are flanks, lands, ends, sockets and contact zones. ball: solve the scene and add displacement [m], stress and
+    von Mises stress [Pa] of the parts of that ball (from 1), or of screw or nut as solved, with sockets; None: only the
+    mesh. form: vtu, msh, med or inp; default: by the suffix of ``out``, else vtu. out: the file, replaced if it exists;
+    None: ``<scene>-<part>.<form>``. level: mesh level of the reference (0: the source's mesh). cache: folder of the
+    reference's meshes, None for none.
+
+    Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built and a file that
+    cannot be written; all but the last two before anything is meshed, as is the field of a screw that the scene supports
+    or loads beyond the low end of its 3D stretch.
     """
     need_gmsh()
     need_packages("scikit-fem")
@@ -196,7 +202,10 @@ def run_export(
 
 
 def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
-    """Solve an axis and write it as REXS. Raises InputError for another scene, Refusal for what REXS cannot hold."""
+    """Solve an axis and write it as REXS.
+
+    Raises InputError for another kind of scene, Refusal for what REXS cannot hold.
+    """
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.models.load_cases import SolvedAxis, solve_axis
     from rollbench.compare.models.registry import Options, default_model
@@ -226,7 +235,7 @@ def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
 
 
 def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
-    """Write the table of a JSON file for ROSS and Modelica; InputError for another file and a grid with gaps."""
+    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and for a grid with gaps."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
     from rollbench.compare.text.table import failure_words
@@ -276,9 +285,9 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
 
 
 def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
-    """Mesh and condense all four flanks, and write the file completely or not at all, for all load cases of a scene.
+    """Mesh and condense all four flanks, for all load cases of a scene; write the file completely or not at all.
 
-    InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
+    Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, written
     from rollbench.compare.reference.levels import LEVELS
@@ -312,16 +321,15 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
 
 @app.command
 def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
-    """Condense the 3D bodies of a scene to the contacts, for: rollbench solve SCENE --condensed FILE.
+    """Reduce the 3D bodies of a scene to compliances of their contacts, for: rollbench solve SCENE --condensed FILE.
 
     Parameters
     ----------
     scene
-        Name of a shipped scene, or a scene file. The file serves all loads, supports and errors of the same parts.
+        Name of a shipped scene, or a scene file. The result serves all loads, supports and errors of the same parts.
     out
-        File to write, replaced if it exists; <scene>-condensed.npz unless given.
+        File to write; an existing file is replaced. Default: <scene>-condensed.npz.
     level
         Mesh level, 1 (coarse) to 3.
     """
-
     return print_answer(run_condense(scene, out, level, cache=cache_folder()))

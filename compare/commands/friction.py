@@ -33,32 +33,32 @@ def friction(
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> int:
-    """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
+    """Compute the friction of a screw or bearing at its static loads: ball motion, losses, torque, efficiency, drag.
 
     Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
-    ball screw in time, bearings in pairs; these take --time-limit, --strict, --verbose and --json only.
+    ball screw over time, bearings in pairs. For these, only --time-limit, --strict, --verbose and --json apply.
 
     Parameters
     ----------
     scene
         Name of a shipped scene of any kind, or a scene file.
     model
-        Model of the contact loads: refined unless given, or "condensed" where its file is given; see: rollbench list.
+        Model of the contact loads (see: rollbench list). Default: refined, or condensed if --condensed is given.
     mu
-        Coefficient of friction in place of the scene's; several: a table over them, with the balls of the first.
+        Coefficient of friction; it replaces the scene's. Several values: a table over them, with the balls of the first.
     member
-        Which specimen of a scene with random errors.
+        Number of the sample, for a scene with random errors.
     condensed
-        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+        File that rollbench condense made of these parts: condensed 3D bodies, for the model "condensed".
     balls
         Also print motion, loads and losses of every ball.
     time_limit
-        Seconds after which to give up, with exit code 1; none unless given.
+        Give up after this many seconds, with exit code 1. Default: no limit.
     strict
-        Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
-        what the models mean, or a play that nobody stated.
+        Exit with 1 if a WARNING line precedes the answers: pressure, preload, static safety or rotations beyond the
+        validity of the models, or a play that the scene does not state.
     verbose
-        Also print further quantities, what explains them, the assumptions, what is left out, the balance and the solver.
+        Also print further quantities and explanations, the assumptions, neglected effects, the balance and the solver.
     """
     from rollbench.compare.studies.friction.whole import Choices
 
@@ -76,8 +76,11 @@ def run_friction(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Answer:
-    """Solve a shipped scene or a file of any kind; balls, details: see `as_table`. Exit code 1 where it did not converge,
-    the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers. Raises InputError."""
+    """Solve a shipped scene or a file of any kind. Raises InputError.
+
+    balls, details: see `as_table`. Exit code 1 where it did not converge, the time limit [s] was reached, or, if
+    ``strict``, a line WARNING precedes the answers.
+    """
     from rollbench.compare.results.base import with_schema
     from rollbench.compare.running import checked, watched
     from rollbench.compare.studies.friction.solve import as_json, solve_friction
@@ -89,8 +92,10 @@ def run_friction(
 
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
-    """The answer for the terminal: status, warning, the table of answers, tables, what to do; with details what
-    explains the answers, balance, solver, assumptions, and what is left out, else where they are."""
+    """Return the answer for the terminal: status, warning, the table of answers, further tables, and advice.
+
+    details: also explanations, balance, solver, assumptions and neglected effects; else a line on how to see them.
+    """
     from rollbench.compare.results.base import as_text
     from rollbench.compare.results.rows import friction_rows
     from rollbench.compare.studies.friction.answer import BEHIND

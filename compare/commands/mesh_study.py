@@ -28,27 +28,28 @@ def mesh_study(
     as_json: Json = False,
     where: Where | None = None,
 ) -> int:
-    """Run the 3D reference on several mesh levels: observed orders, uncertainty, modelling spread.
+    """Run the 3D reference on several mesh levels: observed convergence orders, uncertainty, spread by modelling choices.
 
-    Exit code 5 where loads did not settle: what they may still move by is said, kept with the run and added to its bars.
+    Exit code 5 where loads did not settle: the remaining change is printed, stored with the run and added to its error
+    bars.
 
     Parameters
     ----------
     scenes
-        Names of shipped scenes, or scene files; those of the same parts share their meshes.
+        Names of shipped scenes, or scene files; scenes with the same parts share their meshes.
     levels
-        Levels 1 to this one; unless given, levels 1 and 3, of which the second is clearly more accurate (of scenes of
-        friction 1 to 3). Each is stored when it is done, so an interrupted study resumes.
+        Levels 1 to this one. Default: levels 1 and 3, the latter clearly more accurate (for scenes of friction 1 to 3).
+        Each run is stored when it is done, so an interrupted study resumes.
     store
         Folder of the results; the table goes there as CSV, the figure as SVG.
     spread
-        Also vary the modelling choices that are not printed, on the coarsest level.
+        Also vary, on the coarsest level, the modelling choices that the source does not print.
     source_mesh
-        Also run the source's mesh: first-order tetrahedra of 0.08 mm around every contact.
+        Also run the mesh of the source: first-order tetrahedra of 0.08 mm around every contact.
     fresh
         Compute runs even where they are stored.
     bodies
-        Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
+        For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
     from rollbench.compare.commands.compare import all_rolling, run_rolling_study
 
@@ -62,9 +63,9 @@ def mesh_study(
 def run_mesh_study(
     names: Sequence[str], count: int | None, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
 ) -> Answer:
-    """Compute what is missing (fresh: everything again), answer with the table, write it as CSV and SVG into the store.
+    """Compute missing runs (fresh: all) and return the table of the study; write it as CSV and SVG into the store.
 
-    count: as for `levels_of`. Raises InputError for other levels, Refusal for a scene of which no run converged.
+    count: as for `levels_of`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
     """
     from rollbench.compare.commands.compare import code_of
     from rollbench.compare.files import no_figure, write_csv, write_figure

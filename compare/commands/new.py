@@ -1,4 +1,4 @@
-"""The commands ``new`` and ``schema``: a scene file to edit, and the JSON Schema of all."""
+"""The commands ``new`` (a scene file to edit) and ``schema`` (the JSON Schema of scene files)."""
 
 from __future__ import annotations
 
@@ -23,25 +23,24 @@ def new(
     shaft: Word = "",
     set: Annotated[list[str] | None, Parameter(name="--set")] = None,
 ) -> None:
-    """Write a commented scene to edit.
+    """Write a commented scene file to edit.
 
     Parameters
     ----------
     file
-        Where to write it; an existing file is never overwritten.
+        File to write; an existing file is never overwritten.
     kind
-        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut, angular-contact-bearing,
-        support-bearings; or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
-        screw-pair, screw-run.
+        ball-screw (default), bearing; several sets on one shaft: axis, double-nut, angular-contact-bearing,
+        support-bearings; for friction only: bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
     like
-        Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
+        Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10; other dimensions are typical of that
         size.
     rexs
-        REXS file (1.7) with bearings on a shaft, to make the scene of.
+        REXS file (1.7) with bearings on a shaft, from which to make the scene.
     shaft
-        Name or id of its shaft, where it has several.
+        With --rexs: name or id of the shaft, if the file has several.
     set
-        What that file lacks, KEY=VALUE, such as --set "left.rollers.ring_depth=5 mm"; may be repeated.
+        With --rexs: value that the file lacks, KEY=VALUE, such as --set "left.rollers.ring_depth=5 mm"; may be repeated.
     """
     from rollbench.compare import files
     from rollbench.compare.files import write_new
@@ -62,7 +61,10 @@ def new(
 
 
 def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
-    """Write the scene of a REXS file. Raises InputError for what is missing, and where no scene can be read of it."""
+    """Write the scene of a REXS file.
+
+    Raises InputError for missing values, and where the file does not give a valid scene.
+    """
     from rollbench.compare.files import write_new
     from rollbench.compare.scenes import scene_file
     from rollbench.compare.scenes.from_rexs import tables_of
@@ -86,7 +88,7 @@ def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
 
 @app.command
 def schema() -> None:
-    """Print the JSON Schema of a scene file, of all kinds."""
+    """Print the JSON Schema of scene files of all kinds."""
     from rollbench.compare.scenes.friction_kinds.table import json_schema
 
     print_json(json_schema())

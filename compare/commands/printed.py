@@ -1,5 +1,4 @@
-"""``rollbench check --printed`` (also ``audit``) judges what is printed; ``rollbench list`` names what is shipped, and with
-``--trace`` what each printed number rests on."""
+"""The commands ``check --printed`` (also ``audit``), which judges printed entries, and ``list`` of what is shipped."""
 
 from __future__ import annotations
 
@@ -19,11 +18,10 @@ if TYPE_CHECKING:
 
 
 def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> Answer:
-    """Judge printed entries: counts, entries, misprints, what is left out; exit code 1 where a verdict differs from the
-    expected one.
+    """Judge printed entries; exit code 1 where a verdict differs from the expected one.
 
-    sources: names of cases, all unless given; only: names of printed tables and entries ("table:key"), all of these cases
-    unless given. Raises InputError for an unknown one.
+    The answer has counts, entries, misprints and excluded groups. sources: names of cases, by default all; only: names of
+    printed tables and entries ("table:key"), by default all of these cases. Raises InputError for an unknown name.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
@@ -99,7 +97,7 @@ def entry_json(e: Evidence) -> dict[str, Any]:
 
 
 def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
-    """Return all entries for the terminal; misprints and what is left out as counts."""
+    """Return all entries for the terminal; misprints and excluded groups as counts."""
     from rich.table import Table
 
     from rollbench.compare.evidence import APART, counts, left_out, misprints, trust
@@ -120,9 +118,10 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
 
 
 def traced(table: str = "") -> Answer:
-    """Return the origin of every printed entry of one table, or of all; InputError for an unknown table.
+    """Return the origin of every printed entry of one table, or of all. Raises InputError for an unknown table.
 
-    With table, key, text as printed, class, scenes or why there are none, computation (``module:function``), and test.
+    An entry has table, key, text as printed, class, scenes or the reason why there are none, computation
+    (``module:function``), and test.
     """
     from rich.table import Table
 
@@ -140,16 +139,15 @@ def traced(table: str = "") -> Answer:
 
 @app.command
 def audit(*, only: Names = None, write: Path | None = None, as_json: Json = False) -> int:
-    """Judge every printed entry of the sources: the name that rollbench check --printed had, kept until 1.0.
+    """Judge every printed entry of the sources; earlier name of rollbench check --printed, kept until 1.0.
 
     Parameters
     ----------
     only
-        Names of printed tables or entries; all unless given.
+        Names of printed tables or entries. Default: all.
     write
         File to write the verdicts to.
     """
-
     return print_answer(run_printed((), only or (), write), as_json)
 
 
@@ -179,7 +177,7 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
 
 
 def _lines(data: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the same for the terminal."""
+    """Yield the lists for the terminal."""
     groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
     groups |= {group: entries for group, entries in data.items() if group != "scenes"}
     width = max(len(name) for group in groups.values() for name in group)
@@ -191,17 +189,16 @@ def _lines(data: Mapping[str, Any]) -> Iterator[str]:
 
 @app.command(name="list")
 def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
-    """List the scenes, the models and the printed tables that are shipped.
+    """List the shipped scenes, models and printed tables.
 
     Parameters
     ----------
     trace
-        Instead: every printed number and claim with its scenes, or why it has none, the function that computes it and its
-        test.
+        List instead every printed number and claim with its scenes (or why it has none), the function that computes it
+        and its test.
     table
-        The same for the numbers of one printed table.
+        As --trace, for one printed table.
     """
-
     if trace or table:
         print_answer(traced(table), as_json)
     else:

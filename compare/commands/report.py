@@ -1,4 +1,4 @@
-"""The commands ``report``, ``view`` and ``verify``: pages written and shown, and their hashes computed again."""
+"""The commands ``report``, ``view`` and ``verify``: write pages, show them, and check their hashes."""
 
 from __future__ import annotations
 
@@ -34,42 +34,42 @@ def report(
     reference: Path | None = None,
     open_page: Annotated[Flag, Parameter(name="--open")] = False,
 ) -> int:
-    """Regenerate the validation report: HTML, its tables as CSV, its figures as SVG; with a scene: one page on it.
+    """Write the validation report (HTML, tables as CSV, figures as SVG) or, with a scene, one page on it.
 
-    Shipped runs of the 3D reference are used; one is recomputed, and the agreement printed. What cannot be made on this
-    machine is left out and named at the end, with what to install. Exit code 1 where the run recomputed does not agree.
-    The page of a scene carries the answers, the error to expect or measured, assumptions, and the hashes of all that it
-    rests on; see rollbench verify.
+    Shipped runs of the 3D reference are used; one run is recomputed, and the agreement printed. Exit code 1 where it does
+    not agree. What cannot be made on this machine is left out and listed at the end, with what to install. The page of a
+    scene has the answers, their expected or measured error, assumptions, and the hashes of all inputs; see rollbench
+    verify.
 
     Parameters
     ----------
     scene
-        A shipped name or a scene file: write one self-contained page on it instead, on which the scene can be turned. The
-        3D reference is set beside it where runs are stored; none is computed. Several: a page on each, and a first page
-        with a table of all answers side by side.
+        Name of a shipped scene, or a scene file: write one self-contained page on it, with a 3D view. The 3D reference is
+        shown where runs are stored; none is computed. Several scenes: one page each, and a first page with a table of all
+        answers.
     only
-        Names of the sections to make; all but the costly ones unless given.
+        Names of the sections to make. Default: all but the slow ones.
     source
-        Name of a case, such as lin: make its page alone, from stored runs.
+        Name of a case, such as lin: make only its page, from stored runs.
     out
         Folder to write to.
     quick
-        Compute the 3D reference of cases 1 and 2 on the coarsest mesh only, and make the sections that rest on it; what
-        sources printed, errors, friction, rolling and the rest are left out, and the report names them.
+        Compute the 3D reference of cases 1 and 2 on the coarsest mesh only, and make only the sections that depend on it;
+        the report names those left out (printed data, errors, friction, rolling and others).
     stored
-        Compute no run of the 3D reference: use those that come with the package, and leave out what they do not hold.
+        Compute no run of the 3D reference: use the shipped ones, and leave out what they do not cover.
     store
-        Folder of the runs of the 3D reference that are computed; an interrupted report resumes there. Runs of the
-        package are used where the key of all that they depend on holds.
+        Folder of the computed runs of the 3D reference; an interrupted report resumes there. Shipped runs are used where
+        all their inputs are unchanged.
     fresh
-        Recompute all runs, whatever is stored, and make all sections.
+        Recompute all runs, even stored ones, and make all sections.
     everything
-        Also make the slow sections: pictures, friction, rolling, verification, stability. Run times are those that
-        rollbench bench --long measured and kept.
+        Also make the slow sections: pictures, friction, rolling, verification, stability. Run times are those stored by
+        rollbench bench --long.
     against
-        An earlier report, or with a scene an earlier page on it, to list what moved.
+        Earlier report (with a scene: earlier page on it) with which to list the changes.
     reference
-        With a scene: your own reference in place of the 3D reference, as for rollbench check.
+        With a scene: file with reference loads that replaces the 3D reference. Format: see rollbench check --reference.
     open_page
         Show the page in the browser.
     """
@@ -118,26 +118,26 @@ def view(
     store: Path = Path("rollbench-reference"),
     open_page: Annotated[bool, Parameter(name="--open", negative="--no-open", show_default=False)] = True,
 ) -> int:
-    """Look at a solved scene in the browser: turn it, with the loads as colours and values under the pointer.
+    """Show a solved scene in the browser in 3D, with the loads as colours and the values under the pointer.
 
-    Writes one file that holds all it needs, without network or server: the scene in 3D; loads, pressures and errors of
-    every contact as curves, beside runs of the 3D reference where they are stored; load cases and sets as tabs. Of one set
-    or several, of balls and rollers. Exit code 1 where a load case did not converge.
+    Writes one file that needs no network or server: the scene in 3D; loads, pressures and errors of every contact as
+    curves, together with stored runs of the 3D reference; load cases and sets as tabs. For one set or several, of balls
+    and rollers. Exit code 1 where a load case did not converge.
 
     Parameters
     ----------
     scene
-        A shipped name or a scene file.
+        Name of a shipped scene, or a scene file.
     out
         File to write; an earlier page is replaced.
     model
-        refined unless given; see: rollbench list.
+        Low-order model (see: rollbench list). Default: refined.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the sample, for a scene with random errors.
     store
-        Folder of the reference's runs, besides those shipped.
+        Folder of stored reference runs, used in addition to the shipped runs.
     open_page
-        Show it in the browser, which it is unless --no-open is given.
+        Show the page in the browser. Default: yes.
     """
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.errors import Refusal
@@ -162,15 +162,16 @@ def view(
 
 @app.command
 def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Recompute the hashes of a scene's page or of a whole report: its files, scenes, sources, printed data, reference
-    runs; exit 1 where one differs.
+    """Verify the hashes of a scene's page or a report: its files and inputs; exit code 1 where one differs.
+
+    Inputs are scenes, sources, printed data and reference runs.
 
     Parameters
     ----------
     report
-        The page or folder that rollbench report wrote, with or without a scene.
+        Page or folder that rollbench report wrote.
     store
-        Folder of the reference's runs, besides those shipped.
+        Folder of stored reference runs, used in addition to the shipped runs.
     """
     from rollbench.compare.running import need_packages
     from rollbench.meshes.libraries import PAGES

@@ -1,4 +1,4 @@
-"""``rollbench solve``: one scene or many members of it, by one model; answers first, tables and files where asked for."""
+"""``rollbench solve``: solve one scene, several side by side, a load curve, or many samples of random errors."""
 
 from __future__ import annotations
 
@@ -28,9 +28,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Choices:
-    """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
-    table of balls, station of the stiffness and its file, file of the contact loads, seconds after which to
-    give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
+    """Options of the command line for one solve.
+
+    everything: build all parts, needed or not; member: number of the sample; condensed: file of condensed bodies; balls:
+    print the table of balls; stiffness_at, matrix: station of the stiffness, and its file; loads_csv: file of the contact
+    loads; time_limit [s]; strict: exit code 1 where a warning precedes the answers; verbose: print details.
+    """
 
     model: str = ""
     everything: bool = False
@@ -46,8 +49,10 @@ class Choices:
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
-    """Solve one scene, or its load cases one after the other, of one set or several; exit code 1 where one did not
-    converge. Raises InputError."""
+    """Solve one scene, of one set or several, or each of its load cases; exit code 1 where one did not converge.
+
+    Raises InputError.
+    """
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.models.registry import Options, default_model
     from rollbench.compare.running import checked, watched
@@ -83,7 +88,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
 
 
 def _of_case(choices: Choices, name: str) -> Choices:
-    """Files of one load case: its name stands in theirs."""
+    """Return the choices for one load case, whose name is added to the names of its files."""
 
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
@@ -92,8 +97,7 @@ def _of_case(choices: Choices, name: str) -> Choices:
 
 
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
-    """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
-    say so."""
+    """Write all contact loads of converged cases, with name of the case and number of the set; return a line on it."""
     from rollbench.compare.files import write_csv
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.models.loads_file import loads_csv
@@ -118,7 +122,7 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
-    """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
+    """Raise InputError for a station beyond the screw or shaft, and for options that several sets do not have."""
     from rollbench.meshes.axis import Assembly
 
     if isinstance(scene, Assembly):
@@ -139,15 +143,17 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
-    """Exit code: 1 where one did not converge, or where a warning above the answers counts as a failure."""
+    """Return the exit code: 1 where one did not converge, or, if ``strict``, where a warning precedes the answers."""
     from rollbench.lowfi.warned import above
 
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 
 def _checked(choices: Choices) -> tuple[str, float]:
-    """Model (empty: not asked for) and station [m] of the choices. Raises InputError for what does not go together or
-    cannot be written."""
+    """Return the model (empty: the default) and the station [m] of the choices.
+
+    Raises InputError for options that exclude each other, and for a file that cannot be written.
+    """
     from rollbench.meshes import units
 
     model = choices.model or ("" if choices.condensed is None else "condensed")
@@ -176,7 +182,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
 
 
 def _write(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
-    """Files that were asked for, but of loads; lines that say so. Raises InputError."""
+    """Write the requested files other than loads; return a line for each. Raises InputError."""
     import numpy as np
 
     from rollbench.compare.models.load_cases import SolvedAxis
@@ -196,7 +202,7 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) 
 
 
 def _stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
-    """The stiffness (6, 6) [N, m, rad] that was asked for, None where there is none, and words for where it is taken."""
+    """Return the requested stiffness (6, 6) [N, m, rad], or None, and a text on where it is taken."""
     from rollbench.compare.models.load_cases import SolvedAxis
 
     if isinstance(one, SolvedAxis):
@@ -229,55 +235,54 @@ def solve(
     verbose: Verbose = False,
     program: OfProgram | None = None,
 ) -> int:
-    """Solve one scene with one model, several scenes side by side, or many members of a scene with random errors.
+    """Solve one scene, compare several scenes side by side, or solve many samples of a scene with random errors.
 
-    The answers come first: loads, rigidity, pressure, safety, preload, friction, life. Of several scenes, such as one axis
-    on bearings of balls and of tapered rollers: stiffness, torque, life in a column each.
+    Prints loads, rigidity, pressure, safety, preload, friction and life. For several scenes, such as one axis on ball
+    bearings and on tapered roller bearings: a column each with stiffness, torque, life.
 
     Parameters
     ----------
     scenes
-        Name of a shipped scene, or a scene file; of several each is set against the first.
+        Name of a shipped scene, or a scene file; of several scenes, each is compared with the first.
     model
-        refined unless given, or "condensed" where its file is given; see: rollbench list.
+        Low-order model (see: rollbench list). Default: refined, or condensed if --condensed is given.
     everything
-        Build all parts, even those that the scene does not need.
+        Build all parts of the model, even those that the scene does not need.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the sample, for a scene with random errors.
     condensed
-        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+        File that rollbench condense made of these parts: condensed 3D bodies, for the model "condensed".
     balls
-        Print the table of all balls.
+        Also print the table of all balls.
     stiffness_at
-        Also the 6 x 6 tangent stiffness at a station of the screw, such as "400 mm", against the held nut.
+        Also print the 6 x 6 tangent stiffness at a station of the screw, such as "400 mm", with the nut fixed.
     matrix
         File for that matrix: .mtx (Matrix Market) or .dmig (Nastran).
     curve
-        Load curve, lash and stiffness outside it, in place of the answers: forces in place of the scene's loads, such as
-        "-3000N:3000N", along the axis at the nut's centre, of several sets where the loads act; ":41" makes 41 points of
-        21, ":x", ":y" or an angle such as ":45deg" turns them across, ":300mm" or a housing's name moves them. Without
-        unit, "0:1.5": times all loads of the scene.
+        Print a load curve, the lash and the stiffness outside it, instead of the answers. Forces such as "-3000N:3000N"
+        replace the scene's loads; they act along the axis at the nut's centre (of several sets: where the loads act).
+        Append ":41" for 41 points (default 21), ":x", ":y" or an angle such as ":45deg" for a transverse force, ":300mm"
+        or the name of a housing for another position. Without unit, "0:1.5" scales all loads of the scene.
     loads_csv
-        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
-        column case.
+        File for all contact loads, in the format of check --loads: ball, flank, newton, azimuth_deg, z_mm; for load cases
+        with a column case.
     members
-        Number of members to solve: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
-        every ball.
+        Number of samples to solve; prints distributions of the largest load, stiffness, number of unloaded contacts,
+        life; with --balls also the range of every ball.
     csv
-        With --members: file with one row per member; with --curve one per load, and a figure beside it.
+        With --members: file with one row per sample; with --curve: one row per load, and a figure of the same name.
     seed
-        With --members: seed of the random errors in place of the scene's.
+        With --members: seed of the random errors; it replaces the scene's.
     workers
         With --members: number of parallel processes.
     time_limit
-        Seconds after which to give up, with exit code 1; none unless given.
+        Give up after this many seconds, with exit code 1. Default: no limit.
     strict
-        Exit with 1 if a WARNING line stands above the answers: pressure, preload, static safety or rotations beyond the
+        Exit with 1 if a WARNING line precedes the answers: pressure, preload, static safety or rotations beyond the
         validity of the models, or a load of which little reaches the contacts.
     verbose
-        Also print further quantities, the assumptions, what is left out, the balance and the solver.
+        Also print further quantities, the assumptions, neglected effects, the balance and the solver.
     """
-
     model = model_of(program, model)
     if program is not None and time_limit is not None:
         raise ArgumentError("time_limit", f"{time_limit:g}", "without a program", "`model_seconds` limits each of its runs")
@@ -308,7 +313,7 @@ def solve(
 
 
 def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
-    """Solve several scenes and set them side by side; exit code 1 where one did not converge. Raises InputError."""
+    """Solve several scenes and compare them side by side; exit code 1 where one did not converge. Raises InputError."""
     from rollbench.compare.api.calls import side_by_side_described
     from rollbench.compare.running import checked, watched
     from rollbench.compare.scenes import catalogue
@@ -328,8 +333,10 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
 
 
 def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> Answer:
-    """Solve a scene over a course of loads, of load cases the first; exit code 1 where a load has no equilibrium. Raises
-    InputError."""
+    """Solve a scene over a range of loads (of load cases: the first); exit code 1 where a load has no equilibrium.
+
+    Raises InputError.
+    """
     from rollbench.compare.api.calls import load_curve_of
     from rollbench.compare.models.registry import Options
     from rollbench.compare.running import checked, watched
@@ -357,8 +364,10 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
 def run(
     name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
 ) -> Answer:
-    """Solve, write one CSV row a member as they come (balls: show the bands of every ball too); exit code 1 where none
-    converged. Raises InputError."""
+    """Solve many samples and write one CSV row for each as they come; exit code 1 where none converged.
+
+    balls: also show the range of every ball. Raises InputError.
+    """
     from rollbench.compare.results.base import with_schema
     from rollbench.compare.scenes import catalogue
 
@@ -384,7 +393,7 @@ def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict
 
 
 def as_table(members: Members, *, balls: bool = False) -> list[Any]:
-    """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
+    """Return the statistics of samples for the terminal and, if ``balls``, the range of every ball."""
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
     from rollbench.compare.studies.members.members import as_json
     from rollbench.meshes.axis import Assembly

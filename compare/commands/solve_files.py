@@ -1,4 +1,4 @@
-"""Files of a solved scene: its stiffness matrix for other programs, and what it answers over its load."""
+"""Files of a solved scene: stiffness matrix for other programs, and load curve."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ GRID, NAME = 1, "KNUT"
 
 
 def check_matrix(path: Path) -> None:
-    """Raises InputError for a name that says no format, or a file that cannot be written."""
+    """Raise InputError for an unknown suffix, or a file that cannot be written."""
     if path.suffix.lower() not in (".mtx", ".dmig"):
         allowed = "a name that ends in .mtx (Matrix Market) or .dmig (Nastran)"
         raise ArgumentError("matrix", str(path), allowed, "rename it")
@@ -27,13 +27,13 @@ def check_matrix(path: Path) -> None:
 
 
 def write_stiffness(path: Path, matrix: Array, words: str) -> None:
-    """Write a stiffness (6, 6) in the format of the file's name, with words for what it is."""
+    """Write a stiffness (6, 6) in the format given by the suffix, with ``words`` as comment."""
     comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
     replace_file(path, market(matrix, comment) if path.suffix.lower() == ".mtx" else dmig(matrix, comment))
 
 
 def market(matrix: Array, comment: str) -> str:
-    """Matrix Market text of a symmetric matrix."""
+    """Return the Matrix Market text of a symmetric matrix."""
     from scipy.io import mmwrite
 
     stream = io.BytesIO()
@@ -42,8 +42,10 @@ def market(matrix: Array, comment: str) -> str:
 
 
 def dmig(matrix: Array, comment: str) -> str:
-    """DMIG cards in large fields (16 columns) of a symmetric ``(6, 6)`` matrix at one grid point: lower triangle, real,
-    double precision."""
+    """Return the DMIG cards of a symmetric ``(6, 6)`` matrix at one grid point: lower triangle, real, double precision.
+
+    Large fields of 16 columns.
+    """
     lines = [f"$ {comment[i : i + 70]}" for i in range(0, len(comment), 70)]
     lines.append(f"{'DMIG':<8}{NAME:<8}{0:>8}{6:>8}{2:>8}{0:>8}")
     for column in range(6):
@@ -55,7 +57,7 @@ def dmig(matrix: Array, comment: str) -> str:
 
 
 def write_curve(path: Path, curve: LoadCurve) -> list[str]:
-    """Write the points of a curve and, beside them, their figure (SVG); a line that says so. Raises InputError."""
+    """Write the points of a curve as CSV and its figure as SVG; return a line that names them. Raises InputError."""
     rows = [as_json(point) or {} for point in curve.points]
     write_csv(path, rows)
     picture = write_figure(path.with_suffix(".svg"), curve_figure(curve, rows))
@@ -63,7 +65,7 @@ def write_curve(path: Path, curve: LoadCurve) -> list[str]:
 
 
 def curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
-    """A panel for each column that has values, over the load."""
+    """Return a figure with one panel over the load for each column that has values."""
     labels = {
         "displacement_um": "displacement / µm",
         "stiffness_N_per_um": "tangent stiffness / (N/µm)",

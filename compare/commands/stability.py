@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def run_stability() -> Answer:
-    """Run the table; exit code 1 if our solver fails on any case, else 0."""
+    """Solve the table of extreme scenes; exit code 1 if our solver fails on any case, else 0."""
     from rollbench.compare.studies.extremes import failures, table
 
     rows = table(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
@@ -44,9 +44,9 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
 
 
 def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
-    """Run the survey of drawn screws, with its errors and every scene without result; exit code 1 if there is any.
+    """Run the survey of drawn screws: errors, and every scene without result; exit code 1 if there is any.
 
-    InputError for counts out of range, a folder of something else, and a file that cannot be written.
+    Raises InputError for a count out of range, a folder that holds something else, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.running import on_terminal
@@ -80,25 +80,24 @@ def stability(
     keep: Path | None = None,
     as_json: Json = False,
 ) -> int:
-    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any.
+    """Solve a table of very stiff and extreme scenes with all solvers; exit code 1 where the solver of rollbench fails.
 
-    With --survey instead: ordinary catalogue screws on the 3D reference, half a minute to some minutes each; exit 1 where
-    one has no answer or did not settle.
+    With --survey instead: run the 3D reference of ordinary catalogue screws, half a minute to some minutes each; exit
+    code 1 where one has no answer or did not settle.
 
     Parameters
     ----------
     survey
-        Number of drawn catalogue screws; the report's are 240.
+        Number of randomly drawn catalogue screws; the report uses 240.
     out
-        Folder of the survey: a line a scene, and the runs of the 3D reference; an interrupted survey resumes there;
-        rollbench-survey unless given.
+        Folder of the survey: one line per scene, and the runs of the 3D reference; an interrupted survey resumes there.
+        Default: rollbench-survey.
     workers
-        Number of scenes of the survey in parallel, 1 unless given; each needs up to 4 GB.
+        Number of scenes solved in parallel, up to 4 GB each. Default: 1.
     keep
-        File to write the survey's record to, for the report's table, and beside it the loads that rollbench survey judges
-        by; scenes that this file answers are not solved again.
+        File for the results of the survey, which the report reads; the loads go to a file in the same folder, for
+        rollbench survey. Scenes that this file already has are not solved again.
     """
-
     if survey is not None:
         return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)
     if (out, workers, keep) != (None, None, None):

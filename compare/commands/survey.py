@@ -1,4 +1,4 @@
-"""The command ``rollbench survey``: how wrong a model is on the drawn ball screws whose reference is stored."""
+"""The command ``rollbench survey``: errors of a model on drawn ball screws whose reference is stored."""
 
 from __future__ import annotations
 
@@ -27,25 +27,27 @@ def survey(
     as_json: Json = False,
     program: OfProgram | None = None,
 ) -> int:
-    """How wrong a model is on 240 ball screws, drawn as catalogues have them, whose 3D reference is stored: nothing is
-    computed but the model. A table beside the models of rollbench, every screw as CSV, and a figure.
+    """Measure the errors of a model on 240 typical ball screws whose 3D reference is stored.
 
-    Exit code 1 where the model has no answer for a screw; one that fails on the first five of them is not asked further.
+    The screws are drawn at random from the range of catalogues; only the model is computed. Prints a table that also has
+    the models of rollbench; writes every screw as CSV, and a figure. Exit code 1 where the model has no answer for a
+    screw; after failures on the first five screws, the others are skipped.
 
     Parameters
     ----------
     model
-        Models: of rollbench list, or of an installed package.
+        Models, by name (see: rollbench list), or of an installed package.
     count
-        Number of screws, of the first.
+        Use only the first screws, this many.
     max_error
-        Limit of the verdicts in per cent, as of rollbench check.
+        Limit of the error of loads for the verdicts, in per cent, as in rollbench check.
     screw
-        Write this drawn screw as a scene file, and its reference for check and compare --reference; judge nothing.
+        Write the drawn screw of this number as a scene file, with its reference for check and compare --reference; judge
+        nothing.
     out
-        Folder of the files that are written; the present one unless given.
+        Folder for the written files. Default: the current folder.
     workers
-        Screws at the same time; 1 unless given.
+        Number of screws solved in parallel. Default: 1.
     """
     command = model_of(program)
     models = [*(model or ()), *filter(None, [command])]
@@ -59,7 +61,10 @@ def survey(
 
 
 def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None) -> Answer:
-    """Judge models and write table and figure; exit code 1 if one does not solve a screw. InputError as `run_models`."""
+    """Judge models and write table and figure; exit code 1 if a model fails on a screw.
+
+    Raises InputError as `run_models`.
+    """
     from rollbench.compare.files import need_writable, write_csv, write_figure
     from rollbench.compare.models.programs import title_of
     from rollbench.compare.studies.survey_models import figure, run_models
@@ -108,7 +113,7 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
 
 
 def run_screw(number: int, out: Path) -> Answer:
-    """Write a drawn screw and its reference; InputError as `write_screw`."""
+    """Write a drawn screw and its reference. Raises InputError as `write_screw`."""
     from rollbench.compare.studies.survey_models import write_screw
 
     text, loads = write_screw(number, out)

@@ -33,29 +33,31 @@ def sweep(
     program: OfProgram | None = None,
     where: Where | None = None,
 ) -> int:
-    """Solve a scene at many values of its keys; each sample is stored, and an interrupted sweep resumes.
+    """Solve a scene at many values of its keys, and print statistics and the effect of each key.
+
+    Each sample is stored, and an interrupted sweep resumes.
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     vary
-        KEY=A:B, KEY=A:B:N or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
-        "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys one value. A range of bare whole numbers gives whole
-        numbers (errors.seed=1:1000).
+        KEY=A:B, KEY=A:B:N or KEY=v1,v2; repeat for every key. A key is a dotted path with list indices, units as in the
+        scene, e.g. "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys the same value. A range of whole numbers
+        without unit gives whole numbers (errors.seed=1:1000).
     samples
-        How many; sobol takes the nearest n (keys + 2) with n a power of two, grid at most so many.
+        Number of samples; sobol takes the nearest n (keys + 2) with n a power of two, grid takes at most this many.
     method
         sobol (with Sobol indices), lhs (Latin hypercube) or grid.
     model
-        refined unless given; see: rollbench list.
+        Low-order model (see: rollbench list). Default: refined.
     seed
         Seed of the design.
     outputs
-        NAME,NAME: compute these alone, beside the largest load; all unless given. Without rigidity_N_per_um and preload_N
-        a sample needs one solution, not two. Names are those of samples.csv.
+        NAME,NAME: compute only these quantities and the largest load; names as in samples.csv. Default: all. Without
+        rigidity_N_per_um and preload_N a sample needs one solution instead of two.
     out
-        Folder of the records and the summary; samples stored there are not solved again.
+        Folder of samples and summary; samples stored there are not solved again.
     """
     from rollbench.compare.studies.sweep.summary import sweep_of
 
@@ -66,7 +68,10 @@ def sweep(
 
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
-    """Solve what is missing and write the summary; exit code 1 if no sample converged. InputError as `run_samples`."""
+    """Solve missing samples and write the summary; exit code 1 if no sample converged.
+
+    Raises InputError as `run_samples`.
+    """
     from rollbench.compare.files import no_figure
     from rollbench.compare.studies.sweep.summary import solve_sweep
 

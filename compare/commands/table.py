@@ -24,24 +24,25 @@ def table(
     as_json: Json = False,
     where: Where | None = None,
 ) -> int:
-    """Stiffness (6 x 6), preload, pressure and life of a scene at places of its keys, with the error to expect of each.
+    """Tabulate 6 x 6 stiffness, preload, pressure and life of a scene over values of its keys, with expected errors.
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     over
-        KEY=A:B:N for N equal steps, or KEY=v1,v2, again for every key, units as in the scene: nut.position=100:900:9 mm;
-        load stands for the axial load.
+        KEY=A:B:N for N equal steps, or KEY=v1,v2; repeat for every key, units as in the scene: nut.position=100:900:9 mm.
+        The key load is the axial load.
     quantities
-        NAME,NAME of stiffness, displacement, load, preload, pressure, life; stiffness,preload,pressure,life unless given.
+        NAME,NAME of stiffness, displacement, load, preload, pressure, life. Default: stiffness,preload,pressure,life.
     model
-        The scene's usual one unless given; see: rollbench list.
+        Low-order model (see: rollbench list). Default: refined.
     stiffness_at
-        Place on the shaft of the stiffness, the nut's centre unless given; of several sets also the name of one, whose
-        stiffness alone it then is.
+        Position on the shaft at which the stiffness is taken. Default: the nut's centre. With several sets also the name
+        of one, for its stiffness only.
     out
-        File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray); its figure (SVG) beside it.
+        File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray); a figure of the same name is
+        written as SVG.
     """
     from rollbench.compare.files import need_writable, write_figure
     from rollbench.compare.studies.table import asked_for, solve_table

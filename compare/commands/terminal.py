@@ -1,4 +1,4 @@
-"""Application of the command line, to which commands are added, and options that several commands share."""
+"""Application of the command line, and options that several commands share."""
 
 from __future__ import annotations
 
@@ -16,40 +16,44 @@ if TYPE_CHECKING:
 
 app = App(
     name="rollbench",
-    help="Validation workbench for ball screws and rolling bearings: low-order models and their references.\n\nStart here: "
-    "rollbench new my.toml --like 40x10, then rollbench solve my.toml; rollbench compare my.toml says how far off it is.",
+    help="Validation workbench for ball screws and rolling bearings: low-order models, judged by a 3D finite element "
+    "reference.\n\nStart here: rollbench new my.toml --like 40x10, then rollbench solve my.toml; rollbench compare my.toml "
+    "measures the error of the result.",
     version=__version__,
     help_format="plaintext",
     default_parameter=Parameter(negative_iterable=""),
     suppress_keyboard_interrupt=False,
 )
 
-#: A switch that is off unless given, and a word or path that is none unless given.
+#: Types of options: a switch, off by default, and a text, empty by default.
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 Word = Annotated[str, Parameter(show_default=False)]
-#: What lies behind the answers is printed too.
+#: Print details too.
 Verbose = Annotated[bool, Parameter(name=("--verbose", "--assumptions"), negative="", show_default=False)]
-#: Names after one option, none unless given.
+#: Several names after one option, none by default.
 Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
-#: What is said of the runs at the same time.
-WORKERS = "Runs at the same time, 1 to 3 GB each of the 3D reference; 1 here, 2 of a report, the cluster's unless given."
-WAIT = "Seconds to wait for a worker of the scheduler where there is none, as on a cluster with a queue; 60 unless given."
+#: Help of options.
+WORKERS = "Number of parallel runs; 3D runs need 1 to 3 GB each. Default: 1 (report: 2); on a cluster all its workers."
+WAIT = "Seconds to wait until the scheduler has a worker, as on a cluster with a queue. Default: 60."
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class OfProgram:
-    """A program of any language as a model."""
+    """Options for an external program as a model."""
 
     model_command: Annotated[
         Word,
         Parameter(
-            help='Command of a program that is the model, "prog {scene.json} {loads.csv}": it reads the scene, as '
-            "export SCENE --format json writes it, and writes loads as solve --loads-csv does. Exit code 1 where it fails."
+            help='Use an external program as the model, with this command: "prog {scene.json} {loads.csv}". It reads the '
+            "scene in the format of export SCENE --format json and writes loads in that of solve --loads-csv. Exit code 1 "
+            "where it fails."
         ),
     ] = ""
-    model_seconds: Annotated[float | None, Parameter(help="Seconds that it has for a scene; 60 unless given.")] = None
+    model_seconds: Annotated[
+        float | None, Parameter(help="Time limit of this program for one scene in seconds. Default: 60.")
+    ] = None
 
 
 def model_of(program: OfProgram | None, model: str = "") -> str:
@@ -69,20 +73,24 @@ def model_of(program: OfProgram | None, model: str = "") -> str:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Where:
-    """Where runs are made: on this machine or a cluster, and certificates for its scheduler."""
+    """Options for where runs are computed: on this machine or a cluster, and certificates for its scheduler."""
 
-    backend: Annotated[str, Parameter(help="joblib (this machine) or dask (a cluster).")] = "joblib"
+    backend: Annotated[str, Parameter(help="Where runs are computed: joblib (this machine) or dask (a cluster).")] = (
+        "joblib"
+    )
     scheduler: Annotated[str | None, Parameter(help="Address of the Dask scheduler.")] = None
     workers: Annotated[int | None, Parameter(help=WORKERS)] = None
     wait_workers: Annotated[float | None, Parameter(help=WAIT)] = None
-    tls_ca: Annotated[Path | None, Parameter(help="Certificate of the authority of a scheduler at tls://HOST:PORT.")] = None
-    tls_cert: Annotated[Path | None, Parameter(help="This machine's certificate for such a scheduler.")] = None
-    tls_key: Annotated[Path | None, Parameter(help="The key of that certificate.")] = None
+    tls_ca: Annotated[Path | None, Parameter(help="CA certificate for a scheduler at tls://HOST:PORT.")] = None
+    tls_cert: Annotated[Path | None, Parameter(help="Client certificate for such a scheduler.")] = None
+    tls_key: Annotated[Path | None, Parameter(help="Key of the client certificate.")] = None
 
 
 def engine(where: Where | None, here: int | None = None) -> Engine:
-    """Where jobs run; here: how many at a time on this machine, unless given. Raises InputError for certificates that
-    cannot be used."""
+    """Return where jobs run. Raises InputError for certificates that cannot be used.
+
+    here: number of jobs at a time on this machine, unless the user gives it.
+    """
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.parallel import use_tls
 

@@ -1,4 +1,4 @@
-"""From a catalogue page to loads, stiffness and pressure: python -m compare.examples.catalogue_page"""
+"""From a catalogue page to loads, stiffness and pressure: ``python -m compare.examples.catalogue_page``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A gate on loads of another program, here 8 % too large on one contact: python -m compare.examples.judge_a_spreadsheet"""
+"""Judge loads of another program, here 8 % too large on one contact: ``python -m compare.examples.judge_a_spreadsheet``."""
 
 from __future__ import annotations
 

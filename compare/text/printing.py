@@ -1,4 +1,4 @@
-"""What a command answers, and the one printer of answers: text and tables as wide as the terminal, or one JSON value."""
+"""The answer of a command, and its output: text and tables as wide as the terminal, or one JSON value."""
 
 from __future__ import annotations
 
@@ -26,8 +26,11 @@ Column = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command answers. data: JSON-ready value, or a function that gives it where JSON is asked for; parts: texts and
-    tables of rich, printed as they come; code: exit code; folded: texts wrapped to `text_width` off a terminal too."""
+    """Answer of a command.
+
+    data: JSON-ready value, or a function that returns it, called only for JSON; parts: texts and tables of rich, printed
+    as they come; code: exit code; folded: texts are wrapped to `text_width` even if the output is no terminal.
+    """
 
     data: Any = None
     parts: Iterable[Any] = ()
@@ -36,7 +39,7 @@ class Answer:
 
 
 def print_answer(answer: Answer, as_json: bool = False) -> int:
-    """Print an answer on standard output; its exit code. Raises OutputLost."""
+    """Print an answer on standard output and return its exit code. Raises OutputLost."""
     clear()
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
@@ -46,12 +49,12 @@ def print_answer(answer: Answer, as_json: bool = False) -> int:
 
 
 class OutputLost(Exception):
-    """Standard output cannot be written: full, or taken away."""
+    """Standard output cannot be written: disc full, or closed."""
 
 
 @contextmanager
 def writing() -> Iterator[None]:
-    """Writing to standard output: any failure but a pipe without reader raises OutputLost."""
+    """Raise OutputLost for a failure to write to standard output, except for a pipe without reader."""
     try:
         yield
     except BrokenPipeError:
@@ -68,9 +71,11 @@ def print_json(value: Any) -> None:
 
 
 def _show(parts: Iterable[Any], *, folded: bool) -> None:
-    """On a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as they are unless folded, and
-    tables without rules, 160 columns wide or as their words need."""
+    """Print texts and tables, at the width of a terminal if there is one.
 
+    Elsewhere texts are printed as they are unless ``folded``, and tables without rules, 160 columns wide or wider if a
+    word needs it.
+    """
     terminal = sys.stdout.isatty()
     for part in parts:
         if not isinstance(part, str):
@@ -83,7 +88,7 @@ def _show(parts: Iterable[Any], *, folded: bool) -> None:
 
 
 def _show_table(table: Any, terminal: bool) -> None:
-    """A table of rich, which texts do not load."""
+    """Print a table of rich, which is imported here only."""
     from rich.console import Console
 
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
@@ -96,13 +101,15 @@ def _show_table(table: Any, terminal: bool) -> None:
 
 
 def text_width() -> int:
-    """Width of running text: the terminal's, 100 where standard output is none."""
+    """Return the width of running text: that of the terminal, else 100."""
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
 
 
 def cell(value: Any, form: str) -> str:
-    """A value as text; a number that is rounded to zero has no minus.
+    """Return a value as text; a number rounded to zero has no minus sign.
 
+    Examples
+    --------
     >>> cell(-0.001, ".2f"), cell(-0.001, "+.2f"), cell(-0.001, ".2g"), cell(-3, "d"), cell(None, "s")
     ('0.00', '+0.00', '-0.001', '-3', '–')
     """
@@ -126,9 +133,13 @@ COMMAND = re.compile(
 
 
 def wrapped(text: str, width: int) -> str:
-    """A text whose lines are wrapped at words; what follows stands below the text behind a label, or is indented by two.
-    Paths, and a command at the end, stay whole, so that they can be copied.
+    """Return a text with its lines wrapped at words.
 
+    Continuation lines are indented to the text after a label, or by two. Paths, and a command at the end of a line, are
+    not broken, so that they can be copied.
+
+    Examples
+    --------
     >>> print(wrapped("ok    a sentence that is too long for a terminal of forty", 40))
     ok    a sentence that is too long for a
           terminal of forty
@@ -149,8 +160,10 @@ def _wrapped(line: str, width: int) -> str:
 
 
 def fitted(table: Table, width: int) -> list[Table]:
-    """A table of texts as one or several that are no wider than ``width``, no number cut: columns that do not fit go to a
-    further one, with those that tell its rows apart repeated."""
+    """Split a table of texts into tables no wider than ``width``, without cutting a number.
+
+    Columns that do not fit go to a further table, which repeats the columns that identify a row.
+    """
     limits = [_limits(column, _around(table)) for column in table.columns]
     if sum(natural for _, natural in limits) + 1 <= width:
         return [table]
@@ -168,7 +181,7 @@ def fitted(table: Table, width: int) -> list[Table]:
 
 
 def unbroken(table: Table) -> int:
-    """Width at which no word is broken where ``fitted`` may break it: such columns are no longer wrapped, others at 40."""
+    """Return the width at which no word is broken; columns that `fitted` may break are not wrapped, others at 40."""
     widths = []
     for column in table.columns:
         column.no_wrap = column.no_wrap or column.overflow == "fold"
@@ -178,13 +191,13 @@ def unbroken(table: Table) -> int:
 
 
 def _around(table: Table) -> int:
-    """What a column takes beside its words: padding and rule."""
+    """Return the width that a column needs in addition to its text: padding and rule."""
     _, right, _, left = table.padding
     return int(left) + int(right) + (table.box is not None)
 
 
 def _limits(column: RichColumn, around: int) -> tuple[int, int]:
-    """Width of a column below which its words are cut, and that at which none of its texts is wrapped."""
+    """Return the width of a column below which words are cut, and that at which no text is wrapped."""
     texts = [str(column.header), *map(str, column.cells)]
     natural = max(map(len, texts))
     least = natural if column.no_wrap else max((len(word) for text in texts for word in text.split()), default=0)
@@ -194,7 +207,7 @@ def _limits(column: RichColumn, around: int) -> tuple[int, int]:
 def _part(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
-    """Some columns of a table, each as wide as its words need, the widest texts given what is left of the width."""
+    """Return some columns of a table, each wide enough for its words; the remaining width goes to the longest texts."""
     from rich.table import Table as Made
 
     wide = [limits[k][0] for k in columns]
@@ -209,12 +222,12 @@ def _part(
 
 
 def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
-    """Texts as a table with a title and rules, flush right but for the columns whose headings are ``left``."""
+    """Return texts as a table with title and rules, right-aligned but for the columns with the headings ``left``."""
     return _filled(headings, rows, left, title=title)
 
 
 def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
-    """Texts as a table without rules, ``apart`` columns from one another, none wrapped; for the rest see `ruled`."""
+    """Return texts as a table without rules and without wrapping, ``apart`` blanks between columns; see `ruled`."""
     out = _filled(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
     for column in out.columns:
         column.no_wrap = True
@@ -222,7 +235,7 @@ def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collecti
 
 
 def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
-    """Rows as a table without rules, numbers flush right; no column without a value."""
+    """Return rows as a table without rules, numbers right-aligned; columns without a value are dropped."""
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
     texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
@@ -241,6 +254,6 @@ def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collec
 
 
 def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
-    """Rows as a table with a title and rules; columns: key of the row, heading, format."""
+    """Return rows as a table with title and rules; columns: key of the row, heading, format."""
     texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
     return ruled(title, [heading for _, heading, _ in columns], texts)

@@ -1,4 +1,4 @@
-"""A solved scene, of one set or several, and the load cases of a duty cycle for the terminal."""
+"""Text and tables for the terminal: a solved scene of one set or several, load curves, and load cases of a duty cycle."""
 
 from __future__ import annotations
 
@@ -50,9 +50,11 @@ ROUND_OFF = 1e-9
 def case_table(
     one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
-    """A solved scene for the terminal: status, warnings, the table of answers, tables of sets and balls, what errors are to
-    be expected and what to do; balls: with the table of every ball; details: with further quantities, balance and solver,
-    assumptions and what was left out (always where there are no answers)."""
+    """Return a solved scene for the terminal: status, warnings, answers, tables of sets and balls, expected errors, advice.
+
+    balls: also the table of every ball; details: also further quantities, balance, solver, assumptions and neglected
+    effects (always where there are no answers).
+    """
     result, title = one.result, []
     above_all, measured = above(result.warnings), ""
     behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
@@ -88,8 +90,7 @@ def closing_lines(
     details: bool,
     notes: Sequence[str] = (),
 ) -> list[str]:
-    """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
-    where to find it."""
+    """Return warnings, then the details: balance, solver, notes, assumptions, neglected effects; or how to see them."""
     warned = [f"warning: {line}" for line in warnings]
     if not details:
         counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
@@ -99,7 +100,7 @@ def closing_lines(
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
-    """How the solution came about; only the time where nothing was solved. measured: of the elements."""
+    """Return a line on the solver; only the time where nothing was solved. measured: text on the discretisation error."""
     if not math.isfinite(s.residual):
         return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
     return [
@@ -109,7 +110,7 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
 
 
 def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
-    """A load curve for the terminal: lash and stiffness, its points; details: with the assumptions."""
+    """Return a load curve for the terminal: lash, stiffness, points; details: also the assumptions."""
     x, y, z = curve.direction
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
@@ -138,7 +139,7 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
 
 
 def side_by_side_lines(found: SideBySide) -> list[Any]:
-    """Scenes side by side for the terminal: a column for each, with its difference from the first."""
+    """Return a table of scenes for the terminal: a column each, with the difference from the first."""
     rows, of = [], quantities(Alternative)
     answers = [as_json(one) or {} for one in found.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
@@ -188,7 +189,7 @@ def _balance(e: Equilibrium, *, several: bool) -> list[str]:
 
 
 def _ball_tables(one: Solved) -> list[RenderableType]:
-    """Every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
+    """Return a table of every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
     result = one.result
     percent = None if one.expected is None else one.expected.percent
     error = None if percent is None else mean_load(result.load, nominal_contacts(one.scene, result)) * percent / 100.0
@@ -209,7 +210,7 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
-    """The stiffness at a section as a table to read, N/um and kN m/rad in their places."""
+    """Return the 6 x 6 stiffness at a section as a table in N, m and rad."""
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
     rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
@@ -221,7 +222,7 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Sets, balls and rollers where asked for, housings; with the stiffness where asked for."""
+    """Return the tables of sets and housings and, if asked for, those of balls and rollers, and the stiffness."""
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -235,7 +236,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
-    """Balls by set and index, with the sides that carry load; rollers."""
+    """Return balls by set and index, with the loaded flanks, and rollers."""
     out: list[RenderableType] = []
     rows = set_balls(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
@@ -295,7 +296,7 @@ def cases_table(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
+    """Return load cases for the terminal: answers of all together, a table, then each case."""
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]
@@ -313,7 +314,7 @@ def cases_table(
 
 
 def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """A row on every case by `cases_json`."""
+    """Yield a row on every case of `cases_json`."""
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)

@@ -1,4 +1,4 @@
-"""A scene at places of its keys for the terminal."""
+"""A table of a scene over values of its keys, for the terminal."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ REASONS = 5
 
 
 def table_parts(found: Table) -> list[Any]:
-    """A row for each place with its quantities and the errors to expect, in tables as wide as a text; then what has no
-    answer, and why."""
+    """Return the table with quantities and expected errors, then the points without an answer, and why."""
     return [*fitted(aligned(_rows(found)), text_width()), "", *_words(found)]
 
 
@@ -33,7 +32,7 @@ def _rows(found: Table) -> list[dict[str, Any]]:
 
 
 def _rounded(percent: float | None) -> float | None:
-    """An error to two significant digits."""
+    """Round an error to two significant digits."""
     return None if percent is None else float(f"{percent:.2g}")
 
 
@@ -47,7 +46,7 @@ def _words(found: Table) -> Iterator[str]:
 
 
 def failure_words(found: Table) -> Iterator[str]:
-    """Why places have no answer, a sentence for each of the first reasons."""
+    """Yield why points have no answer: one sentence for each of the first reasons."""
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further place')}" if places[1:] else ""
