@@ -27,18 +27,14 @@ class Case:
     ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
     """
 
-    #: Names of its tables begin with it and a hyphen.
-    #: Name of the case.
+    #: Name of the case; the names of its printed tables begin with it and a hyphen.
     name: str
-    #: The publication as answers name it; empty where no table is printed.
-    #: Title of the publication.
+    #: Title of the publication in answers; empty if it prints no table.
     title: str
-    #: Import name of the package with all of it.
-    #: Python package with its folder.
+    #: Import name of the Python package that holds the folder.
     package: str
-    #: Module below ``package`` whose ``section(study, step)`` gives the section of its page in the report, or several in
-    #: order; or a package of such modules.
-    #: Title of its page in the report; empty: no page.
+    #: Module below ``package`` whose ``make_section(study, step)`` returns the section of its page in the report, or several
+    #: sections; or a package of such modules. Empty: no page.
     page: str = ""
 
     @property
@@ -50,7 +46,7 @@ class Case:
         """Return its TOML files in a folder, ``printed`` or ``scenes``, by name without ending."""
         return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
 
-    def load(self, function: str) -> Any:
+    def import_object(self, function: str) -> Any:
         """Import and return the object that ``module:name`` names in its package."""
         module, _, name = function.partition(":")
         return getattr(import_module(f"{self.package}.{module}"), name)

@@ -108,7 +108,7 @@ class Evidence:
         return f"{self.printed.name}: {wanted}, came out {self.verdict}"
 
 
-class Sheet:
+class Findings:
     """Computed values of one printed table, entered one by one; entries without a value stay open.
 
     Parameters
@@ -118,9 +118,9 @@ class Sheet:
 
     Examples
     --------
-    >>> sheet = Sheet("lin-2.2")
-    >>> sheet.words("time_proposed_1", "another machine")
-    >>> [e.words for e in sheet.evidence() if e.words]
+    >>> findings = Findings("lin-2.2")
+    >>> findings.remark("time_proposed_1", "another machine")
+    >>> [e.words for e in findings.evidence() if e.words]
     ['another machine']
     """
 
@@ -181,7 +181,7 @@ class Sheet:
         """Enter whether a claim is true, and the numbers behind it; KeyError for an unknown key."""
         self._file(key, holds=bool(holds), words=words)
 
-    def words(self, key: str, words: str) -> None:
+    def remark(self, key: str, words: str) -> None:
         """Enter why nothing is compared, or a remark; KeyError for an unknown key."""
         self._file(key, words=words)
 
@@ -224,14 +224,14 @@ class Computation:
         """Compute the values of every entry; the function is imported now."""
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
-        sheet = Sheet(self.table)
+        findings = Findings(self.table)
         try:
-            function = self.case.load(self.computed_by)
+            function = self.case.import_object(self.computed_by)
         except (ImportError, AttributeError) as error:
             place = f"{self.case.name}: computations.toml"
             raise InputError(place, self.table, str(error), f"module:function in {self.case.package}", "mend it") from error
-        function(sheet, study)
-        return sheet.evidence()
+        function(findings, study)
+        return findings.evidence()
 
     @property
     def function(self) -> str:
@@ -357,7 +357,7 @@ def misprints() -> list[dict[str, str]]:
 
 def left_out() -> list[dict[str, Any]]:
     """Return groups of printed numbers that are no entries: source, place, what, count, reason."""
-    rows: list[dict[str, Any]] = files.table("cases/left-out.toml")["row"]
+    rows: list[dict[str, Any]] = files.shipped_table("cases/left-out.toml")["row"]
     return rows
 
 

@@ -36,7 +36,7 @@ def text(path: str) -> str:
 
 
 @cache
-def table(path: str) -> dict[str, Any]:
+def shipped_table(path: str) -> dict[str, Any]:
     """Return a shipped TOML file; cached: do not change it."""
     return tomllib.loads(text(path))
 

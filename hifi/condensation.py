@@ -265,7 +265,7 @@ class Modal:
         """Number of modes of one ball's contacts."""
         return sum(V.shape[1] for V in self.modes.values())
 
-    def rows(self, side: int, ball: int = 0) -> Index:
+    def mode_rows(self, side: int, ball: int = 0) -> Index:
         """Rows of a contact's modes in the coupling of the body.
 
         Parameters

@@ -108,7 +108,7 @@ def body_motion(setup: Setup, side: int, force: Array) -> float:
     if body is None:
         return 0.0
     z = body.modes[side].T @ force
-    own = [np.ix_(rows, rows) for rows in (body.rows(side, i) for i in range(setup.layout.z.size))]
+    own = [np.ix_(rows, rows) for rows in (body.mode_rows(side, i) for i in range(setup.layout.z.size))]
     return float(np.mean([z @ body.G[block] @ z for block in own]))
 
 
@@ -205,7 +205,7 @@ def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int
     """
     z = np.zeros((balls * len(body.modes), len(body.G)))
     for row, (i, s) in zip(z, product(range(balls), body.modes), strict=True):
-        row[body.rows(s, i)] = body.modes[s].T @ spreads[s]
+        row[body.mode_rows(s, i)] = body.modes[s].T @ spreads[s]
     return np.asarray(z @ body.G @ z.T)
 
 

@@ -96,7 +96,7 @@ def compliance_of(
                     V = np.zeros((p.nodes, body.modes[s].shape[1]))
                     V[nodes] = body.modes[s]
                     pieces.append(V)
-                    rows.append(first[s >= 2] + body.rows(s, i))
+                    rows.append(first[s >= 2] + body.mode_rows(s, i))
             blocks.append(block)
             modes.append(np.hstack(pieces))
         screw += p.setup.screw.stretch.modes
@@ -130,7 +130,7 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
     ball = setup.ball
     if rigid:
         return BallBlock(local, tuple(np.zeros((len(a), 0)) for a in local), np.zeros((0, 0)))
-    pick = np.concatenate([ball.rows(s) for s in sides])
+    pick = np.concatenate([ball.mode_rows(s) for s in sides])
     return BallBlock(local, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
@@ -153,7 +153,7 @@ def local_only(G: Array, body: Modal) -> Array:
     """
     out = np.zeros_like(G)
     for s in body.modes:
-        own = [np.ix_(rows, rows) for rows in (body.rows(s, i) for i in range(len(G) // body.per_ball))]
+        own = [np.ix_(rows, rows) for rows in (body.mode_rows(s, i) for i in range(len(G) // body.per_ball))]
         mean = np.mean([G[block] for block in own], axis=0)
         for block in own:
             out[block] = mean

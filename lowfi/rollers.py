@@ -299,7 +299,7 @@ class TaperedRow:
     #: The bearing.
     bearing: TaperedBearing
 
-    def load(self, deflection: float) -> float:
+    def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
         b = self.bearing
         q = float(b.law().line_load(deflection * np.sin(b.cup_angle)))
@@ -477,7 +477,7 @@ class SlicedRow:
         """Slice the roller once."""
         object.__setattr__(self, "roller", sliced(self.bearing, self.slices, self.profile))
 
-    def load(self, deflection: float) -> float:
+    def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
         sin = np.sin(self.bearing.cup_angle)
         return float(self.bearing.rollers * sin * slice_state(self.roller, deflection * sin).force)

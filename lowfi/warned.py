@@ -35,7 +35,7 @@ class Warned(str):
     Examples
     --------
     >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
-    >>> found.kind, found.of("nut 1"), found.of("nut 1").brief
+    >>> found.kind, found.prefixed("nut 1"), found.prefixed("nut 1").brief
     ('rotation', 'nut 1: a section turns by 60 mrad: ...', 'nut 1: rotations up to 60 mrad')
     """
 
@@ -54,7 +54,7 @@ class Warned(str):
         """Return the arguments from which a copy is made, also in another process."""
         return self.kind, str(self), self.brief
 
-    def of(self, name: str) -> Warned:
+    def prefixed(self, name: str) -> Warned:
         """Return this warning with the name of the part that it is about in front."""
         return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 

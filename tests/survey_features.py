@@ -20,7 +20,7 @@ def main() -> None:
         name = f"survey-{found['seed']}-{row['number']}.toml"
         scene = scene_file.loads(scene_text(found["seed"], row["number"]), name)
         if "points" in row:
-            row["places"] = {d.name: round(d.of(scene), 4) for d in DESCRIPTORS}
+            row["places"] = {d.name: round(d.value(scene), 4) for d in DESCRIPTORS}
         for point in row.get("points", ()):
             result = run_model(scene, point["model"], Options(discretisation=False))
             point["features"] = {name: round(value, 4) for name, value in features(scene, result).items()}

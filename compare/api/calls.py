@@ -103,7 +103,7 @@ def new(size: str = "", *, kind: str = "ball screw") -> Described:
     """
     from rollbench.compare.scenes.template import text_of
 
-    return scene_file.read(text_of(kind, size), size or kind)
+    return scene_file.parse_scene(text_of(kind, size), size or kind)
 
 
 @held_to_one_thread()

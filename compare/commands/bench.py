@@ -66,7 +66,7 @@ def run_source(source: str, store: Path | None) -> Answer:
     if source not in timed:
         raise ArgumentError("source", f'"{source}"', ", ".join(timed), "name a case whose page shows run times")
     study = Study(None if store is None else (store, shipped_store()))
-    kept = timed[source].load("times:measured_now")(study, on_terminal)
+    kept = timed[source].import_object("times:measured_now")(study, on_terminal)
     if store is not None:
         save_times(store, kept, source)
     note = "new process, empty caches; a further load case {:.3g} s"

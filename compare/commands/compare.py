@@ -68,9 +68,9 @@ def run_compare(
     there is none), else exactly these; fresh: compute them even where they are stored. Raises Refusal for a scene of
     which no run converged.
     """
+    from rollbench.compare.commands.compare_output import models_table as compared_table
     from rollbench.compare.commands.compare_output import older_times, start_lines, write_files
-    from rollbench.compare.commands.compare_output import table as compared_table
-    from rollbench.compare.models.comparison import RULE, compared_models, finest_bodies, rows
+    from rollbench.compare.models.comparison import RULE, compared_models, comparison_rows, finest_bodies
     from rollbench.compare.results.base import as_text, with_schema
     from rollbench.compare.results.compared import answer_rows, answers_json, verdict
     from rollbench.compare.results.comparison import comparing, cycles_of, named, together_json
@@ -120,7 +120,7 @@ def run_compare(
             row.as_json() | heading(one)
             for one, whole in pairs
             for b in whole.models
-            for row in rows(one.scene, b.answer, one.found)
+            for row in comparison_rows(one.scene, b.answer, one.found)
         ]
         answers = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
         out = with_schema({"scenes": [x for one, x in answers if one.described not in cases], "rows": listed})
@@ -230,10 +230,10 @@ def runs_of(
     """
     from rollbench.compare.reference.parallel import as_done
     from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.studies.rolling.runs import compute, load, save
+    from rollbench.compare.studies.rolling.runs import compute, load_run, save
 
     stores = (store, shipped_store())
-    found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores, bodies)) is not None}
+    found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
     jobs = [(compute, (scene, k, bodies, engine.processes)) for k in missing]
     for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
@@ -266,7 +266,7 @@ def run_rolling_compare(
     from rollbench.compare.reference.levels import HALF_SPACE
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.friction_kinds.common import KindScene
-    from rollbench.compare.studies.rolling.rows import rows
+    from rollbench.compare.studies.rolling.rows import scene_rows
     from rollbench.compare.studies.rolling.runs import LEVELS
 
     wanted = known_levels(levels or tuple(LEVELS))
@@ -276,7 +276,7 @@ def run_rolling_compare(
         assert isinstance(scene, KindScene)
         found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
-        out += rows(scene, found, beside)
+        out += scene_rows(scene, found, beside)
     shown = dict.fromkeys(row.scene for row in out)
     tables = (_table(name, [row for row in out if row.scene == name]) for name in shown)
     return Answer({"rows": [finite(row.as_json()) for row in out]}, tables)

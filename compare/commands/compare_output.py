@@ -49,7 +49,7 @@ def _cells(b: Beside) -> list[str]:
     ]
 
 
-def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
+def models_table(models: Sequence[Beside], itself: Beside) -> RenderableType:
     """Return the table of models, the reference first; narrower than 80 columns."""
     return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
 

@@ -26,14 +26,14 @@ def run_crosscheck(
     Raises InputError for a scene without results, for results of another scene of that name, and where CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck import nut
-    from rollbench.compare.studies.crosscheck.results import agreement, contact_rows, load, save, shipped
+    from rollbench.compare.studies.crosscheck.results import agreement, contact_rows, load_results, save, shipped
     from rollbench.compare.studies.crosscheck.study import checked_scene, run_study, scene_key
 
     scene, folder = checked_scene(name), data or shipped()
     written = []
     if run:
         need_gmsh()
-        kept = None if fresh else load(folder, scene.name)
+        kept = None if fresh else load_results(folder, scene.name)
         stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
         written.append(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
         if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
@@ -53,10 +53,10 @@ def stored(folder: Path, scene: Scene) -> CrossData:
 
     Raises InputError if there are none, or if they belong to another scene of its name.
     """
-    from rollbench.compare.studies.crosscheck.results import load
+    from rollbench.compare.studies.crosscheck.results import load_results
     from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
 
-    found = load(folder, scene.name)
+    found = load_results(folder, scene.name)
     if found is None:
         raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: `run=True`")
     if found.key != scene_key(scene.name):

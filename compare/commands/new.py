@@ -79,7 +79,7 @@ def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
         pairs[key.strip()] = value.strip()
     tables, notes = tables_of(rexs, shaft, pairs)
     text = to_toml(filled(**tables))
-    scene_file.read(text, str(file))
+    scene_file.parse_scene(text, str(file))
     write_new(file, text)
     lines = [f"left out: {note}" for note in notes]
     lines.append(f"wrote {file}; solve it with: rollbench solve {quote(str(file))}")

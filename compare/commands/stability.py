@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 def run_stability() -> Answer:
     """Solve the table of extreme scenes; exit code 1 if our solver fails on any case, else 0."""
-    from rollbench.compare.studies.extremes import failures, table
+    from rollbench.compare.studies.extremes import failures, solve_cases
 
-    rows = table(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
+    rows = solve_cases(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
     bad = failures(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
     return Answer(data, _parts(rows, bad), 1 if bad else 0)

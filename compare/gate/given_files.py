@@ -69,7 +69,7 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
     """
     needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
     optional = (WHERE, "set")
-    table = Rows.read(path, needed, VALUE_EXAMPLE, optional)
+    table = Rows.from_csv(path, needed, VALUE_EXAMPLE, optional)
     out: dict[tuple[str, ...], GivenValue] = {}
     for number, cells in table.rows:
         if case is not None and cells.get("case") != case:

@@ -164,7 +164,7 @@ class Whole:
         """Axial position of the unloaded screw by the default model [m]; no run of the reference is without loads."""
         return unloaded_place(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
-    def of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:
+    def value_of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:
         """Return a quantity of an answer in SI, at an axial position for displacements [m]; None if it has none."""
         angle = np.radians(answer.angle)
         if quantity is LIFE:
@@ -188,9 +188,9 @@ class Whole:
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
-            bar = by_loads(lambda load: self.of(quantity, replace(best, load=load)), ref.load, ref.uncertainty)
-            return self.of(quantity, best), None if bar is None else float(bar)
-        values = [value for answer in answers if (value := self.of(quantity, answer, station)) is not None]
+            bar = by_loads(lambda load: self.value_of(quantity, replace(best, load=load)), ref.load, ref.uncertainty)
+            return self.value_of(quantity, best), None if bar is None else float(bar)
+        values = [value for answer in answers if (value := self.value_of(quantity, answer, station)) is not None]
         if len(values) < len(answers):
             return None, None
         return values[-1], observe(values, ref.sizes).uncertainty
@@ -203,7 +203,7 @@ class Whole:
             return load_answers(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
         return f"{ref.label} holds none" if ref.stated else "the screw does not move with its load"
 
-    def words(self, quantity: Quantity) -> str:
+    def note_on(self, quantity: Quantity) -> str:
         """Return the note on a quantity."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA

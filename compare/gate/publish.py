@@ -83,7 +83,7 @@ def of_verdict(v: Verdict) -> Outcome:
     """Return the row of a verdict on a user's scene."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
-    return Outcome(v.word == "pass", v.word, v.of, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
+    return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
 def of_row(row: GateRow) -> Outcome:
@@ -190,7 +190,7 @@ def _safe(text: str) -> str:
     return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
 
-def table(outcomes: Sequence[Outcome]) -> str:
+def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
     """Return CSV with a line of headings."""
     text = io.StringIO()
     writer = csv.writer(text)
@@ -235,7 +235,7 @@ def publish(
     """
     named = os.environ if environment is None else environment
     written = []
-    texts = ((junit_file, junit), (markdown_file, markdown), (csv_file, lambda rows, _: table(rows)))
+    texts = ((junit_file, junit), (markdown_file, markdown), (csv_file, lambda rows, _: verdicts_csv(rows)))
     for file, text_of in texts:
         if file is not None:
             replace_file(file, text_of(outcomes, notes))

@@ -47,7 +47,7 @@ from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.grid_parts import GridParts
 from rollbench.compare.reference.jobs import Engine, ensure, plan
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, load, shipped_store
+from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, groups
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -627,7 +627,7 @@ def _missing(scenes: Sequence[Solvable], request: Asked) -> dict[tuple[int, ...]
     """Return the scenes by the levels that they lack."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
-        stored = [k for k in LEVELS if load(scene, k, stores=request.stores) is not None]
+        stored = [k for k in LEVELS if load_run(scene, k, stores=request.stores) is not None]
         least = request.levels or (ENOUGH if len(stored) < ENOUGH else 0)
         lacking = tuple(k for k in range(1, least + 1) if k not in stored)
         if lacking:

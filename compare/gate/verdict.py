@@ -134,7 +134,7 @@ class Verdict:
         return self.limit if self.unit == "%" else None
 
     @property
-    def of(self) -> str:
+    def subject(self) -> str:
         """Scene, case and set, in words."""
         return of_whom(self.scene, self.case and f"case {self.case}", self.set)
 
@@ -160,7 +160,7 @@ class Verdict:
 
     def line(self) -> str:
         """Return the verdict as one line of text, with both errors and the limit."""
-        head = f"{self.word.upper()}: {self.of}, {self.judged}"
+        head = f"{self.word.upper()}: {self.subject}, {self.judged}"
         if self.error is None:
             of = "" if self.quantity == LARGEST else f"{self.quantity}: "
             return f"{head}: {of}{self.detail}"
@@ -386,7 +386,7 @@ def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Con
 def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
     """Return the quantities of the whole screw of a model's answer that have a limit."""
     whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
-    values = ((q, whole.of(q, answer)) for q in limited)
+    values = ((q, whole.value_of(q, answer)) for q in limited)
     return [GivenValue(q, value) for q, value in values if value is not None]
 
 
@@ -439,7 +439,7 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
         return blank(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    detail = "; ".join(filter(None, (whole.words(q), about(ref))))
+    detail = "; ".join(filter(None, (whole.note_on(q), about(ref))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
     kind = decide(error, share, limit)
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)

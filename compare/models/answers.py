@@ -84,7 +84,7 @@ def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
     for row in scene.sets:
         outer = _outer(scene, row)
         if isinstance(row.parts, Scene) and row.carrier is None and row.thrust == "deep groove" and outer is not None:
-            yield from (w.of(row.name) for w in _of_row(row.parts, shaft - outer))
+            yield from (w.prefixed(row.name) for w in _of_row(row.parts, shaft - outer))
 
 
 def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
@@ -653,7 +653,7 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     if not result.converged:
         return result, None
     answers = gather_axis(assembly, result)
-    warned = (w.of(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
+    warned = (w.prefixed(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
     held = (w for path in answers.paths for w in path_warnings(path))
     further = (*warned, *held, *play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers

@@ -34,7 +34,7 @@ class Descriptor:
     #: Distance beyond the compared range that still counts as similar [unit].
     margin: float
     #: Function that computes the value of a scene [unit].
-    of: Callable[[Scene], float]
+    value: Callable[[Scene], float]
 
 
 def _misalignment(scene: Scene) -> float:
@@ -124,7 +124,7 @@ class Place:
         return not self.low - d <= self.value <= self.high + d
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """Value and range in words."""
         unit = f" {self.descriptor.unit}" if self.descriptor.unit else ""
         return f"{self.descriptor.name} is {self.value:.4g}{unit}, compared were {self.low:.4g} to {self.high:.4g}{unit}"
@@ -167,7 +167,7 @@ def save_places(store: Path) -> None:
     from rollbench.compare.files import replace_file
 
     by_kind = {
-        kind: {s.name: {d.name: d.of(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}
+        kind: {s.name: {d.name: d.value(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}
         for kind in ("rings", "screws")
     }
     replace_file(store / PLACES, json.dumps(by_kind, indent=1) + "\n")
@@ -211,9 +211,9 @@ def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, .
     ring = scene.track.lead == 0.0
     out = []
     for d in DESCRIPTORS:
-        values = compared_values(d, ring=ring) if among is None else [d.of(s) for s in among]
+        values = compared_values(d, ring=ring) if among is None else [d.value(s) for s in among]
         if values:
-            out.append(Place(d, d.of(scene), min(values), max(values)))
+            out.append(Place(d, d.value(scene), min(values), max(values)))
     return tuple(out)
 
 
@@ -237,4 +237,4 @@ def outside(scene: Scene) -> tuple[str, ...]:
     """
     if not shipped_places(ring=scene.track.lead == 0.0):
         return (f"what was compared is not known, because references/{PLACES} is absent or damaged: reinstall rollbench",)
-    return tuple(place.words for place in places(scene) if place.outside)
+    return tuple(place.text for place in places(scene) if place.outside)

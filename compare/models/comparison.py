@@ -24,7 +24,7 @@ from rollbench.compare.printed import entry
 from rollbench.compare.reference.convergence import pool
 from rollbench.compare.reference.estimate import FITTED, Reference, reference_of, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, bodies_path, here, load, shipped_store
+from rollbench.compare.reference.store import Run, bodies_path, here, load_run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, balls_of
 from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
@@ -174,7 +174,7 @@ class Loads:
     #: Name of the model or run.
     model: str
     #: Contact loads, (n, 4) [N].
-    load: Array
+    load_run: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
     #: Stations of the screw's axis, (k,) [m].
@@ -272,7 +272,7 @@ def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
     return out
 
 
-def rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
+def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
     """List all compared quantities of a scene: loads, angles, displacements, load ratio, largest and RMS error.
 
     Parameters
@@ -426,7 +426,7 @@ class Exceedance:
 
 def known_exceedances() -> list[Exceedance]:
     """Return the shipped list of contacts on which the source's model is beyond the gate's limit."""
-    return [Exceedance(**row) for row in files.table("references/known_exceedances.toml").get("row", [])]
+    return [Exceedance(**row) for row in files.shipped_table("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)
@@ -561,7 +561,7 @@ def referenced(
     list of Referenced
         One for each set; empty if no run is stored.
     """
-    runs = tuple(run for level in levels if (run := load(described, level, stores=stores)) is not None)
+    runs = tuple(run for level in levels if (run := load_run(described, level, stores=stores)) is not None)
     return referenced_by(described, runs[-fitted:]) if runs else []
 
 

@@ -179,7 +179,7 @@ class Rows:
     notes: Mapping[str, str]
 
     @classmethod
-    def read(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> Rows:
+    def from_csv(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> Rows:
         """Read a CSV file that has some columns, in any order, among others.
 
         Separators are commas, semicolons, tabs, or what a first line ``sep=;`` names; unless commas separate, a decimal
@@ -286,7 +286,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
     InputError
         If the file cannot be read or does not fit the scene.
     """
-    table = Rows.read(path, COLUMNS[:2], EXAMPLE)
+    table = Rows.from_csv(path, COLUMNS[:2], EXAMPLE)
     columns = _columns(path, table)
     find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _Places(scene)
     values = {name: np.full((balls, len(SIDES)), np.nan) for name in ("load", *FURTHER)}

@@ -411,7 +411,7 @@ class SectionAnswer:
     force: float
 
 
-def section(scene: Scene, answer: Loads) -> SectionAnswer:
+def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
     """Return motion and force of the loaded section, by a low-order model or a run of the 3D reference.
 
     The section is that with the largest axial load, or the nut's centre without loads.
@@ -470,13 +470,13 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
     error = load_error(result.load, run.load, nominal_contacts(scene))
     from rollbench.compare.models.comparison import from_result, from_run
 
-    answer, reference = section(scene, from_result(result)), section(scene, from_run(run, ""))
+    answer, reference = loaded_section(scene, from_result(result)), loaded_section(scene, from_run(run, ""))
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:
         heavier, modelled, computed = raised
         stiff = (
-            rigidity((answer, section(heavier, from_result(modelled)))),
-            rigidity((reference, section(heavier, from_run(computed, "")))),
+            rigidity((answer, loaded_section(heavier, from_result(modelled)))),
+            rigidity((reference, loaded_section(heavier, from_run(computed, "")))),
         )
     heaviest = run.load.max()
     return Point(

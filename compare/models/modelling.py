@@ -25,7 +25,7 @@ from rollbench.compare.models.model_form import Point, left_out, point, surveyed
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
-from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.store import Run, load_run
 from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
 from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
@@ -88,7 +88,7 @@ class Modelling:
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
     """Return the run with which variants of a level are compared: of the scene, or else in its group."""
-    return load(scene, level, "base", stores) or load(scene, level, stores=stores)
+    return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
 def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
@@ -99,9 +99,9 @@ def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     """
     out = []
     for name, variant in VARIANTS.items():
-        run, against = load(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
+        run, against = load_run(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
         if name == "base":  # what the base itself leaves out, against the scene in its group
-            against = load(scene, variant.level, stores=stores)
+            against = load_run(scene, variant.level, stores=stores)
         if run is not None and against is not None and run.status == "converged":
             out.append(effect(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load))
     if not out:

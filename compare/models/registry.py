@@ -365,7 +365,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     Raises
     ------
     ArgumentError
-        If there is no such model, it is refused, or as `user_models.load`.
+        If there is no such model, it is refused, or as `user_models.load_model`.
     """
     command = programs.is_command(name)
     others = () if command else user_models.installed()
@@ -378,7 +378,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
         raise ArgumentError(argument, f'"{name}"', ", ".join(names), advice)
     if name in MODELS:
         return MODELS[name]
-    user_models.load(name)
+    user_models.load_model(name)
 
     def run(scene: Scene, options: Options) -> StaticResult:
         return user_models.run(name, scene, options.member)

@@ -44,7 +44,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.convergence import observe
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.grid_parts import both_flanks
-from rollbench.compare.reference.store import Run, load, shipped_store
+from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -201,7 +201,7 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
     for key, variant in VARIANTS.items():
-        run = load(scene, variant.level, key, study.stores) if variant.kind == "modelling" else None
+        run = load_run(scene, variant.level, key, study.stores) if variant.kind == "modelling" else None
         if run is None or run.status != "converged":
             continue
         if variant.level not in bases:
@@ -504,7 +504,7 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
     return Total(
         uncertainty_percent(reference),
         reference.parts.by_experience,
-        spoken_for(replace(scene, name=reference.best.scene), read(shipped_store())),
+        spoken_for(replace(scene, name=reference.best.scene), read_choices(shipped_store())),
         share,
         name,
         second_order(scene, reference),
@@ -566,6 +566,6 @@ def save(store: Path, known: Mapping[str, Choices]) -> None:
 
 
 @cache
-def read(store: Path) -> dict[str, Choices]:
+def read_choices(store: Path) -> dict[str, Choices]:
     """Read the modelling choices of a store; OSError, ValueError or TypeError if the file is missing or damaged."""
     return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}

@@ -112,7 +112,7 @@ def origin(name: str) -> str:
 
 
 @cache
-def load(name: str) -> UserModel:
+def load_model(name: str) -> UserModel:
     """Import the function of a model, or wrap a command as a function.
 
     Parameters
@@ -189,7 +189,7 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
     from rollbench.lowfi.statics.problem import SIGNS
     from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 
-    function, layout, shown = load(name), ball_layout(scene), programs.title_of(name)
+    function, layout, shown = load_model(name), ball_layout(scene), programs.title_of(name)
     given, start = with_draws(scene, member), perf_counter()
     try:
         found = function(given)

@@ -13,7 +13,7 @@ from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.convergence import representative_size
 from rollbench.compare.reference.grid_parts import GridParts, left_out, parts, too_large
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, load, shipped_store
+from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
@@ -32,7 +32,7 @@ class Reference:
     #: Runs, coarse to fine; of a user's reference one without mesh, displacements or times.
     runs: tuple[Run, ...]
     #: Contact loads of the finest run, (n, 4) [N].
-    load: Array
+    load_run: Array
     #: Uncertainty of the loads by discretisation and incomplete convergence, (n, 4) [N]; zero where no level has load.
     uncertainty: Array
     #: Parts of this uncertainty.
@@ -89,7 +89,7 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     Reference or None
         The reference, by its `FITTED` finest runs; None if there is none.
     """
-    runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
+    runs = tuple(run for level in LEVELS if (run := load_run(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
@@ -114,7 +114,7 @@ def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int =
         The reference.
     """
     loads = {run.level: run.load for run in runs}
-    grid, best = parts(loads, grid_parts.read(shipped_store())), runs[-1]
+    grid, best = parts(loads, grid_parts.read_experience(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
     lips = too_large(scene, best.load, best.level)
     beside = left_out(scene, best.load, best.level) if grid.by_experience else lips

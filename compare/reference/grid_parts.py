@@ -257,7 +257,7 @@ def save(store: Path, known: Experience) -> None:
 
 
 @cache
-def read(store: Path) -> Experience:
+def read_experience(store: Path) -> Experience:
     """Read the experience of a store; OSError, ValueError, KeyError or TypeError if the file is missing or damaged."""
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
     one, both = (float(x) for x in data["single"])

@@ -20,7 +20,7 @@ from rollbench.compare.quantities import count_of
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_with_bodies, with_bodies
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save
+from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.running import available_GB, cores, duration, reader_gone
@@ -257,7 +257,7 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     """Return what no store holds yet, task by task."""
     left = []
     for task in tasks:
-        runs = [load(scene, task.level, task.variant, stores) for scene in task.scenes]
+        runs = [load_run(scene, task.level, task.variant, stores) for scene in task.scenes]
         scenes = tuple(
             scene for scene, run in zip(task.scenes, runs, strict=True) if run is None or (task.ablate and not run.without)
         )

@@ -9,7 +9,7 @@ from rollbench.compare import files
 
 #: Ball radius [m] for which the lengths of the levels are stated; for other radii they are in proportion.
 BALL = 2.778e-3
-_TABLES = files.table("reference/levels.toml")
+_TABLES = files.shipped_table("reference/levels.toml")
 
 
 def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:

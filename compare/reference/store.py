@@ -178,7 +178,7 @@ class Run:
     #: Status: converged, or why not.
     status: str
     #: Contact loads, (n, 4) [N].
-    load: Array
+    load_run: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
     #: Contact loads with directions fixed in the nominal state, (n, 4) [N].
@@ -350,7 +350,7 @@ def shipped_store() -> Path:
     return files.place("references")
 
 
-def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
+def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """Return a stored run whose mesh suits the scene.
 
     It is found by its key, whatever the name of the scene was at the time of the run. Of several runs, made together with
@@ -377,7 +377,7 @@ def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] 
     for store in (shipped_store(),) if stores is None else stores:
         runs = []
         for path in files_of(store, scene, level, variant):
-            run = read(path, scene, level, variant)
+            run = read_run(path, scene, level, variant)
             if run is not None and serves(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
@@ -443,7 +443,7 @@ def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 
 
-def read(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
+def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
     """Return the run in a file, if the file is intact and named by its key; else None."""
     try:
         data = unsealed(path)

@@ -362,7 +362,7 @@ def standing_table(found: Sequence[Standing]) -> Table:
     return Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section with the first screen of the report."""
     step("error against run time, every model and mesh on every scene")
     points = study.once(all_points, step)

@@ -16,7 +16,7 @@ import numpy as np
 from rollbench.compare.case import every_case
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.computing import compute
-from rollbench.compare.reference.store import load
+from rollbench.compare.reference.store import load_run
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores, gmsh_fault
 from rollbench.compare.scenes import catalogue
@@ -64,7 +64,7 @@ class Listed:
     name: str
     #: Page that it belongs to.
     page: str
-    #: Module in ``package``, as ``module:function`` if the function is not ``section``.
+    #: Module in ``package``, as ``module:function`` if the function is not ``make_section``.
     module: str
     #: Whether it is part of a quick report.
     quick: bool = False
@@ -237,7 +237,7 @@ class LiveCheck:
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
     """Recompute one stored run without any cache; None if no store has it under this machine's key."""
     scene = catalogue.scene(CHECKED)
-    stored = load(scene, LEVEL, stores=stores)
+    stored = load_run(scene, LEVEL, stores=stores)
     if stored is None:
         return None
     start = perf_counter()

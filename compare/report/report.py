@@ -149,8 +149,12 @@ def save_model_form(study: Study) -> None:
 
 def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
     """Return the sections of a part; for the ladder also save the data of the model-form estimate."""
-    module, _, function = part.module.partition(":")
-    made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
+    path, _, function = part.module.partition(":")
+    module = import_module(f"{part.package}.{path}")
+    usual = (
+        "make_section" if hasattr(module, "make_section") else "section"
+    )  # the latter: cases of other packages before 0.15
+    made = getattr(module, function or usual)(study, step)
     if part.name == "ladder":
         save_model_form(study)
     return (made,) if isinstance(made, Section) else tuple(made)

@@ -10,8 +10,15 @@ from rollbench.compare.cases.lin.extremes import table_section_items
 from rollbench.compare.models.study import Study
 from rollbench.compare.sections.fit import WORDS
 from rollbench.compare.studies import survey as survey
-from rollbench.compare.studies.extremes import ENERGY, FORMULATIONS, shipped_records, table, tally, wide_rows
-from rollbench.compare.studies.extremes import rows as campaign_rows
+from rollbench.compare.studies.extremes import (
+    ENERGY,
+    FORMULATIONS,
+    campaign_rows,
+    shipped_records,
+    solve_cases,
+    tally,
+    wide_rows,
+)
 from rollbench.compare.studies.survey import MODELS
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
@@ -60,14 +67,14 @@ def survey_items() -> tuple[Text | Table, ...]:
     )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Return the section of the report."""
 
     def progress(done: int, total: int, case: str) -> None:
         if done % 10 == 0 or done == total:
             step(f"{done} of {total} cases ({case})")
 
-    rows = table(progress)
+    rows = solve_cases(progress)
     counts = tally(rows)
     summary: list[Row] = [
         {"formulation": name, "solved": solved, "tried": tried, "cases": total}

@@ -33,7 +33,7 @@ from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load
+from rollbench.compare.reference.store import load_run
 from rollbench.compare.results.rows import compared_rows
 from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -176,7 +176,7 @@ def compared(
         starts[answers[-1].model] = unloaded_place(scene, of_model.bare)
         if of_model.result.converged:
             expected[model.name] = estimate(of_model.scene, of_model.result, others_than(reference))
-    others = reference_answers(reference, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
+    others = reference_answers(reference, None if of is not None else load_run(scene, SOURCE_LEVEL, stores=tuple(stores)))
     answers += [answer for answer in others if not is_itself(answer, reference)]
     answers += [] if ours is None else [from_run(ours.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored

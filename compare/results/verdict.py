@@ -152,7 +152,7 @@ class Verdict(Record):
             numbers = (f"{abs(x):.2f} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty))
             ball = "" if v.ball is None else f"ball {v.ball} {v.flank}"
             note = "; ".join(filter(None, (ball, v.pair_text.strip(", "), v.detail)))
-            rows.append((v.word, v.of, v.judged, v.quantity, *numbers, f"{v.limit:.4g} {v.unit}", note))
+            rows.append((v.word, v.subject, v.judged, v.quantity, *numbers, f"{v.limit:.4g} {v.unit}", note))
         same = [len({row[k] for row in rows}) == 1 for k in range(len(self.headings))]
         return [["" if same[k] and k in (1, 2) else text for k, text in enumerate(row)] for row in rows]
 
@@ -160,7 +160,9 @@ class Verdict(Record):
     def answer(self) -> str:
         """The gravest verdict, of what, the error in per cent of the mean load, and how many there are of each verdict."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
-        of = [", ".join(dict.fromkeys(texts)) for texts in ([v.of for v in self.judged], [v.judged for v in self.judged])]
+        of = [
+            ", ".join(dict.fromkeys(texts)) for texts in ([v.subject for v in self.judged], [v.judged for v in self.judged])
+        ]
         errors = [v.of_mean for v in self.judged if v.of_mean is not None]
         e = max(errors, key=lambda e: e.max_percent, default=None)
         where = "" if e is None else f"; worst contact {e.max_percent:.2f} % of the mean load off (ball {e.ball} {e.side})"

@@ -64,7 +64,7 @@ def shipped(name: str) -> Described:
     """Return the shipped scene of a name, of any kind; InputError for an unknown name."""
     from rollbench.compare.scenes import scene_file
 
-    return scene_file.read(scene_text(name), f"{name}.toml")
+    return scene_file.parse_scene(scene_text(name), f"{name}.toml")
 
 
 def case(name: str, of: type[Of]) -> Of:
@@ -102,7 +102,7 @@ def any_scene(name_or_path: str) -> Described:
     if looks_like_path(name_or_path):
         from rollbench.compare.scenes import scene_file
 
-        return scene_file.read(scene_file.read_text(name_or_path), name_or_path)
+        return scene_file.parse_scene(scene_file.read_text(name_or_path), name_or_path)
     raise _unknown(name_or_path)
 
 

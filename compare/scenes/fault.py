@@ -116,7 +116,7 @@ APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "m
 EXTRA = ("extra_forbidden", "unexpected_keyword_argument")
 
 #: Frequent unknown keys, in lower case with underscores, and the scene's keys for them.
-WORDS: dict[str, str] = files.table("words.toml")
+WORDS: dict[str, str] = files.shipped_table("words.toml")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import ArgumentError, SceneError
-from rollbench.compare.scenes.rexs_model import UNITS, Component, Model, Value, read
+from rollbench.compare.scenes.rexs_model import UNITS, Component, Model, Value, read_model
 
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Thrust that a row carries, by the direction of an axial force on the inner ring that it takes.
@@ -104,9 +104,9 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
     ArgumentError
         For a shaft or keys that do not exist, and for given values that cannot be read.
     InputError
-        For a file that `read` refuses.
+        For a file that `read_model` refuses.
     """
-    model = read(path)
+    model = read_model(path)
     reader = Reader(path, model, dict(given))
     chosen = _shaft(reader, shaft)
     if len(model.cases) == 1:

@@ -159,7 +159,7 @@ class Model:
         return None
 
 
-def read(path: Path) -> Model:
+def read_model(path: Path) -> Model:
     """Return the model in a REXS file.
 
     Parameters

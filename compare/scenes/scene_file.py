@@ -53,7 +53,7 @@ def loads(text: str, origin: str) -> Scene:
     SceneError
         For faults, and for a scene of another kind.
     """
-    return whole(read(text, origin), origin)
+    return whole(parse_scene(text, origin), origin)
 
 
 def solvable(scene: Described, origin: str) -> Scene | Assembly:
@@ -91,7 +91,7 @@ class Known:
     described: Described
 
 
-def read(text: str, origin: str) -> Described:
+def parse_scene(text: str, origin: str) -> Described:
     """Return the scene of any kind in a text.
 
     Parameters

@@ -78,7 +78,7 @@ class Fit:
         return None if self.within is None else self.within >= 0.95
 
     @property
-    def row(self) -> Row:
+    def table_row(self) -> Row:
         """Return median, 95th percentile and largest error, the gate's limit and the share within it."""
         share, good = self.within, self.good
         return {
@@ -119,7 +119,7 @@ def _listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Return the section of the report."""
     step("all compared scenes")
     found = fits(shipped_points())
@@ -128,7 +128,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
         f"gate's limit, {LIMIT:g} % of contact loads {RULE}, and of other quantities what loads off by that much make of "
         "them. No error of the mean load has a limit. Of the gate's rule there are the scenes whose record has it."
     )
-    table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.row for x in found], note)
+    table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.table_row for x in found], note)
     return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))
 
 
@@ -167,7 +167,7 @@ def range_figure(scene: Scene | None = None) -> Figure:
     for a, b in (tuple(DESCRIPTORS[k] for k in pair) for pair in pairs):
         series = [Series("compared", compared_values(a, ring=ring), compared_values(b, ring=ring), "markers")]
         if scene is not None:
-            series.append(Series(scene.name, [a.of(scene)], [b.of(scene)], "markers", emphasis=True))
+            series.append(Series(scene.name, [a.value(scene)], [b.value(scene)], "markers", emphasis=True))
         panels.append(Panel("", _label(a), _label(b), tuple(series)))
     return Figure("applicability", "What was compared with the 3D reference", tuple(panels))
 

@@ -78,7 +78,7 @@ def worked(study: Study) -> str:
     )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("one worked row")
     return Section("how-to-read", "How to read this report", (Text(TERMS, bullets=True),), conclusion=worked(study))

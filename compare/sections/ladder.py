@@ -221,7 +221,7 @@ def headline(rungs: Sequence[Rung]) -> str:
     return "In per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("every rung on every scene with a reference")
     rungs = study.once(ladder)

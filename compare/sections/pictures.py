@@ -440,7 +440,7 @@ def pressure_map(name: str, title: str, found: dict[str, ContactPressure], capti
     return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
 
 
-def section(study: Study, step: Step) -> Section:
+def make_section(study: Study, step: Step) -> Section:
     """Return the section of the report."""
     solved = solve_pictured(study, step)
     found = stresses(solved, step)

@@ -27,7 +27,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from rollbench.compare.reference.store import Run, load
+from rollbench.compare.reference.store import Run, load_run
 from rollbench.compare.sections.curves import lateral, load_panel, loads, numbers
 from rollbench.compare.sections.reference_time import time_items
 from rollbench.meshes.parts import SIDES
@@ -70,7 +70,7 @@ def error_table(study: Study, found: References) -> Table:
             shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
             rows.append(_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
-        source = load(scene, SOURCE_LEVEL, stores=study.stores)
+        source = load_run(scene, SOURCE_LEVEL, stores=study.stores)
         for coarser in reference_answers(ref, source):
             if coarser.model != f"3D level {ref.best.level}":
                 e = load_error(coarser.load, ref.load, ref.contacts)
@@ -120,7 +120,7 @@ def load_tables(study: Study, found: References) -> list[Table]:
     for name, ref in found.items():
         scene = study.scene(name)
         answers = [answer(study, name, m.name) for m in suited(scene)]
-        answers += reference_answers(ref, load(scene, SOURCE_LEVEL, stores=study.stores))
+        answers += reference_answers(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
         heads = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(heads)]
         rows: list[Row] = []
@@ -218,7 +218,7 @@ def gate_text(found: References, study: Study) -> str:
 
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
     """Return the low-order error of a contact against a reference whose nut is rigid too [%]; None without such a run."""
-    run = load(study.scene(name), min(LEVELS), stores=study.stores)
+    run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None
     truth = float(run.without["elastic nut"][ball - 1, SIDES.index(side)])
@@ -250,7 +250,7 @@ def exceedance_table(found: References, study: Study) -> Table:
     return Table.of("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", rows, note)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report, from stored runs."""
     step("low-order models against the 3D reference")
     found = case_studies(study)

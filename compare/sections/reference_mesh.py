@@ -14,7 +14,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import SHARED, beside_face
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
-from rollbench.compare.reference.store import Measured, Run, load, most_of
+from rollbench.compare.reference.store import Measured, Run, load_run, most_of
 from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.compare.sections.curves import study_figure
 from rollbench.compare.sections.reference import case_studies, modelling
@@ -45,7 +45,7 @@ def level_table(study: Study, found: References) -> Table:
     rows: list[Row] = []
     common = most_of(run.measured for ref in found.values() for run in ref.runs)
     for name, ref in found.items():
-        source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+        source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = ([source] if source else []) + list(ref.runs)
         for number, run in enumerate(runs):
             frozen = load_error(run.frozen, run.load, ref.contacts)
@@ -240,7 +240,7 @@ def spread_table(study: Study) -> Table | None:
         for e in varied(scene, study.stores):
             if _refined(e.variant):
                 continue
-            run = load(scene, min(LEVELS), e.variant, study.stores)
+            run = load_run(scene, min(LEVELS), e.variant, study.stores)
             model = None if run is None else load_error(low.load, run.load)
             largest, rms = (None, None) if model is None else (model.max_percent, model.rms_percent)
             ratio = e.ratio if np.isfinite(e.ratio) else None
@@ -340,7 +340,7 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
     """Yield case studies whose coarsest run was also solved without single ingredients: name, run, the source's model."""
     for name in case_studies(study):
-        run = load(study.scene(name), min(LEVELS), stores=study.stores)
+        run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
         if run is not None and run.without:
             yield name, run, study.solve(name, "lin")
 
@@ -401,7 +401,7 @@ def conclusion(found: References) -> str:
     )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("mesh levels, mesh study, modelling spread, ablation")
     found, everything = case_studies(study), study.references((*REFERENCED, *UNSEEN))

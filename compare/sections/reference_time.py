@@ -19,7 +19,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import Measured, Run, here, load, one_run, shipped_store
+from rollbench.compare.reference.store import Measured, Run, here, load_run, one_run, shipped_store
 from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
@@ -205,7 +205,7 @@ def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Pa
 
 def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
     """Return the runs of the 3D reference of a scene: on the source's mesh, if any, and on its levels."""
-    source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+    source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 
 
@@ -368,9 +368,9 @@ def cost_tables(costs: Costs) -> list[Table]:
             **{Quantity(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
-        for stage, spent in (*job.stages.items(), ("all", {kind: job.of(kind) for kind in WORK}))
+        for stage, spent in (*job.stages.items(), ("all", {kind: job.seconds_of(kind) for kind in WORK}))
     ]
-    floors = ", ".join(f"{job.of('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs)
+    floors = ", ".join(f"{job.seconds_of('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs)
     note = (
         "One process of one thread, without start and imports. Elimination is what the meshes ask for: its dense algebra "
         f"runs in LAPACK. Two cores that never wait for one another need at least {floors}. {measured}"

@@ -60,7 +60,7 @@ LEGEND = (
 Judged = Mapping[tuple[str, str], Validated]
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report, the source's cases first."""
     step("a sheet for every scene with a 3D reference")
     found = study.references((*REFERENCED, *UNSEEN))
@@ -156,7 +156,9 @@ def results(study: Study, scene: Scene, reference: Reference, judged: Judged, ga
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
 
-    def row(quantity: str, errors: Mapping[str, float | None], u_val: float, values: Mapping[str, float | None]) -> Row:
+    def quantity_row(
+        quantity: str, errors: Mapping[str, float | None], u_val: float, values: Mapping[str, float | None]
+    ) -> Row:
         return {
             "quantity": quantity,
             **{Quantity(key, key): values.get(key) for key in answers},
@@ -164,11 +166,11 @@ def results(study: Study, scene: Scene, reference: Reference, judged: Judged, ga
             Quantity("u_val", "u_val", "%", ".2f"): u_val if np.isfinite(u_val) else None,
         }
 
-    rows = [row("the worst contact load, by the gate's rule", {m: v.error for m, v in gate.items()}, np.nan, {})]
+    rows = [quantity_row("the worst contact load, by the gate's rule", {m: v.error for m, v in gate.items()}, np.nan, {})]
     for q in QUANTITIES:
         single = q.name != CONTACTS
         errors = {model: judged[model, q.name].error for model in MODELS}
         values = {key: float(q.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
         words = f"{q.name} [{q.unit}]" if single else "the worst contact load, of the mean load"
-        rows.append(row(words, errors, judged[DEFAULT, q.name].combined, values))
+        rows.append(quantity_row(words, errors, judged[DEFAULT, q.name].combined, values))
     return Table.of(f"sheet-{scene.name}", f"{scene.name}, results", rows)

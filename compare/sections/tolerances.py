@@ -42,10 +42,10 @@ def command(found: Mapping[str, Any]) -> str:
 
 def short(vary: Vary) -> str:
     """Return a short name of a key."""
-    return words(vary).partition(":")[0]
+    return key_description(vary).partition(":")[0]
 
 
-def words(vary: Vary) -> str:
+def key_description(vary: Vary) -> str:
     """Return a description of a key."""
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
@@ -63,7 +63,7 @@ def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Ce
         row = indices[vary.key]
         rows.append(
             {
-                "key": words(vary),
+                "key": key_description(vary),
                 "range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
                 "low": min(means),
                 "high": max(means),
@@ -74,7 +74,7 @@ def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Ce
     return rows
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("stored sweep of tolerances")
     found = stored()

@@ -34,7 +34,7 @@ from rollbench.compare.models.uncertainty import (
 )
 from rollbench.compare.reference.grid_parts import Experience, Levelled, left_out, measured, moving, parts, too_large
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
-from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections.fit import items_of
 from rollbench.meshes.arrays import Array
@@ -101,7 +101,7 @@ def levelled(study: Study) -> dict[str, dict[int, Array]]:
     """Return the loads (n, 4) [N] by level of every compared scene with two levels or more, drawn ones last."""
     out, extra = {}, dict(judges(shipped_store())[0])
     for name in SHIPPED:
-        runs = [run for k in LEVELS if (run := load(study.scene(name), k, stores=study.stores)) is not None]
+        runs = [run for k in LEVELS if (run := load_run(study.scene(name), k, stores=study.stores)) is not None]
         if len(runs) > 1:
             out[name] = {run.level: run.load for run in runs} | extra.pop(name, {})
     return out | extra
@@ -113,7 +113,7 @@ def socket_scatter(study: Study) -> float | None:
     A change of the cut is the difference of two of its errors.
     """
     scene = study.scene(REFINED)
-    finer, base = load(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
+    finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
     if finer is None or base is None:
         return None
     on = base.load > 0.0
@@ -300,7 +300,7 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
     return Table.of("bounds-held", "Stated bounds, and how many held", cells, note)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     title = "How much of an error is the model's: u_val, bias and scatter, applicability"
     step("every rung on every scene with a reference")

@@ -151,7 +151,7 @@ def kinds_table(rows: Sequence[Evidence]) -> Table:
     return Table.of("kinds", "Printed entries by kind and verdict", cells)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("every printed number and claim")
     audited = audit(study)

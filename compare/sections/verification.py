@@ -21,7 +21,7 @@ from rollbench.compare.studies.crosscheck.results import (
     agreement,
     contact_rows,
     extrapolate,
-    load,
+    load_results,
     mesh_columns,
     mesh_of,
     shipped,
@@ -213,7 +213,7 @@ def times_table(found: Sequence[Level]) -> Table:
     return Table.of("verification-times", "Where the time goes [s]", rows)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     return drawn(levels(step, QUICK if study.quick else LEVELS))
 
@@ -332,7 +332,7 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
-        data, ours = load(folder or shipped(), name), study.reference(name)
+        data, ours = load_results(folder or shipped(), name), study.reference(name)
         if data is None or data.key != scene_key(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
             continue

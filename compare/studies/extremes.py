@@ -330,7 +330,7 @@ def _rows_of(case: Case) -> list[Attempt]:
     return rows + [_source(case, f, ours) for f in SOURCE]
 
 
-def table(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
+def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
     """Solve every case by every formulation, in two processes.
 
     Parameters
@@ -413,7 +413,7 @@ MISSTATED = "misstated by the command line"
 GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
 
 
-def read(path: Path) -> list[Record]:
+def read_campaigns(path: Path) -> list[Record]:
     """Return the records of a file; empty if it is missing or holds something else."""
     try:
         records = json.loads(path.read_text(encoding="utf-8"))
@@ -427,10 +427,10 @@ def read(path: Path) -> list[Record]:
 
 def shipped_records() -> list[Record]:
     """Return the shipped records."""
-    return read(Path(__file__).with_name("campaign.json"))
+    return read_campaigns(Path(__file__).with_name("campaign.json"))
 
 
-def rows(records: Sequence[Record]) -> list[Row]:
+def campaign_rows(records: Sequence[Record]) -> list[Row]:
     """Return rows of the report's table, one for each campaign.
 
     Each has its command and version, and how many scenes, damaged files and killed processes ended in which way.

@@ -16,10 +16,10 @@ from rollbench.compare.models.comparison import Referenced, referenced
 from rollbench.compare.models.modelling import base_run
 from rollbench.compare.reference.convergence import observe, pool
 from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
-from rollbench.compare.reference.grid_parts import parts, read
+from rollbench.compare.reference.grid_parts import parts, read_experience
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
-from rollbench.compare.reference.store import Run, here, load, shipped_store
+from rollbench.compare.reference.store import Run, here, load_run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.results.comparison import named, unconverged
@@ -78,7 +78,7 @@ def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] =
     levels
         Mesh levels.
     """
-    runs = tuple(r for k in levels if (r := load(scene, k, stores=stores)) is not None)
+    runs = tuple(r for k in levels if (r := load_run(scene, k, stores=stores)) is not None)
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
@@ -116,7 +116,7 @@ def enough(reference: Reference, k: int) -> float:
     RMS over the contacts; that of the first run alone is from experience with other scenes.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
-    return parts(loads, read(shipped_store())).bar
+    return parts(loads, read_experience(shipped_store())).bar
 
 
 def closing(reference: Reference) -> str:
@@ -181,7 +181,9 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
     coarsest = min(LEVELS)
     base = base_run(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
-    return quantity_table(reference, base, {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None})
+    return quantity_table(
+        reference, base, {v: r for v in others if (r := load_run(scene, coarsest, v, stores)) is not None}
+    )
 
 
 def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:

@@ -357,7 +357,7 @@ class SetUp:
     #: "dense" (dense algebra).
     stages: Mapping[str, Mapping[str, float]]
 
-    def of(self, kind: str) -> float:
+    def seconds_of(self, kind: str) -> float:
         """Return the seconds of a kind of work in all stages."""
         return sum(stage.get(kind, 0.0) for stage in self.stages.values())
 

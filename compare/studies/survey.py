@@ -21,12 +21,12 @@ from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import DESCRIPTORS, SURVEY
 from rollbench.compare.models.comparison import from_run
-from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, point, rigidity, section, shipped_points
+from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, loaded_section, point, rigidity, shipped_points
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.jobs import keep
-from rollbench.compare.reference.store import Run, read, shipped_store
+from rollbench.compare.reference.store import Run, read_run, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.from_keys import touching_angle
@@ -297,7 +297,7 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
 def kept(runs: Path | None, scene: Scene) -> Run | None:
     """Return the stored run of a scene in a folder; None without one."""
     paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
-    return next((run for path in paths if (run := read(path, scene, LEVEL, "")) is not None), None)
+    return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
 
 
 def _raised(load: Any) -> Any:
@@ -355,7 +355,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
-    places = section(scene, from_run(run, "")), section(raised, from_run(raised_run, ""))
+    places = loaded_section(scene, from_run(run, "")), loaded_section(raised, from_run(raised_run, ""))
     state |= {
         "contacts": int((run.load > 0.0).sum()),
         "mean_N": round(mean, 4),
@@ -364,7 +364,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "displacement_um": round(1e6 * places[0].moved, 5),
         "rigidity_N_per_um": _rounded(rigidity(places), 1e-6),
         "models": {name: _model(scene, answers[name][0], run, p) for name, p in points.items()},
-        "places": {d.name: round(d.of(scene), 4) for d in DESCRIPTORS},
+        "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],
     }
     return state
@@ -438,7 +438,7 @@ def run_survey(
     """
     sample.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
     with sample.taken_over(folder) as token:
-        before = [*_answers(kept, seed), *sample.read(folder)]
+        before = [*_answers(kept, seed), *sample.stored_records(folder)]
         known = {record["number"]: record for record in before if not unanswered([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:

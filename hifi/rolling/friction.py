@@ -167,15 +167,15 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
     held = np.flatnonzero(stick)
 
-    def rows(A: Array) -> Array:
+    def free_rows(A: Array) -> Array:
         """Of a matrix (2 n, k): along ``across`` of slipping cells, then x and y of those that stick."""
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
-    MR = rows(c.elastic)
-    K = rows(MR.T).T  # the same of its columns
+    MR = free_rows(c.elastic)
+    K = free_rows(MR.T).T  # the same of its columns
     share = c.bound[slip] / size[slip]
     weight = np.concatenate([share * grip[slip], np.ones(2 * held.size)])
-    right = np.column_stack([MR @ _flat(known), rows(c.motion)]) * -weight[:, None]
+    right = np.column_stack([MR @ _flat(known), free_rows(c.motion)]) * -weight[:, None]
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share

@@ -321,7 +321,7 @@ class BallRow:
     #: The bearing.
     bearing: BallBearing
 
-    def load(self, deflection: float) -> float:
+    def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the balls are loose."""
         return float(thrust_state(self.bearing, deflection).load)
 

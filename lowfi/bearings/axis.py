@@ -356,7 +356,7 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
 class Row(Protocol):
     """Row of rolling elements in a set of bearings: thrust over axial deflection; zero where the row is loose."""
 
-    def load(self, deflection: float) -> float:
+    def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
 
     def stiffness(self, deflection: float) -> float:
@@ -378,7 +378,7 @@ class PointRow:
         """Constant of the row taken as one contact [m/N^(2/3)], k^(-2/3)."""
         return float(self.k ** (-2.0 / 3.0))
 
-    def load(self, deflection: float) -> float:
+    def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the row is loose."""
         return float(contact_force(deflection, self.C))
 
@@ -443,7 +443,7 @@ def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, floa
 
 def _loads(bearings: BearingSet, displacement: float) -> Array:
     """Return the thrust of each row [N]."""
-    return _of_rows(bearings, displacement, lambda row, d: row.load(d))
+    return _of_rows(bearings, displacement, lambda row, d: row.thrust(d))
 
 
 def state_at(bearings: BearingSet, displacement: float) -> SetState:

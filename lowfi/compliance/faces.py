@@ -405,7 +405,7 @@ def cut_motions(
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
-    beyond = body.rows()[:, :, 0, :, 0]
+    beyond = body.stiffness_of_rows()[:, :, 0, :, 0]
     patches, kinds = loads.shape[:2]
     watched = 2 * kinds
     sampled = np.empty((n.size, 2, watched, patches * kinds, len(cuts)))

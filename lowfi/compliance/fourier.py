@@ -255,7 +255,7 @@ class Body:
         size = 3 * self.grid.r.size
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
-    def rows(self, chosen: slice | Index = slice(None)) -> Array:
+    def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
         """Return parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of their three lines of m freedoms."""
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
@@ -461,8 +461,8 @@ def _by_stretches(
     def loads(i: int) -> Array:
         return (free[:, i, :, None] * unit)[:, :, : 3 if rows[0] <= i < rows[1] else 0]
 
-    def row(k: int) -> Stretch:
-        moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.rows(np.array([k]))
+    def row_stretch(k: int) -> Stretch:
+        moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.stiffness_of_rows(np.array([k]))
         K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
         middle = loads(2 * k + 1)
@@ -475,7 +475,7 @@ def _by_stretches(
     pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]
     alike = body.alike
     starts = [k for k in range(count // 2) if not alike[k] or pattern[k] != pattern[k - 1]]
-    stretches = [repeated(row(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])]
+    stretches = [repeated(row_stretch(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])]
     between, soft = [*(loads(2 * k) for k in starts), loads(count - 1)], 0.0
     if springs and n[0] < 2:
         motions = end_motions(body, int(n[0]))

@@ -370,7 +370,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
     cell, beta = bearing_cell(case, angle), case.groove.contact_angle
     normal = np.stack([SIGN_X * np.cos(beta), SIGN_Z * np.sin(beta)], axis=1)[ON_SCREW]
     has = cell.interference[:, ON_SCREW] > -case.groove.reach
-    resists = np.einsum("sx,nxm->nsm", normal, cell.section)[has]
+    resists = np.einsum("sx,nxm->nsm", normal, cell.screw_motion)[has]
     _, size, v = np.linalg.svd(resists, full_matrices=True)
     null = v[int(np.sum(size > RANK * size.max(initial=0.0))) :]
     drive = null @ cell.force

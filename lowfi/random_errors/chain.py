@@ -313,7 +313,7 @@ class Ensemble:
     #: Number of chains that did not converge under some load.
     failed: int
 
-    def of(self, quantity: Quantity, load: float) -> Array:
+    def values_at(self, quantity: Quantity, load: float) -> Array:
         """Return one quantity of every chain at a load [N], ``(n,)``; raises KeyError for a load that was not solved."""
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:

@@ -246,12 +246,12 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
     ball = scene.balls.material
 
-    def of(side: int, body: Material) -> PrintedHertz:
+    def hertz_of(side: int, body: Material) -> PrintedHertz:
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_radii(bare, drawn, side, gamma)[0]
         return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
 
-    return of(0, scene.screw.material), of(3, scene.nut.material)
+    return hertz_of(0, scene.screw.material), hertz_of(3, scene.nut.material)
 
 
 def _as_printed(scene: Scene) -> Array:

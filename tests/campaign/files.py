@@ -121,7 +121,7 @@ def scenes(seed: int, count: int) -> Iterator[FileOutcome]:
 
 
 def _read_scene(path: Path) -> bool:
-    scene_file.read(scene_file.read_text(path), str(path))
+    scene_file.parse_scene(scene_file.read_text(path), str(path))
     return True
 
 

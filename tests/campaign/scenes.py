@@ -165,7 +165,7 @@ def judge(seed: int, number: int, model: str, command: Command | None = None, dr
 def _judged(text: str, number: int, model: str, command: Command | None) -> tuple[str, str, bool]:
     found: StaticResult | AxisResult | InputError
     try:
-        scene = scene_file.read(text, "campaign.toml")
+        scene = scene_file.parse_scene(text, "campaign.toml")
         if isinstance(scene, Assembly):
             several = found = run_model(scene, model, COMPILED)
             (verdict, words), brute = _of_axis(scene, several, model), False

@@ -65,7 +65,7 @@ def test_the_judge_sees_what_is_off():
 def test_the_judge_sees_what_is_off_at_mounting():
     """A preload on a housing that moves, while another housing is held where it is: loads of the row whose balls cross its
     groove's bottom, the slide of the outer part, what pushes it, and what pushes the housing back, each by a millionth."""
-    axis = check_axes.as_mounted(scene_file.read(axis_text(9301, 160), "campaign.toml"))
+    axis = check_axes.as_mounted(scene_file.parse_scene(axis_text(9301, 160), "campaign.toml"))
     found = MODELS["lin"].assembly(axis, scenes.COMPILED)
     assert check_axes.faults(axis, found) == ""
     assert check_axes.crossed(axis, found)

@@ -151,7 +151,7 @@ def tried(work: Callable[[], Any]) -> Found:
 
 def solved(text: str, model: str) -> Any:
     """A result, with all answers for one set of balls that bears loads."""
-    described = scene_file.read(text, "drawn.toml")
+    described = scene_file.parse_scene(text, "drawn.toml")
     if isinstance(described, Assembly):
         several = run_model(described, model, COMPILED)
         return (several, gather_axis(described, several)) if several.converged else several

@@ -21,7 +21,7 @@ PAGES = {"lin": lin, "liu": liu, "smith": smith}
 
 @cache
 def sections(source):
-    return PAGES[source].section(STUDY, lambda _: None)
+    return PAGES[source].make_section(STUDY, lambda _: None)
 
 
 def shown(source):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare import files
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
@@ -44,7 +44,7 @@ PREFIX = "external-"
 
 def inputs() -> dict[str, Any]:
     """Return the tables of ``cases.toml`` as they stand, quantities as texts."""
-    return files.table("cases/external/cases.toml")
+    return files.shipped_table("cases/external/cases.toml")
 
 
 def given(case: str, key: str, quantity: str) -> float:
@@ -99,7 +99,7 @@ def _motion(found: AxisResult, station: float, freedom: str) -> float:
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
-def masta(sheet: Sheet, study: Study) -> None:
+def masta(findings: Findings, study: Study) -> None:
     """Compute the entries of a deep-groove bearing between rigid rings, the inner one free only along each load.
 
     Displacement and life, which is proportional to the cube of the rating that MASTA is given.
@@ -111,27 +111,27 @@ def masta(sheet: Sheet, study: Study) -> None:
         ("tilt", "masta-moment", "ry", 1e3),
     ):
         result, ring = solved(study, name)
-        sheet.number(key, unit * _motion(result, ring.of.position, freedom))
+        findings.number(key, unit * _motion(result, ring.of.position, freedom))
         assert ring.balls is not None
         assert isinstance(ring.of.parts, Scene)
         found = life(ring.of.parts, ring.balls.load)
         assert found is not None
-        sheet.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
+        findings.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
 
-def harris(sheet: Sheet, study: Study) -> None:
+def harris(findings: Findings, study: Study) -> None:
     """Compute the entries of the 218 bearing under thrust."""
     result, ring = solved(study, "harris-218")
     assert ring.balls is not None
     angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _motion(result, ring.of.position, "uz")
-    sheet.number("angle", angle)
-    sheet.number("angle_quoted", angle)
-    sheet.number("displacement", moved)
-    sheet.number("displacement_quoted", moved)
-    sheet.number("ball_load", float(ring.balls.load[:, 0].mean()))
+    findings.number("angle", angle)
+    findings.number("angle_quoted", angle)
+    findings.number("displacement", moved)
+    findings.number("displacement_quoted", moved)
+    findings.number("ball_load", float(ring.balls.load[:, 0].mean()))
 
 
-def half_zone(sheet: Sheet, study: Study) -> None:
+def half_zone(findings: Findings, study: Study) -> None:
     """Compute the load zone of half the circumference, by a row of many balls and by the integrals."""
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solved(study, name)[1]
@@ -140,11 +140,11 @@ def half_zone(sheet: Sheet, study: Study) -> None:
         load, rest = ring.balls.load[:, 0], ring.balls.contact_angle[:, 0]
         top = int(load.argmax())
         # a ball of the deep groove carries the same force at both its contacts: the inner one counts
-        sheet.number(key, float(load[top]) * load.size * float(np.cos(rest[top])) / across)
+        findings.number(key, float(load[top]) * load.size * float(np.cos(rest[top])) / across)
         if key == "combined":
-            sheet.number("loaded", float(np.count_nonzero(load > 0.0)))
+            findings.number("loaded", float(np.count_nonzero(load > 0.0)))
     zone = load_zone(0.5, 1.5)
-    sheet.number("thrust", zone.axial / zone.radial)
+    findings.number("thrust", zone.axial / zone.radial)
 
 
 def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
@@ -181,15 +181,15 @@ def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.flo
     return np.array(out)
 
 
-def gmn(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def gmn(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of preloaded pairs of a series of spindle bearings."""
     inferred = float(inputs()["gmn"]["conformity"])
     for name in inputs()["gmn"]["rows"]:
         for which in CLASSES:
-            sheet.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
+            findings.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
     middle = {c: float(np.median(gmn_growth(c))) for c in (*ANY, inferred)}
     words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
-    sheet.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
+    findings.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
 
 
 def gmn_rms_percent() -> float:
@@ -200,7 +200,7 @@ def gmn_rms_percent() -> float:
     return float(np.sqrt(np.mean(np.square(off))))
 
 
-def snfa(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def snfa(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of a catalogue with constant contact angles.
 
     As printed with rigid balls scaled back, right with contact angles that change under load.
@@ -212,13 +212,13 @@ def snfa(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table take
     right = [1e-6 * equilibrium(_pair(bearing, p)).stiffness for p in loads]
     still = [1e-6 * frozen_rigidity(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
-        sheet.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
+        findings.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
     growth = right[-1] / right[0]
     words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
-    sheet.number("growth", growth, words, as_printed=still[-1] / still[0])
+    findings.number("growth", growth, words, as_printed=still[-1] / still[0])
     off = lift_off_force(_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
-    sheet.number("lift_off", off, words, as_printed=frozen_lift_off())
+    findings.number("lift_off", off, words, as_printed=frozen_lift_off())
 
 
 def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
@@ -249,7 +249,7 @@ def mean_speed(case: str) -> float:
     given = inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
-    cycle = scene_file.read("\n".join([catalogue.scene_text(SCENE), *cases]), SCENE)
+    cycle = scene_file.parse_scene("\n".join([catalogue.scene_text(SCENE), *cases]), SCENE)
     assert isinstance(cycle, DutyCycle)
     assert cycle.speed is not None
     return cycle.speed * 30.0 / pi
@@ -262,12 +262,12 @@ def mean_of_phases(case: str) -> float:
     return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
-def loads(sheet: Sheet, study: Study) -> None:
+def loads(findings: Findings, study: Study) -> None:
     """Compute mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
     for key, case in EXAMPLES.items():
-        sheet.number(key, mean_of_phases(case))
-    sheet.number("speed_rexroth", mean_speed("rexroth"))
-    sheet.number("parting", PARTING)
+        findings.number(key, mean_of_phases(case))
+    findings.number("speed_rexroth", mean_speed("rexroth"))
+    findings.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = halves(force, 1.0)
     lower = error_percent((1.0 + force / ROUNDED) ** 1.5, loaded)
@@ -275,7 +275,7 @@ def loads(sheet: Sheet, study: Study) -> None:
         f"with 3 the loaded half's force is {-float(lower.min()):.1f} % lower where the halves part, and no higher anywhere"
     )
     holds = bool((lower <= 1e-9).all() and lower.min() >= -WITHIN and np.allclose(loaded - other, force))
-    sheet.claim("loaded_half", holds, words)
+    findings.claim("loaded_half", holds, words)
     scene = study.scene(SCENE)
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
     found = equivalent_life([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
@@ -283,9 +283,9 @@ def loads(sheet: Sheet, study: Study) -> None:
     lives = (rating(nut) / np.array(found.loads)) ** 3
     printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
-    sheet.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
-    for name, angle in (row.key.split("_") for row in load_table(sheet.table) if row.key[0] in "eXY"):
-        sheet.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
+    findings.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
+    for name, angle in (row.key.split("_") for row in load_table(findings.table) if row.key[0] in "eXY"):
+        findings.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
 
 
 #: Cells of CONTACT's grid along each axis, and its width over the contact's.
@@ -298,7 +298,7 @@ WHEEL_CELLS = (48, 44)
 ONSET_STEPS = 20
 
 
-def ball_of_bearing(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of one ball of NSK's screw-support bearing at the quoted load and contact angle."""
     parts = assembly("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
@@ -307,22 +307,22 @@ def ball_of_bearing(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
     bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
     angle = np.arccos(inputs()["nsk"]["cosine"])
-    sheet.number("angle", float(np.degrees(angle)))
+    findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
     inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
     cube = float(np.cbrt(given("nsk", "normal_load", "force")))
-    sheet.number("approach_outer", 1e6 * float(outer.C) * cube**2)
-    sheet.number("approach_inner", 1e6 * float(inner.C) * cube**2)
-    sheet.number("a_outer", 1e3 * float(outer.C_a) * cube)
-    sheet.number("b_outer", 1e3 * float(outer.C_b) * cube)
+    findings.number("approach_outer", 1e6 * float(outer.C) * cube**2)
+    findings.number("approach_inner", 1e6 * float(inner.C) * cube**2)
+    findings.number("a_outer", 1e3 * float(outer.C_a) * cube)
+    findings.number("b_outer", 1e3 * float(outer.C_b) * cube)
 
 
-def sphere(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def sphere(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of an elastic sphere on a rigid plane."""
     radius = given("vm63", "radius", "length")
     modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
-    sheet.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
+    findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
 
 
 def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
@@ -368,40 +368,40 @@ def example(cells: int, *, by_cells: bool = False) -> Example:
     return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
 
 
-def rolling(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def rolling(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute CONTACT's example with lateral creepage and spin.
 
     Hertz's part, and force and moment of exact half spaces.
     """
     load, hertz = _hertz("contact")
     cube = float(np.cbrt(load))
-    sheet.number("a", 1e3 * float(hertz.C_a) * cube)
-    sheet.number("b", 1e3 * float(hertz.C_b) * cube)
-    sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
-    sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
+    findings.number("a", 1e3 * float(hertz.C_a) * cube)
+    findings.number("b", 1e3 * float(hertz.C_b) * cube)
+    findings.number("approach", 1e3 * float(hertz.C) * cube**2)
+    findings.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
     theirs, ours = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
     for key in ("lateral", "moment"):
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
-        sheet.number(key, getattr(theirs, key), note)
-    _wheel(sheet)
-    _transients(sheet)
+        findings.number(key, getattr(theirs, key), note)
+    _wheel(findings)
+    _transients(findings)
 
 
-def _wheel(sheet: Sheet) -> None:
+def _wheel(findings: Findings) -> None:
     """Compute the creep-force curve of a locomotive wheel with CONTACT's difference scheme.
 
     It is quick because most of the contact slips.
     """
     load, hertz = _hertz("wheel")
     cube, mu = float(np.cbrt(load)), float(inputs()["wheel"]["friction"])
-    sheet.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
-    sheet.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
+    findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
+    findings.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
     patch = hertz_patch(*_example("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
-    for row in load_table(sheet.table):
+    for row in load_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
             force = steady_by_cells(patch, Creep(float(creep), 0.0, 0.0), mu).force
-            sheet.number(row.key, float(force[0]) / (mu * load))
+            findings.number(row.key, float(force[0]) / (mu * load))
 
 
 @lru_cache(maxsize=4)
@@ -413,16 +413,16 @@ def transient(case: str, steps: int) -> list[Onset]:
     return onset(patch, numbers["friction"], numbers["share"], steps)
 
 
-def _transients(sheet: Sheet) -> None:
+def _transients(findings: Findings) -> None:
     """Compute a push aside, and the path from there to steady rolling, cell by cell as CONTACT takes it."""
     found = {"cattaneo": transient("cattaneo", 0), "onset": transient("onset", ONSET_STEPS)}
-    for row in load_table(sheet.table):
+    for row in load_table(findings.table):
         case, _, rest = row.key.partition("_")
         if case in found:
             what, _, step = rest.partition("_")
             one = found[case][int(step or 0)]
             value = {"shift": 1e3 * one.motion, "creep": one.motion, "sticking": float(one.sticking)}
-            sheet.number(row.key, value[what])
+            findings.number(row.key, value[what])
 
 
 #: Sizes of THK and one of HIWIN: names of scenes after the prefix and the maker.
@@ -461,24 +461,24 @@ def unequal(study: Study, name: str, model: str) -> float:
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
 
 
-def nuts(sheet: Sheet, study: Study) -> None:
+def nuts(findings: Findings, study: Study) -> None:
     """Compute the rigidities at 0.3 times the rating, their growth with the turns, the double nut, and the drag torque."""
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = study.scene(scene_name(size))
         alone[size], bodies[size] = (1e-6 * x for x in stages(scene, scene.loads[0].force[2]))
-        printed = entry(sheet.table, f"rigidity_{size}").value or 0.0
+        printed = entry(findings.table, f"rigidity_{size}").value or 0.0
         share = printed / alone[size]
         words = f"catalogue {printed / bodies[size]:.3f} of it; contacts alone {alone[size]:.0f} N/um"
-        sheet.number(f"rigidity_{size}", bodies[size], words)
+        findings.number(f"rigidity_{size}", bodies[size], words)
         low, high = next(ends for sizes, ends in SHARES.items() if size in sizes)
         words = f"{share:.3f} of {alone[size]:.0f} N/um"
-        sheet.claim(f"share_{size}", low * (1.0 - UNPRINTED) <= share <= high * (1.0 + UNPRINTED), words)
+        findings.claim(f"share_{size}", low * (1.0 - UNPRINTED) <= share <= high * (1.0 + UNPRINTED), words)
     for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
-        sheet.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
+        findings.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
-    sheet.number("double", double_over_single(study), f"with the bodies; {words}")
-    _drag(study, sheet)
+    findings.number("double", double_over_single(study), f"with the bodies; {words}")
+    _drag(study, findings)
 
 
 def double_over_single(study: Study) -> float:
@@ -500,19 +500,19 @@ def double_over_single(study: Study) -> float:
     return unloads / moved / single
 
 
-def _drag(study: Study, sheet: Sheet) -> None:
+def _drag(study: Study, findings: Findings) -> None:
     """Compute the preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
     case = inputs()["thk"]
     preload, lead, mu = given("thk", "preload", "force"), given("thk", "lead", "length"), float(case["friction"])
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
-    sheet.number("drag_formula", 1e3 * formula)
+    findings.number("drag_formula", 1e3 * formula)
     torque = study.once(drag_torque, preload, mu)
-    printed = entry(sheet.table, "drag").value or 0.0
+    printed = entry(findings.table, "drag").value or 0.0
     words = (
         f"both nuts at a coefficient of {mu:g}, friction moving each ball across its grooves as in every scene that says "
         f"nothing else: {1e3 * torque / printed:.2f} times the printed torque"
     )
-    sheet.number("drag", 1e3 * torque, words)
+    findings.number("drag", 1e3 * torque, words)
 
 
 def drag_torque(study: Study, preload: float, mu: float) -> float:

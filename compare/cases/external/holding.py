@@ -123,7 +123,7 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
         Contact loads (n, 4) [N] by level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
-    bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read(shipped_store())).bars(loads)
+    bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read_experience(shipped_store())).bars(loads)
     return float(error_percent((bars + left_out(scene, loads[level], level)).max(), 0.0, mean))
 
 
@@ -238,7 +238,7 @@ def flanged_words() -> str:
     )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("ways of holding a nut")
     rows = [row for size in SIZES for row in rows_of(study, size)]

@@ -185,7 +185,7 @@ def stages_table(
     )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("values of other programs, makers and textbooks")
     tables = [name for name in by_table() if name.startswith(PREFIX)]

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, example
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
@@ -63,12 +63,12 @@ def _solved() -> Iterator[Coefficient]:
                 yield Coefficient(f"{name}_{ratio}_{poisson}", tuple(map(float, values)), answer, one_side)
 
 
-def table_e3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Kalker's coefficients for a/b of 0.2, 1, 5 and nu of 0, 0.25, 0.5."""
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)
         how = "extrapolated" if one.extrapolated else "the finest grid's"
-        sheet.number(one.key, one.answer, f"grids {grids}; {how}")
+        findings.number(one.key, one.answer, f"grids {grids}; {how}")
 
 
 #: Contact of the full-slip cases: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction.

@@ -34,7 +34,7 @@ from rollbench.compare.studies.rolling.rows import (
     stored_rows,
     within,
 )
-from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load
+from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load_run
 from rollbench.compare.studies.rolling.runs import sizes as body_sizes
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
@@ -93,7 +93,7 @@ def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
     )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report.
 
     Runs of scenes come from the stores; the report says which are missing.
@@ -343,7 +343,7 @@ def _compared(row: RollingRow) -> Row:
 
 def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
     scene = shipped_case(name, KindScene)
-    found = (load(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
+    found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 
 

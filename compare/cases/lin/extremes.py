@@ -537,7 +537,7 @@ def root_rows() -> list[Row]:
     return rows
 
 
-def rows() -> list[Record]:
+def all_rows() -> list[Record]:
     """Return the whole table."""
     return [*ball_rows(), *chain_rows()]
 
@@ -566,7 +566,7 @@ def by_model(tried: Sequence[Record]) -> str:
 
 def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
     """Return the table and what it says, for a section of the report; ``found``: rows made before."""
-    found = rows() if found is None else found
+    found = all_rows() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:
         theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"

@@ -15,7 +15,7 @@ from rollbench.compare.reference.store import here, shipped_store
 from rollbench.compare.scenes.catalogue import case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.reference_time import warm_seconds
-from rollbench.compare.studies.rolling.runs import LEVELS, load
+from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 from rollbench.compare.studies.run_times import (
     ColdLevel,
     Kept,
@@ -94,7 +94,7 @@ def seconds(study: Study, name: str, way: str) -> Seconds:
         return Seconds(known.cold, known.warm)
     if way != "3D":
         return Seconds()
-    two = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    two = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return (
         Seconds() if two is None else Seconds(older=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
     )

@@ -62,7 +62,7 @@ def _ensemble(half_range: int) -> Ensemble:
 
 def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
     """Return the median and central 99 % of the drawn screws over the load, in a unit."""
-    of = [_ensemble(half_range).of(quantity, f) / unit for f in loads]
+    of = [_ensemble(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
         Series("ours, 99 % of draws", list(loads), low, "band", high),
@@ -127,7 +127,7 @@ def test_table() -> Table:
     """Return the values of this figure as a table."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
-        moved = 1e6 * _ensemble(3).of("displacement_first_loaded", force)
+        moved = 1e6 * _ensemble(3).values_at("displacement_first_loaded", force)
         low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
         rows.append(
             {
@@ -138,7 +138,9 @@ def test_table() -> Table:
                 Quantity("high", "99.5 %", "µm", ".2f"): high,
                 Quantity("none", "no errors", "µm", ".2f"): _free_of_errors(force)[0],
                 Quantity("stretch", "screw outside the nut", "µm", ".2f"): elongation(force),
-                Quantity("loaded", "loaded balls, median", "", ".0f"): float(np.median(_ensemble(3).of("loaded", force))),
+                Quantity("loaded", "loaded balls, median", "", ".0f"): float(
+                    np.median(_ensemble(3).values_at("loaded", force))
+                ),
             }
         )
     note = (

@@ -14,7 +14,7 @@ from math import cos, degrees, sin
 
 import numpy as np
 
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import Printed, value_of
 from rollbench.compare.scenes import catalogue
@@ -118,7 +118,7 @@ def drawn(half_range_um: int) -> Ensemble:
 
 def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
     """Return one quantity of the drawn screws (n,)."""
-    return drawn(half_range_um).of(quantity, load)
+    return drawn(half_range_um).values_at(quantity, load)
 
 
 def place_in(values: Array, printed: float, half_digit: float) -> tuple[Percentile, str]:
@@ -137,7 +137,7 @@ FEW = 20
 LIGHT, HEAVY = 1000.0, 5000.0
 
 
-def section_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of section 2.1 and Table 2."""
     scene = liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
@@ -169,7 +169,7 @@ def loosest_agreement() -> tuple[int, int, float]:
     return same, rounds, worst
 
 
-def section_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of section 3."""
     steps = max(solve_chain(screw(), x, 500.0).iterations for x in draw_errors(SEED, 0, FEW, balls(), 2e-6))
     same, rounds, worst = loosest_agreement()
@@ -186,7 +186,7 @@ def section_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table tak
         sample = balls() - loaded[load]
         e.number(key, float(np.median(sample)), place_in(sample, e.printed(key), 0.0)[1])
     exactly = {f: float(np.mean(loaded[f] == balls() - 1)) for f in (1000.0, 1500.0)}
-    e.words("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
+    e.remark("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
     e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
     ratio = drawn_sample(3, "smallest", 3000.0) / drawn_sample(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
@@ -208,7 +208,7 @@ def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.floa
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
-def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of section 4.1."""
     load = calibration_load()
     area = 1e6 * implied_area(26.0)
@@ -256,7 +256,7 @@ def loads_of_others() -> tuple[float, float]:
     return (first_carrying_load(screw(), errors, 0, LIGHT), first_carrying_load(screw(), errors, balls() - 1, LIGHT))
 
 
-def section_4_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of section 4.2."""
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
@@ -317,7 +317,7 @@ def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
 
 
-def placed(e: Sheet, key: str, *remarks: str) -> None:
+def placed(e: Findings, key: str, *remarks: str) -> None:
     """File the median for a random number, and its percentile with its sampling error in words."""
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of(key)
@@ -338,7 +338,7 @@ def falling(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.d
     return np.asarray((a > b) & (b > c))
 
 
-def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of section 4.3."""
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
@@ -366,7 +366,7 @@ def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     _curves(e)
 
 
-def _curves(e: Sheet) -> None:
+def _curves(e: Findings) -> None:
     """Compute the claims on the curves of displacement over load, on medians."""
     loads = np.array(LOADS[1])
     curve = np.array([[np.median(drawn_sample(h, "displacement", f)) for f in loads] for h in RANGES])
@@ -376,7 +376,7 @@ def _curves(e: Sheet) -> None:
     apart = 1e6 * np.diff(curve, axis=0)
     words = "; ".join(", ".join(f"{v:.2f}" for v in row) for row in apart) + " um from 100 to 5000 N (medians), "
     grown = " and ".join(f"{100.0 * (row[-1] / row[-2] - 1.0):.1f}" for row in apart)
-    e.words("parallel", f"{words}by {grown} % still from 3000 to 5000 N")
+    e.remark("parallel", f"{words}by {grown} % still from 3000 to 5000 N")
 
 
 def spreads(load: float) -> Array:
@@ -408,7 +408,7 @@ def secants(half_range_um: int, load: float, share: float) -> Array:
         return 1e-8 * drawn_sample(half_range_um, "stiffness", load)
     ends = [load, (1.0 + share) * load]
     found = solve_ensemble(screw(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
-    first, last = (found.of("displacement", f) for f in ends)
+    first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * share * load / (last - first))
 
 
@@ -434,7 +434,7 @@ def by_step(rows: Sequence[Printed]) -> str:
     )
 
 
-def section_4_4(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of section 4.4."""
     bare, printed_K = e.printed("K_0_3000"), [f.printed for f in e.evidence() if f.printed.key.startswith("K_")]
     for row in printed_K:
@@ -456,7 +456,7 @@ def section_4_4(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     _claims(e)
 
 
-def _claims(e: Sheet) -> None:
+def _claims(e: Findings) -> None:
     """Compute the claims of section 4.4."""
     s = {load: spreads(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *share((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
@@ -474,4 +474,4 @@ def _claims(e: Sheet) -> None:
     e.claim("softer", *share(falling("stiffness", 500.0)))
     free = solve_chain(screw(), np.zeros(balls()), 3000.0).stiffness
     off = [100.0 * (np.median(drawn_sample(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
-    e.words("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")
+    e.remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

@@ -123,7 +123,7 @@ def solid_table(study: Study) -> Table:
     return Table.of("liu-solid", "The axial-only idealisation, beam and refined model against 3D", rows, note)
 
 
-def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the sections of the report."""
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from rollbench.compare.cases.makers.outside import Band, Outside, of_row
-from rollbench.compare.cases.makers.tables import Table, half_step, table, tables
+from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
 from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
@@ -40,13 +40,13 @@ def over_pair(name: str) -> tuple[float, float, float]:
     """
     one = PointRow()
 
-    def of(name: str) -> Array:
+    def totals_of(name: str) -> Array:
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = equilibrium(arrangement(one, rows, 1e-6))
         loads = state.loads
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 
-    preload, rigidity, torque = of(name) / of("DB")
+    preload, rigidity, torque = totals_of(name) / totals_of("DB")
     return float(preload), float(rigidity), float(torque)
 
 
@@ -157,20 +157,20 @@ def ball_bearings() -> Iterator[Outside]:
     The axial clearance of a preloaded pair under a known load is 2 (u(measuring load) - u(preload)), with contact angles
     that change.
     """
-    source = table("nsk-angular")
+    source = read_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault(row["bearing"], []).append(row)
     bearings = list(groups.values())
 
-    def read(key: str) -> Array:
+    def column(key: str) -> Array:
         return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
 
-    pitch, angle = np.array([_middle(rows[0]) for rows in bearings]), np.radians(read("angle_deg")[:, 0])
-    dynamic, static = (1e3 * read(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
+    pitch, angle = np.array([_middle(rows[0]) for rows in bearings]), np.radians(column("angle_deg")[:, 0])
+    dynamic, static = (1e3 * column(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     count, ball = np.array([balls_of(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
     begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
-    forces, rigid, load = read("preload_N"), read("rigidity_N_per_um"), read("measuring_load_N")
+    forces, rigid, load = column("preload_N"), column("rigidity_N_per_um"), column("measuring_load_N")
     step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
@@ -232,15 +232,15 @@ def frozen_pairs() -> Iterator[Outside]:
 
     What is printed is the catalogue's own formula, and not judged.
     """
-    source = table("snfa-angular")
+    source = read_table("snfa-angular")
 
-    def read(key: str, factor: float = 1.0) -> Array:
+    def column(key: str, factor: float = 1.0) -> Array:
         return factor * np.array([source.number(row[key]) for row in source.rows])
 
-    pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(read("angle_deg"))
+    pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(column("angle_deg"))
     usual = np.full(pitch.size, CONFORMITY)
-    rows = AngleRows(read("balls"), read("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
-    stiff = 2e-7 * state_under(rows, read("preload_daN", 10.0)).stiffness
+    rows = AngleRows(column("balls"), column("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
+    stiff = 2e-7 * state_under(rows, column("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
@@ -252,7 +252,7 @@ def printed_balls() -> Iterator[Outside]:
 
     Band of ratings: pitch diameter within 2 % of the middle of bore and outside diameter, ball diameter rounded.
     """
-    source, done = table("snfa-angular"), set[tuple[str, str]]()
+    source, done = read_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:
         if (row["bearing"], row["C33_daN"]) in done:
             continue

@@ -13,7 +13,7 @@ from math import pi, prod, radians, sqrt
 import numpy as np
 
 from rollbench.compare.cases.makers.outside import Band, Outside, of_row
-from rollbench.compare.cases.makers.tables import Table, half_step, table, tables
+from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import oversize_for, touching_angle
@@ -204,7 +204,7 @@ def preloaded_nuts() -> Iterator[Outside]:
 
     At the highest from contacts, at the others from it by the cube root of the preload.
     """
-    source = table("rexroth-preload")
+    source = read_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
@@ -348,7 +348,7 @@ def order(values: list[float], over: list[float]) -> float:
 
 def printed_torques() -> Iterator[Outside]:
     """Yield Rexroth's ranges of drag torque: their middle is a formula, so that none is judged."""
-    source = table("rexroth-preload")
+    source = read_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
         if not row["torque_low_Nm"]:
@@ -389,7 +389,7 @@ def measured() -> Iterator[Outside]:
 
     Those between are one run.
     """
-    source = table("xjtu-torque")
+    source = read_table("xjtu-torque")
     band = measured_band()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():

@@ -285,11 +285,11 @@ def calculix(study: Study) -> Iterator[Outside]:
 
     Errors in per cent of the mean load.
     """
-    from rollbench.compare.studies.crosscheck.results import contact_rows, load, path_of, shipped
+    from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, path_of, shipped
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:
-        data, ours = load(shipped(), name), study.reference(name)
+        data, ours = load_results(shipped(), name), study.reference(name)
         if data is None or ours is None:
             continue
         mean = float(ours.mean)

@@ -199,7 +199,7 @@ def figure(found: Sequence[outside.Outside]) -> Figure:
     return Figure("outside-errors", "Errors against outside values", (panel,), "Each quantity's values in rising order.", 1)
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("outside values")
     found = outside_values(study)

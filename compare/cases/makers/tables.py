@@ -37,7 +37,7 @@ class Table:
 
 
 @cache
-def table(name: str) -> Table:
+def read_table(name: str) -> Table:
     """Return the file ``tables/NAME.csv``, read once."""
     lines = (FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
     remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
@@ -47,7 +47,7 @@ def table(name: str) -> Table:
 
 def tables(prefix: str) -> list[Table]:
     """Return all files whose name begins so, sorted."""
-    return [table(path.stem) for path in sorted(FOLDER.glob(f"{prefix}*.csv"))]
+    return [read_table(path.stem) for path in sorted(FOLDER.glob(f"{prefix}*.csv"))]
 
 
 def half_step(text: str) -> float:

@@ -178,7 +178,7 @@ def layout_table(study: Study) -> Table:
     return Table.of("smith-layouts", "The axis in its layouts, as scenes", rows, LAYOUT_NOTE)
 
 
-def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the sections of the report."""
     step("support bearings and axis")
     found = evidence(study, *PRINTED)

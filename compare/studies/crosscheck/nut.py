@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
-from rollbench.compare.studies.crosscheck.results import read
+from rollbench.compare.studies.crosscheck.results import read_json
 from rollbench.compare.studies.crosscheck.study import run_calculix
 from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
@@ -168,4 +168,4 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
 def load_nut(folder: Path) -> NutCheck | None:
     """Return the stored result; None if there is none, InputError for a damaged file."""
     found = "a result of rollbench crosscheck", "make it again: `run=True`"
-    return read(folder / "nut.json", lambda plain: NutCheck(**plain), *found)
+    return read_json(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

@@ -79,7 +79,7 @@ class CrossRun:
     #: Meshes of the bodies.
     meshes: tuple[BodyMesh, ...]
     #: Contact loads, (n, 4) [N].
-    load: Array
+    load_results: Array
     #: Largest force of a weak spring on a ball [N].
     weak: float
     #: Largest unbalanced force of a ball beyond it [N].
@@ -141,13 +141,15 @@ def save(folder: Path, data: CrossData) -> Path:
     return path
 
 
-def load(folder: Path, scene: str) -> CrossData | None:
+def load_results(folder: Path, scene: str) -> CrossData | None:
     """Return the results of a scene; None if there are none, InputError for a damaged file."""
     found = "results that rollbench crosscheck wrote", "make them again: `run=True`"
-    return read(path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found)
+    return read_json(
+        path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found
+    )
 
 
-def read(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
+def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
     """Return what is made of a stored JSON value; None without a file, InputError for a damaged one."""
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
@@ -187,7 +189,7 @@ class Extrapolation:
     """Loads of a series of runs extrapolated to zero element size and rigid contact."""
 
     #: Extrapolated contact loads, (n, 4) [N].
-    load: Array
+    load_results: Array
     #: Their uncertainty, (n, 4) [N].
     uncertainty: Array
     #: Order p.

@@ -22,7 +22,7 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
-from rollbench.compare.studies.crosscheck.results import BodyMesh, CrossData, CrossRun, extrapolate, load, shipped
+from rollbench.compare.studies.crosscheck.results import BodyMesh, CrossData, CrossRun, extrapolate, load_results, shipped
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.libraries import version
@@ -249,7 +249,7 @@ def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome
 
 def extrapolated() -> tuple[str, dict[str, Array]]:
     """Return the program, and its extrapolated loads (n, 4) [N] of the scenes whose content has not changed."""
-    stored = {name: load(shipped(), name) for name in STUDIES}
+    stored = {name: load_results(shipped(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
     return "CalculiX", {name: extrapolate(d.runs).load for name, d in kept.items()}
 

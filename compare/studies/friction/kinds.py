@@ -104,7 +104,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
         "oversize_um": number(1e6 * pair.oversize),
         "balls": rows,
         "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
-        "load_sum_N": [number(f) for f in r.load],
+        "load_sum_N": [number(f) for f in r.ball_loads],
         **answer.by_contact(m.input_power, m.loss, apart, ball_loss, bound),
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
@@ -454,7 +454,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
     )
     spent = answer.energy(power, loss, bound)
     large = [
-        w.of(name)
+        w.prefixed(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]

@@ -220,7 +220,7 @@ def _answer(
     warnings += answer.static_only([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
-            warnings += [w.of(s.of.name) for w in answer.warnings_of(s.of.parts, friction, state, ())]
+            warnings += [w.prefixed(s.of.name) for w in answer.warnings_of(s.of.parts, friction, state, ())]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
         "converged": good,
@@ -345,7 +345,7 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
         "cases": [{"case": c.name, "share": c.share} | one.data | {"scene": cycle.name} for c, one in each],
         "assumed": every("assumed"),
         "left_out": every("left_out"),
-        "warnings": [w.of(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
+        "warnings": [w.prefixed(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
     }
     tables = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.tables]
     balls = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.ball_tables]

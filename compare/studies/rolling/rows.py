@@ -34,7 +34,7 @@ from rollbench.compare.studies.rolling.runs import (
     RollingRun,
     Variant,
     choices_share,
-    load,
+    load_run,
     variants,
 )
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, run_from_rest, solve_rolling
@@ -193,7 +193,7 @@ def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     return SAFETY * max(abs(v - values[-1]) for v in values[:-1]) + runs[-1].limit_spread[name]
 
 
-def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
+def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
     """Return the rows of a scene.
 
     Parameters
@@ -255,10 +255,10 @@ def within(row: RollingRow) -> bool:
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
     """Return rows of a shipped scene from stored runs of all levels; empty if one is missing."""
     scene = shipped_case(name, KindScene)
-    found = [load(scene, level, stores, bodies) for level in LEVELS]
+    found = [load_run(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
-    beside = None if bodies == HALF_SPACE else load(scene, max(LEVELS), stores)
-    return rows(scene, runs, beside) if len(runs) == len(LEVELS) else []
+    beside = None if bodies == HALF_SPACE else load_run(scene, max(LEVELS), stores)
+    return scene_rows(scene, runs, beside) if len(runs) == len(LEVELS) else []
 
 
 # --- rows of the gate on rolling: low-order balls against the 3D model's
@@ -379,7 +379,7 @@ def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Va
 def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> Iterator[Change]:
     scene = shipped_case(name, KindScene)
     half, finite = (_uncertainty(name, stores, *bodies) for bodies in ((), (FINITE,)))
-    run = load(scene, max(LEVELS), stores)
+    run = load_run(scene, max(LEVELS), stores)
     if run is None or half is None:
         return
     key, case = f"{FORCE} N", case_of(scene, Choices(SHAPE)).touching

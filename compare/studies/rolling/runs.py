@@ -128,7 +128,7 @@ def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE)
     return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{key_of(scene, level, bodies)}.json"
 
 
-def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
+def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
     """Return the stored run of the first store that has it, whatever the name of the scene was when it was made.
 
     Its key contains that name, which is in the file.

@@ -114,18 +114,18 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
     """
     sweep.check()
     places = sweep.places()
-    if not sample.load(folder):
+    if not sample.records_by_sample(folder):
         _try_first(sweep, places)
     for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
         step(f"{path} takes the place of the scene's {other}")
     sample.open_folder(folder, sweep.header())
     with sample.taken_over(folder) as token:
-        have = sample.load(folder)
+        have = sample.records_by_sample(folder)
         left = [n for n in range(len(places)) if n not in have]
         step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
         if left:
             _solve_missing(sweep, folder, engine, step, (token, places, left))
-            have = sample.load(folder)
+            have = sample.records_by_sample(folder)
     return have
 
 

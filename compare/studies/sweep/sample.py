@@ -384,7 +384,7 @@ def unpacked(line: bytes) -> Record | None:
     return found
 
 
-def read(folder: Path) -> Iterator[Record]:
+def stored_records(folder: Path) -> Iterator[Record]:
     """Yield all intact records of a folder, file by file."""
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
@@ -394,9 +394,9 @@ def read(folder: Path) -> Iterator[Record]:
                     yield record
 
 
-def load(folder: Path) -> dict[int, Record]:
+def records_by_sample(folder: Path) -> dict[int, Record]:
     """Return the records by number of the sample, from 0."""
-    return {int(record["sample"]): record for record in read(folder)}
+    return {int(record["sample"]): record for record in stored_records(folder)}
 
 
 CONVERGED = "converged"

@@ -73,7 +73,7 @@ def contact_forces(cell: Cell, at: Places) -> tuple[Array, Array, Array]:
     Contact conditions of Lin's chapter 2: the groove's tangent at gamma is normal to the line of centres.
     """
     g, c, s = cell.groove, np.cos(at.gamma), np.sin(at.gamma)
-    screw = (cell.section @ at.screw + cell.offset)[:, None, :]
+    screw = (cell.screw_motion @ at.screw + cell.offset)[:, None, :]
     line = g.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     line = line + at.ball[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
     normal, tangent = np.stack([SIGN_X * c, SIGN_Z * s], axis=-1), np.stack([-SIGN_X * s, SIGN_Z * c], axis=-1)
@@ -95,7 +95,7 @@ def first_place(cell: Cell) -> Places:
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))
     screw = np.zeros(cell.force.size) if total == 0.0 else 4.0 * size * cell.force / total
-    return Places(0.5 * (cell.section @ screw + cell.offset), cell.angle.copy(), screw)
+    return Places(0.5 * (cell.screw_motion @ screw + cell.offset), cell.angle.copy(), screw)
 
 
 def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
@@ -113,7 +113,7 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
     def residual(x: Array) -> Array:
         force, bent, normal = contact_forces(cell, split(x))
         pull = force[..., None] * normal
-        on_screw = np.einsum("nim,ni->m", cell.section, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
+        on_screw = np.einsum("nim,ni->m", cell.screw_motion, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
         return np.concatenate([((cell.push - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
 
     x = np.concatenate([(at.ball / size).ravel(), at.gamma.ravel(), at.screw / size])

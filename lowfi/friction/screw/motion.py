@@ -53,7 +53,7 @@ class Cell:
     drag: Array
 
     @property
-    def section(self) -> Array:
+    def screw_motion(self) -> Array:
         """Motion of the screw along x3 and z3 per u ``(N, 2, m)``."""
         return self.rows[:, [0, 2]]
 
@@ -63,7 +63,15 @@ def load_arrays(cell: Cell) -> CellArrays:
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
         plain_array,
-        (start, cell.interference, cell.groove.constants.C, cell.section, cell.offset, cell.push, cell.force + cell.drag),
+        (
+            start,
+            cell.interference,
+            cell.groove.constants.C,
+            cell.screw_motion,
+            cell.offset,
+            cell.push,
+            cell.force + cell.drag,
+        ),
     )
     return CellArrays(start, interference, C, section, offset, push, pull, float(cell.groove.reach))
 
@@ -76,7 +84,7 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
         return np.zeros((count, 2)), np.zeros(m)
     approach = float(np.max(cell.groove.constants.C)) * (total / count) ** (2.0 / 3.0)
     u = cell.force / total * 4.0 * (approach + max(0.0, -float(np.min(cell.interference))))
-    return 0.5 * (cell.section @ u), u
+    return 0.5 * (cell.screw_motion @ u), u
 
 
 def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> Settled:
@@ -294,5 +302,5 @@ def hold_screw(cell: Cell, load: Settled) -> Cell:
         rows=np.zeros((cell.angle.shape[0], 3, 0)),
         force=np.zeros(0),
         drag=np.zeros(0),
-        offset=cell.offset + cell.section @ load.inner,
+        offset=cell.offset + cell.screw_motion @ load.inner,
     )

@@ -90,7 +90,7 @@ class PairResult:
         return float(q[0, 0] - q[1, 0])
 
     @property
-    def load(self) -> Array:
+    def ball_loads(self) -> Array:
         """Sum of the contact forces of each ball in touch ``(2,)`` [N]."""
         return np.asarray(self.touching.load.force.sum(axis=1))
 

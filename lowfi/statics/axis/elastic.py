@@ -137,7 +137,7 @@ class ElasticSets(Sets):
 
     def flanks(self) -> Sequence[SetFlanks]:
         """Return the contacts at the state."""
-        return set_flanks(self.system, self.rows()[0], self.shifts())
+        return set_flanks(self.system, self.row_states()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
         """Return the system with longer lever arms, as `Prepared.with_arms`."""
@@ -170,8 +170,8 @@ class ElasticSets(Sets):
             out[:, half] += (G @ forces[:, half].ravel()).reshape(N, 2, 2)
         return np.asarray(out)
 
-    def rows(self) -> tuple[RowState, Array]:
-        """Return motions and reactions, as `Sets.rows`."""
+    def row_states(self) -> tuple[RowState, Array]:
+        """Return motions and reactions, as `Sets.row_states`."""
         system, shaft = self.system, self.shaft
         structure, forces = system.structure, self.forces()
         n, k = structure.nodes.size, shaft.work.size

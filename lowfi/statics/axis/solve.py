@@ -222,7 +222,7 @@ class Sets(Prepared):
         return [b.problem for b in self.system.balls]
 
     @abstractmethod
-    def rows(self) -> tuple[RowState, Array]:
+    def row_states(self) -> tuple[RowState, Array]:
         """Return the motions of all rows with the contacts there, and the forces of what fixes them ``(r, 6)``."""
 
     @abstractmethod
@@ -268,7 +268,7 @@ class RigidSets(Sets):
         self.engine.evaluate_axis(self.given, self.state, out)
         return out
 
-    def rows(self) -> tuple[RowState, Array]:
+    def row_states(self) -> tuple[RowState, Array]:
         """Return motions and reactions; these are the gradient at the fixed freedoms."""
         return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
 
@@ -366,7 +366,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
             break
         uses = all_sides(mounted)
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
-    state, held = prepared.rows()
+    state, held = prepared.row_states()
     proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
     status = status_of(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
     if outcome.status in NO_LOADS:

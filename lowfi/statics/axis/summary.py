@@ -88,7 +88,9 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     balance = _balance(system, state, end, sets)
     housings = tuple(_housing(system, i, sets, state.q, end) for i in range(r - n))
     of_rollers = partial(roller_warnings, z=structure.nodes, motion=state.q[:n])
-    warnings = tuple(w.of(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s)))
+    warnings = tuple(
+        w.prefixed(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s))
+    )
     status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
     if status == "converged":
         status = reversed_row(system, sets, end.scale) or status

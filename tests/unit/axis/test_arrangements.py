@@ -18,7 +18,7 @@ SET = template("support-bearings")
 
 
 def read(text: str) -> Assembly:
-    found = scene_file.read(text, "set.toml")
+    found = scene_file.parse_scene(text, "set.toml")
     assert isinstance(found, Assembly)
     return found
 

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.xdist_group("axis verdicts")
 
 def scene(name):
     """An assembly that only tests have."""
-    return scene_file.read(own_text(name), name)
+    return scene_file.parse_scene(own_text(name), name)
 
 
 MODELS = [  # each a group of its own, for a worker of its own: their kernels are most of what tests of the core compile

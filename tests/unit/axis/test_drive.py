@@ -129,7 +129,7 @@ def test_life_of_all_sets_is_shorter_than_that_of_each():
 def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
     text = catalogue.scene_text("axis-fixed-fixed").replace('[motion]\nspeed = "1200 rpm"\n', "")
     with pytest.raises(InputError) as refused:
-        scene_file.read(f"{text}\n{tables}\n", "mine.toml")
+        scene_file.parse_scene(f"{text}\n{tables}\n", "mine.toml")
     assert key in str(refused.value)
     assert advice in str(refused.value)
 
@@ -137,13 +137,13 @@ def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
 def test_a_mass_needs_a_nut_and_a_lubricant_a_bearing():
     text = catalogue.scene_text("double-nut")
     with pytest.raises(InputError, match="a set that is a bearing"):
-        scene_file.read(f'{text}\n[lubricant]\nviscosity = "27 mm2/s"\n', "mine.toml")
+        scene_file.parse_scene(f'{text}\n[lubricant]\nviscosity = "27 mm2/s"\n', "mine.toml")
     support = catalogue.scene_text("smith-axis")
     with pytest.raises(InputError, match="nuts of one lead"):
-        scene_file.read(f'{support}\n[drive]\nmass = "100 kg"\n', "mine.toml")
+        scene_file.parse_scene(f'{support}\n[drive]\nmass = "100 kg"\n', "mine.toml")
 
 
 def test_what_drives_an_axis_is_written_as_it_is_read():
     axis = replace(driven(mass=200.0, motor_inertia=2e-3, time=0.1), name="mine")
-    assert scene_file.read(axis.to_toml(), "mine.toml").drive == axis.drive
-    assert scene_file.read(axis.to_toml(), "mine.toml").lubricant == OIL
+    assert scene_file.parse_scene(axis.to_toml(), "mine.toml").drive == axis.drive
+    assert scene_file.parse_scene(axis.to_toml(), "mine.toml").lubricant == OIL

@@ -122,10 +122,10 @@ def test_contacts_are_hertz_lines():
 def test_row_under_thrust():
     row = TaperedRow(B)
     u = row.deflection(THRUST)
-    assert row.load(u) == pytest.approx(THRUST, rel=1e-12)
+    assert row.thrust(u) == pytest.approx(THRUST, rel=1e-12)
     h = 1e-5 * u
-    assert row.stiffness(u) == pytest.approx((row.load(u + h) - row.load(u - h)) / (2 * h), rel=1e-7)
-    assert row.load(-1e-6) == row.stiffness(0.0) == row.deflection(0.0) == 0.0
+    assert row.stiffness(u) == pytest.approx((row.thrust(u + h) - row.thrust(u - h)) / (2 * h), rel=1e-7)
+    assert row.thrust(-1e-6) == row.stiffness(0.0) == row.deflection(0.0) == 0.0
     with pytest.raises(ValueError, match="negative"):
         row.deflection(-1.0)
 
@@ -218,7 +218,7 @@ def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
     row = SlicedRow(B, slices)
     assert row.deflection(THRUST) == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-12)
     assert row.stiffness(1e-5) == pytest.approx(TaperedRow(B).stiffness(1e-5), rel=1e-12)
-    assert row.load(1e-5) == pytest.approx(TaperedRow(B).load(1e-5), rel=1e-12)
+    assert row.thrust(1e-5) == pytest.approx(TaperedRow(B).thrust(1e-5), rel=1e-12)
 
 
 def test_a_roller_on_one_apex_is_loaded_evenly():

@@ -40,7 +40,7 @@ def test_ours_have_what_they_name():
     for case in CASES:
         assert bool(case.files("printed")) == bool(case.title)
         assert all(name.startswith(f"{case.name}-") for name in (*case.files("printed"), *case.files("scenes")))
-        assert case.folder.joinpath(case.page).is_dir() or callable(case.load(f"{case.page}:section"))
+        assert case.folder.joinpath(case.page).is_dir() or callable(case.import_object(f"{case.page}:make_section"))
     files = (
         path for pattern in ("compare/scenes/*.toml", "compare/cases/*/scenes/**/*.toml") for path in ROOT.glob(pattern)
     )

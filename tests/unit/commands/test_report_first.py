@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.report import pages as report_first
 from rollbench.compare.report import report
 from rollbench.compare.report.pages import CHECKED, LEVEL, LiveCheck, live_check
@@ -25,7 +25,7 @@ def test_without_gmsh_a_report_is_made_and_says_what_installs_it(monkeypatch, tm
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.001, False)])
 def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor, agrees, tmp_path) -> None:
-    shipped = load(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
+    shipped = load_run(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
 
     def again(task, _):
         assert (task.scenes[0].name, task.level, task.cache) == (CHECKED, LEVEL, None)

@@ -20,7 +20,7 @@ from rollbench.compare.studies.crosscheck.results import (
     contact_rows,
     element_error,
     extrapolate,
-    load,
+    load_results,
     path_of,
     save,
     series,
@@ -176,18 +176,18 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
 
 def test_results_are_kept_with_all_that_identifies_them(tmp_path):
     save(tmp_path, DATA)
-    again = load(tmp_path, "two-balls")
+    again = load_results(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
         np.testing.assert_allclose(one.load, two.load, rtol=1e-6)
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
-    assert load(tmp_path, "other") is None
+    assert load_results(tmp_path, "other") is None
     plain = json.loads(path_of(tmp_path, "two-balls").read_text())
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
         path_of(tmp_path, "two-balls").write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
-            load(tmp_path, "two-balls")
+            load_results(tmp_path, "two-balls")
 
 
 def test_rows_compare_limits_in_per_cent_of_the_mean_load():
@@ -210,7 +210,7 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_stored_results_are_those_of_the_shipped_scenes(name):
-    data = load(shipped(), name)
+    data = load_results(shipped(), name)
     assert data.key == scene_key(name)
     assert [label(o) for o in STUDIES[name]] == [label(r) for r in data.runs]
     for run in data.runs:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.publish import HEADS, Outcome, changes, of_verdict, table
+from rollbench.compare.gate.publish import HEADS, Outcome, changes, of_verdict, verdicts_csv
 from rollbench.compare.gate.verdict import Verdict
 
 NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
@@ -20,7 +20,7 @@ def row(word: str, error: float, quantity: str = "largest error", *, scene: str 
 
 def test_what_changed_is_said(tmp_path) -> None:
     before = [row("pass", -5.1), row("pass", 1.234, scene="same"), row("pass", 0.2, "contact angle")]
-    (tmp_path / "old.csv").write_text(table([*before, row("pass", 2, "life")]), encoding="utf-8")
+    (tmp_path / "old.csv").write_text(verdicts_csv([*before, row("pass", 2, "life")]), encoding="utf-8")
     after = [row("undecided", 6.8), row("pass", 1.2341, scene="same"), row("fail", 1.3, "contact angle")]
     found = [c.line() for c in changes(tmp_path / "old.csv", [*after, row("pass", 3, "torque")])]
     assert found == [
@@ -46,7 +46,7 @@ def test_another_file_is_refused(tmp_path, text: str) -> None:
 @pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
 def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str) -> None:
     one = Verdict("mine", "a.csv", "largest error", "pass", -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
-    (tmp_path / "a.csv").write_text(table([of_verdict(one)]), encoding="utf-8")
+    (tmp_path / "a.csv").write_text(verdicts_csv([of_verdict(one)]), encoding="utf-8")
     (tmp_path / "a.json").write_text(json.dumps({"verdicts": [one.as_json()]}), encoding="utf-8")
     for form in ("csv", "json"):
         assert changes(tmp_path / f"a.{form}", [of_verdict(one)]) == []

@@ -10,7 +10,7 @@ from tests.load_cases import TEXT as WITH_STORED
 import rollbench
 from rollbench.compare.gate import user
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.store import load, save
+from rollbench.compare.reference.store import load_run, save
 from rollbench.compare.reference.tasks import groups, plain, settings_of
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.rating.life import life, over_cases
@@ -22,8 +22,8 @@ TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize 
 def keep(store, text: str, **off: float) -> dict[str, np.ndarray]:
     """Store runs as if the 3D reference had found the loads of the model lin, but for a factor on those of some cases."""
     store.mkdir()
-    shipped, out = load(SHIPPED, 1), {}
-    for case in scene_file.read(text, "two.toml").cases:
+    shipped, out = load_run(SHIPPED, 1), {}
+    for case in scene_file.parse_scene(text, "two.toml").cases:
         settings = plain(asdict(settings_of([case.scene], 1, "")))
         found = run_model(case.scene, "lin", Options(discretisation=False)).load * off.get(case.name, 1.0)
         save(store, case.scene, replace(shipped, scene=case.scene.name, load=found, settings=settings))
@@ -40,7 +40,7 @@ def verdicts(found: dict) -> dict[str, str]:
 
 
 def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path) -> None:
-    cases = [case.scene for case in scene_file.read(TEXT, "two.toml").cases]
+    cases = [case.scene for case in scene_file.parse_scene(TEXT, "two.toml").cases]
     assert [[scene.name for scene in group] for group in groups(cases)] == [["two-rest", "two-push", "two-loose"]]
     keep(tmp_path / "store", TEXT, push=0.7)
     code, found = checked(command, tmp_path / "store", written(tmp_path, TEXT), "--junit", tmp_path / "out.xml")

@@ -46,7 +46,7 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
     alone = command.answer("solve", written(tmp_path, PARTS, "alone.toml"), "--model", "lin")
     assert found["cases"][1]["balls"] == alone["balls"]
     assert found["cases"][2]["balls"] != alone["balls"], "an oversize is that of every set"
-    whole, parts = found["summary"], scene_file.read(PARTS, "dn.toml").sets
+    whole, parts = found["summary"], scene_file.parse_scene(PARTS, "dn.toml").sets
     each = [np.array([list(b["load_N"].values()) for b in one["balls"]]) for one in found["cases"]]
     for k, of_set in enumerate(whole["sets"]):
         loads = [load[8 * k : 8 * k + 8] for load in each]
@@ -63,11 +63,11 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
 
 def test_loads_on_housings_are_those_of_the_case_and_cases_share_their_bodies_but_for_loads_elsewhere() -> None:
     text = scene_text("axis-fixed-fixed") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.housings]]\nname = "carriage"\n'
-    cycle = scene_file.read(text + 'force = ["0 N", "0 N", "500 N"]\n', "a.toml")
+    cycle = scene_file.parse_scene(text + 'force = ["0 N", "0 N", "500 N"]\n', "a.toml")
     forces = [scene.housings[0].force[2] for scene in (cycle.parts, cycle.cases[0].scene)]
     assert forces == [3000.0, 500.0]
     text = PARTS + CASES + '[[cases.loads]]\nat = "100 mm"\nforce = ["0 N", "0 N", "9 N"]\n'
-    cases = [one.scene for one in scene_file.read(text, "dn.toml").cases]
+    cases = [one.scene for one in scene_file.parse_scene(text, "dn.toml").cases]
     assert [[scene.name for scene in group] for group in groups(cases)] == [["dn-rapid", "dn-cutting"], ["dn-warm"]]
 
 

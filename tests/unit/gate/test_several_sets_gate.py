@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models import comparison as references
-from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.reference.tasks import balls_of
 from rollbench.compare.scenes import catalogue
 
@@ -28,7 +28,7 @@ def test_comparison_of_a_double_nut_names_its_sets(command, tmp_path):
 
 def test_references_of_sets_are_parts_of_one_run():
     scene = catalogue.any_scene("double-nut")
-    run = load(scene, 1, stores=(shipped_store(),))
+    run = load_run(scene, 1, stores=(shipped_store(),))
     sets = references.referenced(scene, (shipped_store(),), (1,))
     assert max(run.balance, run.screw_balance) < 1e-9
     assert [one.of.name for one in sets] == NUTS

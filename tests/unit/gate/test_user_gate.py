@@ -10,7 +10,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.gate import user
-from rollbench.compare.gate.publish import HEADS, Outcome, junit, markdown, publish, table
+from rollbench.compare.gate.publish import HEADS, Outcome, junit, markdown, publish, verdicts_csv
 from rollbench.compare.gate.user import Asked, asked, check_scenes, limits_of
 from rollbench.compare.models import loads_file
 from rollbench.compare.models.registry import Options, run_model
@@ -159,7 +159,7 @@ def test_markdown_and_csv(tmp_path) -> None:
     assert "<b>" not in text
     widths = {len(re.findall(r"(?<!\\)\|", line)) for line in lines[2:]}
     assert widths == {len(HEADS) + 1}
-    rows = list(csv.reader(table(ROWS).splitlines()))
+    rows = list(csv.reader(verdicts_csv(ROWS).splitlines()))
     assert (rows[0], rows[2][-1]) == (list(HEADS), "'=1+1 <b>")
     summary, other = tmp_path / "summary.md", tmp_path / "b.csv"
     summary.write_text("before\n", encoding="utf-8")

@@ -12,7 +12,7 @@ from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import u_val
-from rollbench.compare.studies.crosscheck.results import extrapolate, load, shipped
+from rollbench.compare.studies.crosscheck.results import extrapolate, load_results, shipped
 from rollbench.compare.studies.mesh_study import study_table
 from rollbench.compare.studies.survey import SEED, scene_text
 
@@ -99,12 +99,12 @@ def test_a_single_level_s_bar_is_what_experience_says() -> None:
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
-    kept, found = grid_parts.read(store.shipped_store()), u_val.experience(STUDY)
+    kept, found = grid_parts.read_experience(store.shipped_store()), u_val.experience(STUDY)
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )
     assert found.scenes == kept.scenes
-    choices = uncertainty.read(store.shipped_store())
+    choices = uncertainty.read_choices(store.shipped_store())
     for name in modelling.VARIED:
         total = modelling.combined(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
@@ -113,7 +113,7 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
 
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
-    ours, theirs = STUDY.reference("two-balls"), load(shipped(), "two-balls")
+    ours, theirs = STUDY.reference("two-balls"), load_results(shipped(), "two-balls")
     limit = 100.0 * (extrapolate(theirs.runs).load.sum() / ours.load.sum() - 1.0)
     low, high = uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
@@ -124,7 +124,7 @@ def test_what_all_contacts_share_is_seen_by_another_program() -> None:
 
 def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     """dF / F over a / r of all eight contacts of two-balls, on the mesh that CalculiX solved both ways."""
-    data, ours, scene = load(shipped(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
+    data, ours, scene = load_results(shipped(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
     large = next(r for r in data.runs if r.nlgeom)
     small = next(r for r in data.runs if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
     worst = answers.load_answers(scene, small.load, np.radians(ours.best.angle)).worst

@@ -86,7 +86,7 @@ def test_compared_scenes_are_inside() -> None:
 
 def test_kept_places_are_those_of_the_scenes() -> None:
     for ring in (False, True):
-        found = [{d.name: pytest.approx(d.of(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared(ring=ring)]
+        found = [{d.name: pytest.approx(d.value(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared(ring=ring)]
         assert list(shipped_places(ring=ring)) == found
 
 

@@ -14,7 +14,7 @@ from rollbench.compare.models.uncertainty import (
     Total,
     input_parts,
     input_uncertainty,
-    read,
+    read_choices,
     save,
     second_order,
     spoken_for,
@@ -54,7 +54,7 @@ def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -
     soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
     assert spoken_for(soft, KNOWN) is None
     save(tmp_path, KNOWN)
-    assert read(tmp_path) == KNOWN
+    assert read_choices(tmp_path) == KNOWN
 
 
 def test_the_total_of_a_preloaded_scene() -> None:

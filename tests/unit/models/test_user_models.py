@@ -49,7 +49,7 @@ ZEROS = "import numpy as np\n\n\ndef model(scene):\n    return np.zeros((scene.b
 
 def forget():
     user_models.installed.cache_clear()
-    user_models.load.cache_clear()
+    user_models.load_model.cache_clear()
 
 
 @pytest.fixture

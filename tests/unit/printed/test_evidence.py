@@ -3,21 +3,21 @@
 import pytest
 
 from rollbench.compare import evidence
-from rollbench.compare.evidence import Evidence, Sheet
+from rollbench.compare.evidence import Evidence, Findings
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, load_table
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
-    sheet = Sheet("lin-3.3")
-    sheet.claim("sign_region", True, "why")
-    sheet.number("mu", 0.1)
-    found = sheet.evidence()
+    findings = Findings("lin-3.3")
+    findings.claim("sign_region", True, "why")
+    findings.number("mu", 0.1)
+    found = findings.evidence()
     assert [e.printed for e in found] == list(load_table("lin-3.3"))
     filed = {e.printed.key: e.verdict for e in found if e.agrees is not None}
     assert filed == {"mu": "input", "sign_region": "reproduced"}
     with pytest.raises(KeyError, match=r"lin-3\.3: no printed entry 'my'"):
-        Sheet("lin-3.3").number("my", 1.0)
+        Findings("lin-3.3").number("my", 1.0)
     with pytest.raises(KeyError, match="no printed entry"):
         entry("lin-3.3", "my")
 

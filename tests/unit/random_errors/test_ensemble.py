@@ -28,7 +28,7 @@ def test_every_member_as_solved_alone(law):
         for load in LOADS:
             s = solve_chain(chain, errors, load)
             alone = (s.load.min(), s.load.max(), s.loaded, s.displacement, s.displacement_first_loaded, s.stiffness)
-            together = [found.of(name, load)[i] for name in QUANTITIES]
+            together = [found.values_at(name, load)[i] for name in QUANTITIES]
             assert together == pytest.approx(alone, rel=1e-10, abs=1e-14)
     assert found.failed == 0 <= found.residual < 1e-10
 
@@ -54,7 +54,7 @@ def test_moments_to_first_order():
     deviation = share * 1.5 / approach * half / np.sqrt(3.0) * np.sqrt(77 / 78)
     assert loads.std() == pytest.approx(deviation, rel=0.02)
     found = solve_ensemble(chain, half, [load], 500, seed=5)
-    touch = found.of("displacement", load) - errors.max(axis=1) / chain.slope
+    touch = found.values_at("displacement", load) - errors.max(axis=1) / chain.slope
     # motion: that without errors less the mean error
     assert touch == pytest.approx(state.motion[0] - errors.mean(axis=1) / chain.slope, rel=1e-5)
 
@@ -80,4 +80,4 @@ def test_bad_input_is_refused():
         with pytest.raises(ValueError, match="positive"):
             solve_ensemble(CHAIN, 1e-6, LOADS, **kwargs)
     with pytest.raises(KeyError, match="no load"):
-        solve_ensemble(CHAIN, 1e-6, LOADS, 2).of("largest", 7.0)
+        solve_ensemble(CHAIN, 1e-6, LOADS, 2).values_at("largest", 7.0)

@@ -28,7 +28,7 @@ SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "u
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
     scene = catalogue.scene(name)
-    run = store.load(scene, level, stores=(store.shipped_store(),))
+    run = store.load_run(scene, level, stores=(store.shipped_store(),))
     found = expected(Task((scene,), level))
     assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
     assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6

@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.grid_parts import COVER, Experience, both_flanks, measured, moving, parts, read, save
+from rollbench.compare.reference.grid_parts import (
+    COVER,
+    Experience,
+    both_flanks,
+    measured,
+    moving,
+    parts,
+    read_experience,
+    save,
+)
 from rollbench.compare.reference.levels import LEVELS
 
 KNOWN = Experience(0.02, 0.015, (0.11, 0.23), ("a", "b"))
@@ -97,6 +106,6 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     assert known.single[1] == pytest.approx(found.single[1], rel=0.05)
     assert found.scenes == tuple(scenes)
     save(tmp_path, found)
-    assert read(tmp_path) == found
+    assert read_experience(tmp_path) == found
     with pytest.raises(ValueError, match="experience"):
         measured({"one": scenes["one"]}, 0.02)

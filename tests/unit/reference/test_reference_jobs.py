@@ -16,7 +16,7 @@ from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.models.uncertainty import total
 from rollbench.compare.reference import jobs
 from rollbench.compare.reference.estimate import reference_of
-from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save, shipped_store
+from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.results.compared import levels_text
 from rollbench.compare.results.comparison import unconverged
@@ -52,7 +52,7 @@ def test_the_coarsest_level_comes_first_and_is_told() -> None:
 
 @pytest.mark.parametrize("command", ["compare", "mesh-study"])
 def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
-    known = {k: load(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
+    known = {k: load_run(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([known[task.level]], None))
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     engine = jobs.Engine()
@@ -110,7 +110,7 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([replace(first, status=status, moving=0.5)], None))
     assert jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append) == []
     assert any(status in line and "not stored" not in line for line in said)
-    kept = load(scene, 1, stores=(tmp_path,))
+    kept = load_run(scene, 1, stores=(tmp_path,))
     assert (kept.status, kept.moving) == (status, 0.5)
     alone = reference_of("lin-case1", catalogue.scene("lin-case1"), (kept,))
     assert alone.unsettled == f"level 1 {status}"
@@ -134,9 +134,9 @@ def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.Monke
     fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
-    assert load(scene, 1, stores=(tmp_path,)).load.max() == 1.0
+    assert load_run(scene, 1, stores=(tmp_path,)).load.max() == 1.0
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None, fresh=True)
-    assert load(scene, 1, stores=(tmp_path,)).load.max() == 2.0
+    assert load_run(scene, 1, stores=(tmp_path,)).load.max() == 2.0
 
 
 def test_levels_of_the_command_line() -> None:

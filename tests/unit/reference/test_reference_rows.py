@@ -88,7 +88,9 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene, found = CASE1, _found("lin-case1")
-    of_lin = comparison.rows(scene, comparison.from_result(comparison.solved(MODELS["lin"], scene, found, None)[0]), found)
+    of_lin = comparison.comparison_rows(
+        scene, comparison.from_result(comparison.solved(MODELS["lin"], scene, found, None)[0]), found
+    )
     assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
     for quantity, most in (("load", 10.0), ("contact angle", 0.3)):
         bars = [r.reference_error for r in of_lin if r.quantity == quantity]
@@ -104,7 +106,7 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     ratio = next(r for r in of_lin if r.quantity.startswith("largest over smallest"))
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
     finest = next(a for a in comparison.reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
-    assert all(r.error_percent == 0.0 for r in comparison.rows(scene, finest, found) if r.quantity == "load")
+    assert all(r.error_percent == 0.0 for r in comparison.comparison_rows(scene, finest, found) if r.quantity == "load")
 
 
 def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
@@ -170,7 +172,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     finer = coarse.copy()
     finer[0, 0] += 8.0
     store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one, known = reference(scene, (tmp_path,)), grid_parts.read(store.shipped_store())
+    one, known = reference(scene, (tmp_path,)), grid_parts.read_experience(store.shipped_store())
     assert one.parts.by_experience
     assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + grid_parts.left_out(scene, coarse, 1)[0, 0])  # of 100 N
     assert one.uncertainty[0, 1] == 0.0

@@ -7,7 +7,7 @@ import pytest
 from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.reference import jobs, levels, store
-from rollbench.compare.reference.store import bodies_path, key_of, load, path_in, save
+from rollbench.compare.reference.store import bodies_path, key_of, load_run, path_in, save
 from rollbench.compare.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes import condensed, solid
@@ -20,33 +20,33 @@ def test_round_trip_and_damage(tmp_path) -> None:
     run = run_of("lin-case1", 2, loads)
     file = save(tmp_path, CASE1, run)
     assert file == path_in(tmp_path, CASE1, run)
-    back = load(CASE1, 2, stores=(tmp_path,))
+    back = load_run(CASE1, 2, stores=(tmp_path,))
     assert np.array_equal(back.load, loads)
     assert np.array_equal(back.without["elastic nut"], loads)
     assert np.isnan(back.angle).all()
     assert (back.setup_seconds, back.sides, back.assumed, back.settings) == (3.0, (0, 3), ("nothing",), run.settings)
-    assert load(CASE1, 1, stores=(tmp_path,)) is None
+    assert load_run(CASE1, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
     modes = levels.LEVELS[2]["modes"]
     other = whole.replace(f'"modes":{modes}', f'"modes":{modes + 1}')
     assert other != whole
     for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
         file.write_text(damaged)
-        assert load(CASE1, 2, stores=(tmp_path,)) is None
+        assert load_run(CASE1, 2, stores=(tmp_path,)) is None
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
 
 
 def test_a_run_is_found_by_content_under_any_name(tmp_path) -> None:
     copy, heavier = replace(CASE1, name="my [copy]", title="x"), replace(CASE1, loads=())
     save(tmp_path, CASE1, run_of("lin-case1", 2, np.ones((32, 4))))
-    found = load(copy, 2, stores=(tmp_path,))
+    found = load_run(copy, 2, stores=(tmp_path,))
     assert (found.scene, found.load.sum()) == ("lin-case1", 128.0)
-    assert load(copy, 1, stores=(tmp_path,)) is None
-    assert load(replace(heavier, name="lin-case1"), 2, stores=(tmp_path,)) is None
+    assert load_run(copy, 1, stores=(tmp_path,)) is None
+    assert load_run(replace(heavier, name="lin-case1"), 2, stores=(tmp_path,)) is None
     (tmp_path / "lin-case1-level2-0123456789abcdef.json").write_text("{}")
     save(tmp_path, copy, replace(run_of("lin-case1", 2, 2.0 * np.ones((32, 4))), scene="my [copy]"))
-    assert load(copy, 2, stores=(tmp_path,)).load.sum() == 256.0, "of equal ones that under the scene's own name"
-    assert load(CASE1, 2, stores=(tmp_path,)).load.sum() == 128.0
+    assert load_run(copy, 2, stores=(tmp_path,)).load.sum() == 256.0, "of equal ones that under the scene's own name"
+    assert load_run(CASE1, 2, stores=(tmp_path,)).load.sum() == 128.0
 
 
 def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -85,7 +85,7 @@ def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path) -> Non
     assert wide.settings["reach"] > run_of("lin-case1", 1, loads).settings["reach"]
     narrow = run_of("unseen-short-nut", 1, np.ones((24, 4)))
     save(tmp_path, CASE1, wide)
-    assert load(CASE1, 1, stores=(tmp_path,)) is not None
+    assert load_run(CASE1, 1, stores=(tmp_path,)) is not None
     for name, factor in (("semi", 1.5), ("reach", 0.5)):  # too coarse cells, too small patches
         other = wide.settings | {name: tuple(factor * x for x in wide.settings[name])}
         assert not serves(CASE1, 1, "", other, wide.sides)

@@ -42,7 +42,7 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
         assert cells(table, name, (largest, "% of mean")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name
     for table, name in pages[:2]:
         assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]
-    compared = {r.quantity: r for r in comparison.rows(STUDY.scene(NAME), comparison.from_result(lin), found)}
+    compared = {r.quantity: r for r in comparison.comparison_rows(STUDY.scene(NAME), comparison.from_result(lin), found)}
     of_mean = compared[f"largest error, of the mean load (ball {e.ball} {e.side})"]
     of_load = compared["largest error, of the own load"]
     assert (of_mean.value, of_load.value) == (pytest.approx(e.max_percent), pytest.approx(e.own_max_percent))

@@ -71,7 +71,7 @@ def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key
     new = measured_here(run)
     path = store.save(tmp_path, scene, new)
     assert path.name == store.path_in(shipped_store(), scene, run).name
-    assert store.read(path, scene, run.level, "").measured == here()
+    assert store.read_run(path, scene, run.level, "").measured == here()
 
 
 def test_the_report_refuses_a_mixture():

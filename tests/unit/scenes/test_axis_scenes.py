@@ -32,14 +32,14 @@ def test_shipped_axes_are_named_apart_from_whole_screws():
 
 @pytest.mark.parametrize("kind", [*AXES, *BEARINGS])
 def test_templates_are_read_as_they_stand(kind):
-    found = scene_file.read(template(kind.replace(" ", "-")), "mine.toml")
+    found = scene_file.parse_scene(template(kind.replace(" ", "-")), "mine.toml")
     assert isinstance(found, Assembly)
     assert found.title == f"My {kind}"
     assert not found.source
 
 
 def test_units_positions_and_heat_are_read():
-    found = scene_file.read(ROLLERS, "rollers.toml")
+    found = scene_file.parse_scene(ROLLERS, "rollers.toml")
     (taper,) = found.sets
     assert (type(found), type(taper.parts), taper.kind) == (Assembly, RollerRow, "tapered roller bearing")
     assert taper.position == pytest.approx(2.0 * 0.0254)
@@ -57,7 +57,7 @@ def test_one_set_that_stands_is_a_plain_scene():
     tables += [(f"[[{k}]]", row) for k in ("supports", "loads") for row in raw[k]]
     tables += [("[[sets]]", {"name": "nut"} | one)]
     lines = [line for head, table in tables for line in (head, *(f"{k} = {show(v)}" for k, v in table.items()))]
-    assert scene_file.read("\n".join(lines), "lin-nominal-4p1.toml") == plain
+    assert scene_file.parse_scene("\n".join(lines), "lin-nominal-4p1.toml") == plain
 
 
 def test_circuits_with_gaps_fill_their_arcs_evenly():
@@ -79,7 +79,7 @@ def test_sets_take_what_catalogues_print():
     ):
         assert shipped in text
         text = text.replace(shipped, printed)
-    assert scene_file.read(text, "double-nut.toml") == catalogue.shipped("double-nut")
+    assert scene_file.parse_scene(text, "double-nut.toml") == catalogue.shipped("double-nut")
 
 
 def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypatch):

@@ -167,7 +167,7 @@ def test_new_like_from_the_command_line(tmp_path, command) -> None:
 
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
 def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
-    found = scene_file.read(double_nut_like(size), "d.toml")
+    found = scene_file.parse_scene(double_nut_like(size), "d.toml")
     assert isinstance(found, axis.Assembly)
     assert [s.thrust for s in found.sets] == ["-z", "+z"]
     for one in found.sets:
@@ -191,7 +191,7 @@ def test_rollers_have_no_computed_rating_to_preload_by() -> None:
     changed = text.replace("[[sets]]", '[[sets]]\npreload = "5 % of C"\nthrust = "+z"', 1)
     changed = re.sub(r'(thrust = "\+z"\n(?:(?!\[\[sets).)*?\n)thrust = .*?\n', r"\1", changed, count=1, flags=re.DOTALL)
     with pytest.raises(SceneError, match=r"sets\[0\]\.preload: got .5 % of C.; allowed: a force"):
-        scene_file.read(changed, "rollers.toml")
+        scene_file.parse_scene(changed, "rollers.toml")
 
 
 def test_lands_that_nobody_wrote_are_not_blamed() -> None:

@@ -19,7 +19,7 @@ U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
 
 
 def solved(name, *changes):
-    return solve_kind(scene_file.read(changed(name, *changes), "my.toml"))
+    return solve_kind(scene_file.parse_scene(changed(name, *changes), "my.toml"))
 
 
 def test_every_shipped_scene_converges_and_balances_power():
@@ -67,7 +67,7 @@ def test_units_signs_and_either_way_to_give_the_groove():
     base = catalogue.any_scene("lin-rotary-2")
     units = (('"10 rps"', '"600 rpm"'), ('"5.2 um"', '"0.0052 mm"'), ('"100 N"', '"0.1 kN"'))
     text = changed("lin-rotary-2", ("conformity = 0.54", 'groove_radius = "6.75 mm"'), *units)
-    again = scene_file.read(text, "lin-rotary-2.toml")
+    again = scene_file.parse_scene(text, "lin-rotary-2.toml")
     one, other = ((x.bearing.screw_speed, x.bearing.groove_radius, x.force, x.displacement) for x in (base, again))
     assert other == pytest.approx(one, rel=1e-15)
     forward, back = solve_kind(base).data["torque"], solved("lin-rotary-2", ('"10 rps"', '"-10 rps"')).data["torque"]
@@ -82,7 +82,7 @@ def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contact
     assert not plain["warnings"]
     assert "Hertz" in solved("lin-rotary-3", ('"100 N"', '"100 kN"')).data["warnings"][0]
     text = changed("lin-rotary-3", ("[load]", '[errors.balls]\noversize = "1 um"\n\n[load]'))
-    tight = scene_file.read(text, "lin-rotary-3.toml")
+    tight = scene_file.parse_scene(text, "lin-rotary-3.toml")
     assert (base.bearing.clearance, tight.bearing.clearance) == (0.0, -1e-6)
     assert solve_kind(tight).data["load_sum_N"] > 1.05 * plain["load_sum_N"]
 

@@ -25,7 +25,7 @@ FEW = (
 
 
 def loaded(name, *changes):
-    return scene_file.read(changed(name, *changes), f"{name}.toml")
+    return scene_file.parse_scene(changed(name, *changes), f"{name}.toml")
 
 
 def close(ours, theirs):

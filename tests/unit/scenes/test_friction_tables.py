@@ -31,8 +31,8 @@ def test_coefficients_of_both_grooves_stand_for_the_shared_one():
     double = catalogue.scene_text("double-nut")
     assert "coefficient = 0.05\n" in double
     with pytest.raises(SceneError, match=r"friction.coefficient: got nothing"):
-        scene_file.read(double.replace("coefficient = 0.05\n", "nut = 0.05\n"), "double.toml")
-    both = scene_file.read(double.replace("coefficient = 0.05\n", "screw = 0.04\nnut = 0.05\n"), "double.toml")
+        scene_file.parse_scene(double.replace("coefficient = 0.05\n", "nut = 0.05\n"), "double.toml")
+    both = scene_file.parse_scene(double.replace("coefficient = 0.05\n", "screw = 0.04\nnut = 0.05\n"), "double.toml")
     assert (both.friction.screw, both.friction.nut) == (0.04, 0.05)
 
 

@@ -18,7 +18,7 @@ def bare(scene):
 
 
 def test_cases_are_the_scene_with_what_differs():
-    cycle = scene_file.read(TEXT, "two.toml")
+    cycle = scene_file.parse_scene(TEXT, "two.toml")
     first, second, third = (one.scene for one in cycle.cases)
     assert (cycle.name, cycle.shares) == ("two", (0.75, 0.25, 0.0))
     assert [one.name for one in (first, second, third)] == ["two-balls", "two-push", "two-loose"]
@@ -30,7 +30,7 @@ def test_cases_are_the_scene_with_what_differs():
 
 
 def test_shares_follow_from_times_and_speeds():
-    cycle = scene_file.read(LIKE + TIMED, "my.toml")
+    cycle = scene_file.parse_scene(LIKE + TIMED, "my.toml")
     cutting, rapid, crash = cycle.cases
     assert cycle.shares == pytest.approx((6000 / 16000, 10000 / 16000, 0.0))
     assert cycle.speed == pytest.approx(2 * 3.141592653589793 * 16000 / 60 / 40), "turns over time"
@@ -42,13 +42,13 @@ def test_shares_follow_from_times_and_speeds():
 def test_the_commented_cases_of_a_new_scene_are_read():
     start = LIKE.index("# [[cases]]")
     shown = LIKE[:start] + "\n".join(x.removeprefix("# ") for x in LIKE[start : LIKE.index("# [friction]")].splitlines())
-    assert [one.name for one in scene_file.read(shown, "my.toml").cases] == ["cutting", "rapid"]
-    assert not hasattr(scene_file.read(LIKE, "my.toml"), "cases"), "comments only"
+    assert [one.name for one in scene_file.parse_scene(shown, "my.toml").cases] == ["cutting", "rapid"]
+    assert not hasattr(scene_file.parse_scene(LIKE, "my.toml"), "cases"), "comments only"
 
 
 def test_a_case_holds_no_further_freedom_and_commands_of_one_load_case_refuse_several():
     text = catalogue.scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
     with pytest.raises(SceneError, match=r"cases\[0\].supports\[0\].displace.uz.*allowed: ux, uy, rx, ry, rz"):
-        scene_file.read(text + 'displace = { uz = "1 um" }\n', "a.toml")
+        scene_file.parse_scene(text + 'displace = { uz = "1 um" }\n', "a.toml")
     with pytest.raises(InputError, match=r"cases: got 3 cases; allowed: a scene without \[\[cases\]\]"):
         scene_file.loads(TEXT, "two.toml")

@@ -90,7 +90,7 @@ def test_load_cases_come_back_with_speeds_and_shares(tmp_path):
     for a, b in zip(one.cases, two.cases, strict=True):
         assert b.speed == pytest.approx(a.speed)
         assert_same(a.scene.loads, b.scene.loads)
-    spectrum = rexs_model.read(file).cases
+    spectrum = rexs_model.read_model(file).cases
     assert len(spectrum) == 2
     assert [x[1]["operating_time_fraction"] for x in spectrum] == [20.0, 80.0]
 
@@ -110,7 +110,7 @@ def test_rollers_come_back_with_the_depth_that_is_asked_for(tmp_path):
 def test_results_are_those_of_the_solution(tmp_path):
     file = tmp_path / "out.rexs"
     run_rexs(str(ON_A_SHAFT), file, "lin")
-    model, solved = rexs_model.read(file), rollbench.solve(ON_A_SHAFT, model="lin")
+    model, solved = rexs_model.read_model(file), rollbench.solve(ON_A_SHAFT, model="lin")
     case = model.cases[0]
     bearings = {c.name: c.id for c in model.components.values() if c.type == "rolling_bearing_with_detailed_geometry"}
     total = np.zeros(3)
@@ -134,7 +134,7 @@ def test_results_are_those_of_the_solution(tmp_path):
 def test_a_nut_goes_out_as_its_load(tmp_path):
     file = tmp_path / "axis.rexs"
     run_rexs("axis-fixed-fixed", file, "lin")
-    model = rexs_model.read(file)
+    model = rexs_model.read_model(file)
     loads = [c for c in model.components.values() if c.type == "external_load"]
     assert [x.name for x in loads] == ["nut"]
     solved = rollbench.solve("axis-fixed-fixed", model="lin").sets["nut"]
@@ -143,7 +143,7 @@ def test_a_nut_goes_out_as_its_load(tmp_path):
 
 def test_two_rows_of_one_bearing_stand_apart(tmp_path):
     file = edited(tmp_path)
-    model = rexs_model.read(file)
+    model = rexs_model.read_model(file)
     left, right = (c for c in model.components.values() if c.name in ("left", "right") and "bearing_type" in c.attributes)
     rows = [r for r in model.relations if r.type == "ordered_assembly" and r.roles["assembly"] == right.id]
     model.relations = [r for r in model.relations if r not in rows and r.roles.get("assembly") != right.id]

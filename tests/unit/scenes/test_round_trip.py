@@ -23,7 +23,7 @@ ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*AxisKeys.model
 @pytest.mark.parametrize("name", catalogue.scene_names())
 def test_every_shipped_scene_goes_round(name):
     scene = catalogue.shipped(name)
-    again = scene_file.read(scene.to_toml(), f"{name}.toml")
+    again = scene_file.parse_scene(scene.to_toml(), f"{name}.toml")
     assert canonical(again) == canonical(scene)  # keys of stored runs
     assert isinstance(scene, KindScene) or again == scene  # those of a kind have arrays
     assert again.to_toml() == scene.to_toml()
@@ -33,7 +33,7 @@ def test_every_shipped_scene_goes_round(name):
 def test_a_new_scene_goes_round_and_reads_well(kind):
     scene = rollbench.new("40x10", kind=kind)
     text = scene.to_toml()
-    assert scene_file.read(text, "40x10") == scene
+    assert scene_file.parse_scene(text, "40x10") == scene
     assert {'lead = "10 mm"', "count = 54", "circuits = 2", "conformity = 0.525"} <= set(re.split(r"\n|, | \}", text))
     assert re.findall(r"(?m)^\[+(\w+)", text) == sorted(re.findall(r"(?m)^\[+(\w+)", text), key=ORDER[kind].index)
     assert "assumed" in text
@@ -45,10 +45,10 @@ def test_drawn_screws_and_axes_go_round(drawn):
     found = 0
     for number in range(40):
         try:
-            scene = scene_file.read(drawn(58, number), "drawn.toml")
+            scene = scene_file.parse_scene(drawn(58, number), "drawn.toml")
         except InputError:
             continue
-        again = scene_file.read(scene.to_toml(), "drawn.toml")
+        again = scene_file.parse_scene(scene.to_toml(), "drawn.toml")
         assert again == scene, number
         assert canonical(again) == canonical(scene)
         found += 1
@@ -61,8 +61,8 @@ def test_load_cases_go_round():
     for k, (key, value, speed) in enumerate(cases):
         text += f'\n[[cases]]\nname = "c{k}"\n{key} = {value}\nspeed = {speed}\noversize = "{k + 1} um"\n'
         text += 'loads = [{ at = "0 mm", force = ["0 N", "0 N", "2 kN"] }]\n'
-    cycle = scene_file.read(text, "cycle.toml")
-    assert scene_file.read(cycle.to_toml(), "cycle.toml") == cycle
+    cycle = scene_file.parse_scene(text, "cycle.toml")
+    assert scene_file.parse_scene(cycle.to_toml(), "cycle.toml") == cycle
 
 
 def test_round_trip_of_every_key():
@@ -71,7 +71,7 @@ def test_round_trip_of_every_key():
     full = full.replace('azimuth = "0 deg"', 'azimuth = "30 deg"').replace('"0 N m", "0 N m"]', '"1 N m", "2 N mm"]')
     full = full.replace('sin = "5 um"', 'sin = "5 um", cos = "1 um", sigma = "2 um"').replace('["0.1 um', '["0.2 um')
     full = full.replace('hertz = "nominal"', 'hertz = "as printed"').replace('section = "groove"', 'section = "full"')
-    cycle = scene_file.read(full, "full.toml")
+    cycle = scene_file.parse_scene(full, "full.toml")
     scene = cycle.parts  # without its load case
     assert (cycle.cases[0].scene.errors.balls.oversize, scene.errors.NR.profile) == (3e-6, (2e-6, -0.25e-6))
     assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
@@ -81,4 +81,4 @@ def test_round_trip_of_every_key():
     assert scene.errors.SL.roundness[0] == FourierTerm(2.0, 5e-6, 1e-6, 2e-6)
     assert (scene.ingredients.hertz, scene.ingredients.section) == ("as printed", "full")
     assert scene_file.loads(scene.to_toml(), "full.toml") == scene
-    assert scene_file.read(cycle.to_toml(), "full.toml") == cycle
+    assert scene_file.parse_scene(cycle.to_toml(), "full.toml") == cycle

@@ -35,7 +35,7 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
 @pytest.mark.parametrize("kind", [*duty_cycle.WHOLE, *FRICTION_ONLY])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     text = template(kind.replace(" ", "-"))
-    scene = scene_file.read(text, "my.toml")
+    scene = scene_file.parse_scene(text, "my.toml")
     assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
     keys = SceneKeys if kind in duty_cycle.WHOLE else KINDS[kind].keys
@@ -47,7 +47,7 @@ def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     assert optional
     for line in () if kind == "ball screw" else optional:
         if line.split()[1] not in EITHER_OR:
-            scene_file.read(text.replace(line, line.removeprefix("# "), 1), "my.toml")
+            scene_file.parse_scene(text.replace(line, line.removeprefix("# "), 1), "my.toml")
 
 
 @pytest.mark.parametrize("words", [("--like", "16x5"), ("--kind", "axis")])
@@ -126,7 +126,7 @@ def test_schema_examples_and_defaults_are_valid():
 def test_template_shows_every_key_and_loads_with_all_optional_ones():
     text = template()
     full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
-    cycle = scene_file.read(full, "full.toml")
+    cycle = scene_file.parse_scene(full, "full.toml")
     scene = cycle.parts
     assert cycle.cases[0].scene.errors.balls.oversize == 3e-6
     assert scene.errors.NR.profile == (2e-6, -0.25e-6)

@@ -22,7 +22,7 @@ SOLVERS = {"lin": solve_static, "refined": solve_elastic}
 
 
 def bearing(angle: float, *force: float) -> Scene:
-    scene = scene_file.read(BEARING.replace("0.01 deg", f"{angle!r} deg"), "deep-groove.toml")
+    scene = scene_file.parse_scene(BEARING.replace("0.01 deg", f"{angle!r} deg"), "deep-groove.toml")
     assert isinstance(scene, Scene)
     return replace(scene, loads=(Load(0.008, (force[0], 0.0, force[1]), (0.0, 0.0, 0.0)),))
 
@@ -79,7 +79,7 @@ def test_a_set_on_a_shaft_takes_one_arc_unless_its_thrust_is_written() -> None:
     sets = "".join(
         f'[[sets]]\nname = "{name}"\n{said}{parts}' for name, said in (("free", ""), ("written", 'thrust = "+z"\n'))
     )
-    free, written = scene_file.read(shaft + sets, "axis.toml").sets
+    free, written = scene_file.parse_scene(shaft + sets, "axis.toml").sets
     assert (free.thrust, free.parts.track.contact_angle) == ("deep groove", LEAST)
     assert (written.thrust, written.parts.track.contact_angle) == ("+z", np.radians(0.01))
 

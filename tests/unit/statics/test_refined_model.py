@@ -13,7 +13,7 @@ from rollbench.compare.models import model_form, modelling
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import reference
-from rollbench.compare.reference.store import bodies_path, load, shipped_store
+from rollbench.compare.reference.store import bodies_path, load_run, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Scene
 
@@ -28,7 +28,7 @@ def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:
-    run = load(catalogue.scene(name), level)
+    run = load_run(catalogue.scene(name), level)
     assert run is not None
     return bodies_path(shipped_store(), catalogue.scene(name), run)
 

@@ -85,7 +85,7 @@ def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
     one = Warned("rotation", "turned", "rotations of 60 mrad")
     copy = pickle.loads(pickle.dumps(one))
     assert (copy, copy.kind, copy.brief) == (one, "rotation", "rotations of 60 mrad")
-    assert above((one, one.of("nut 1"), Warned("tilt", "tilted"))) == (
+    assert above((one, one.prefixed("nut 1"), Warned("tilt", "tilted"))) == (
         "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
     )
     assert above((Warned("tilt", "tilted"),)) == ""

@@ -57,7 +57,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     killed += 1
-    now = len(list(sample.read(folder)))
+    now = len(list(sample.stored_records(folder)))
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
@@ -101,9 +101,9 @@ def undisturbed(tmp_path_factory):
 @pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
 def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
     killed(tmp_path / "a", kills, workers, 200)
-    numbers = sorted(record["sample"] for record in sample.read(tmp_path / "a"))
+    numbers = sorted(record["sample"] for record in sample.stored_records(tmp_path / "a"))
     assert numbers == list(range(200))
-    assert sample.load(tmp_path / "a") == undisturbed
+    assert sample.records_by_sample(tmp_path / "a") == undisturbed
 
 
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
@@ -116,7 +116,7 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = lines[3].replace(b"converged", b"convergeD")
     path.write_bytes(b"".join(lines)[:-7])
-    assert len(sample.load(tmp_path / "a")) == 38
+    assert len(sample.records_by_sample(tmp_path / "a")) == 38
     again, said = run(tmp_path / "a")
     assert (again, "2 to solve" in said[0]) == (first, True)
 
@@ -185,7 +185,7 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
 
 def test_several_sets_have_the_same_outputs():
     found = sampling.solve_sample(catalogue.scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
-    assembly = scene_file.read(catalogue.scene_text("double-nut"), "double-nut.toml")
+    assembly = scene_file.parse_scene(catalogue.scene_text("double-nut"), "double-nut.toml")
     answers = gather_axis(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
@@ -196,7 +196,7 @@ def test_several_sets_have_the_same_outputs():
 def test_rows_of_rollers_have_loads():
     text = catalogue.scene_text("smith-axis-taper")
     found = sampling.solve_sample(text, "smith-axis-taper.toml", (), (), "lin", "interpreted")
-    sets = run_model(scene_file.read(text, "smith-axis-taper.toml"), "lin").sets
+    sets = run_model(scene_file.parse_scene(text, "smith-axis-taper.toml"), "lin").sets
     loads = np.concatenate([s.roller_load for s in sets])
     assert found["loaded_contacts"] == 64
     assert (found["largest_load_N"], found["mean_load_N"]) == pytest.approx((loads.max(), loads.mean()), rel=1e-9)

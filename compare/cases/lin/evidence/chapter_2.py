@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.compare.cases.lin.reconstruction import readings as combined
-from rollbench.compare.evidence import Sheet, count_of
+from rollbench.compare.evidence import Findings, count_of
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import Study, with_groove
@@ -77,33 +77,33 @@ def right_b_1(scene: Scene) -> dict[str, float]:
     return {key: unit * right[letter][SWAPPED.get(key, name)] for key, letter, name, unit in keys}
 
 
-def table_b_1(sheet: Sheet, study: Study) -> None:
+def table_b_1(findings: Findings, study: Study) -> None:
     """Table B.1: as printed with conformity 0.56 and the faults, right with the groove of Table 2.1 that the text names."""
     scene = study.scene("lin-case1")
     right, faulty = right_b_1(scene), dict(zip("SN", printed_sides(with_groove(scene, TABLE_CONFORMITY)), strict=True))
     for letter, printed in faulty.items():
         for start, (attribute, _, unit) in QUANTITIES.items():
             key = f"{start}{letter}"
-            sheet.number(key, right[key], as_printed=unit * getattr(printed, attribute))
-    sheet.number("F_1", None, as_printed=faulty["S"].F_1)
+            findings.number(key, right[key], as_printed=unit * getattr(printed, attribute))
+    findings.number("F_1", None, as_printed=faulty["S"].F_1)
 
 
 # --- section 2.4.1, case studies 1, 2 and 3: printed numbers and claims, with the errors against ANSYS
 
 
-def table_2_1(sheet: Sheet, study: Study) -> None:
+def table_2_1(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 2.1 and the loads of 2.4.1: inputs, as the scenes hold them."""
     scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
     mm = {"length": scene.screw.length, "R_P": track.pitch_radius, "lead": track.lead, "R_B": scene.balls.radius}
     mm |= {"r_G": scene.screw.groove_radius, "nut_diameter": nut.outer_diameter, "nut_length": nut.length}
-    sheet.numbers({key: 1e3 * value for key, value in mm.items()})
-    sheet.numbers({"balls": scene.ball_count, "beta": np.degrees(track.contact_angle), "nu": steel.poissons_ratio})
-    sheet.numbers({"force": scene.loads[0].force[2], "oversize": 1e6 * preloaded.errors.balls.oversize})
-    sheet.number("oversize_17", 1e6 * dict(study.scene("lin-case2").errors.balls.listed)[17])
-    sheet.number("offset", 1e6 * dict(offset.supports[-1].fixed)["ux"])
+    findings.numbers({key: 1e3 * value for key, value in mm.items()})
+    findings.numbers({"balls": scene.ball_count, "beta": np.degrees(track.contact_angle), "nu": steel.poissons_ratio})
+    findings.numbers({"force": scene.loads[0].force[2], "oversize": 1e6 * preloaded.errors.balls.oversize})
+    findings.number("oversize_17", 1e6 * dict(study.scene("lin-case2").errors.balls.listed)[17])
+    findings.number("offset", 1e6 * dict(offset.supports[-1].fixed)["ux"])
     young = steel.youngs_modulus
-    sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
+    findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
 def partition_elements(study: Study) -> int:
@@ -111,9 +111,9 @@ def partition_elements(study: Study) -> int:
     return fixed_partition(study.changed("lin-case1", partition="source")).size - 1
 
 
-def table_2_2(sheet: Sheet, study: Study) -> None:
+def table_2_2(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 2.2: elements of the source's partition; times and the ANSYS mesh stay open."""
-    sheet.number("elements_proposed", float(partition_elements(study)), "12 outside + 3 of 15 mm inside + 12 outside")
+    findings.number("elements_proposed", float(partition_elements(study)), "12 outside + 3 of 15 mm inside + 12 outside")
 
 
 @dataclass(frozen=True)
@@ -158,22 +158,22 @@ def spread_of_choices(study: Study) -> str:
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
 
-def section_2_4_1(sheet: Sheet, study: Study) -> None:
+def section_2_4_1(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims of 2.4.1."""
-    _case_1(study, sheet)
-    _case_2(study, sheet)
-    _case_3(study, sheet)
-    _against_ansys(study, sheet)
-    sheet.number("elements", value_of("lin-2.2", "elements_proposed"))
+    _case_1(study, findings)
+    _case_2(study, findings)
+    _case_3(study, findings)
+    _against_ansys(study, findings)
+    findings.number("elements", value_of("lin-2.2", "elements_proposed"))
     times = {k: value_of("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
-    sheet.number(
+    findings.number(
         "speed_ratio",
         times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
         "arithmetic of Table 2.2, case 1; run times of this project stand in table lin-2.2-times",
     )
 
 
-def _case_1(study: Study, sheet: Sheet) -> None:
+def _case_1(study: Study, findings: Findings) -> None:
     load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
     mei = study.solve("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
@@ -184,33 +184,37 @@ def _case_1(study: Study, sheet: Sheet) -> None:
         side = "within" if (p.low or 0.0) <= in_3d <= (p.high or 0.0) else "outside"
         off = float(error_percent(in_3d, p.value or 0.0))
         words += f". The sentence is on ANSYS too: our 3D reference, {in_3d:.4f}, is {side} the band ({off:+.1f} %)"
-    sheet.number("case1_ratio", ratio(load[:, 0]), words, reference=in_3d)
+    findings.number("case1_ratio", ratio(load[:, 0]), words, reference=in_3d)
     falling = f"{mei[0]:.1f} N at ball 1 falling at every ball to {mei[-1]:.1f} N at ball 32"
-    sheet.claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
-    sheet.claim("case1_two_point", two_point(load), f"SL {count_of(load[:, 0] > 0)} loaded, SR {count_of(load[:, 1] > 0)}")
+    findings.claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
+    findings.claim(
+        "case1_two_point", two_point(load), f"SL {count_of(load[:, 0] > 0)} loaded, SR {count_of(load[:, 1] > 0)}"
+    )
     words = f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model"
-    sheet.claim("case1_lateral", lateral > 0.1, words)
+    findings.claim("case1_lateral", lateral > 0.1, words)
 
 
-def _case_2(study: Study, sheet: Sheet) -> None:
+def _case_2(study: Study, findings: Findings) -> None:
     case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
     change = error_percent(case2, case1, float(case1.mean()))
     most = float(np.abs(np.delete(change, 16)).max())
     words = f"ball 17 {change[16]:+.1f} % of the mean load, every other ball within {most:.2f} %"
-    sheet.claim("case2_ball17", bool(change[16] > 5.0 * most), words)
+    findings.claim("case2_ball17", bool(change[16] > 5.0 * most), words)
 
 
-def _case_3(study: Study, sheet: Sheet) -> None:
+def _case_3(study: Study, findings: Findings) -> None:
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
-    sheet.claim("case3_four_point", min(smallest) > 0.0, words)
+    findings.claim("case3_four_point", min(smallest) > 0.0, words)
     rise = [study.solve(r.offset).load - study.solve(r.plain).load for r in READINGS]
     last = [int(np.argsort(x[:, 1] + x[:, 2])[-3:].min()) + 1 for x in rise]
     places = ", ".join(f"{ball} and up ({r.label})" for ball, r in zip(last, READINGS, strict=True))
-    sheet.claim("case3_last_balls", all(x >= 30 for x in last), f"the three largest rises of SR + NL are at balls {places}")
+    findings.claim(
+        "case3_last_balls", all(x >= 30 for x in last), f"the three largest rises of SR + NL are at balls {places}"
+    )
 
 
-def _against_ansys(study: Study, sheet: Sheet) -> None:
+def _against_ansys(study: Study, findings: Findings) -> None:
     """Compute the source's errors against ANSYS: of its model against the 3D reference, and by readings of the text."""
     every = [c.errors["own"] for c in study.once(combined.every_combination) if not c.against_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
@@ -226,7 +230,7 @@ def _against_ansys(study: Study, sheet: Sheet) -> None:
             )
             values = readings[key]
             others = f"{len(values)} combinations of readings of what the text leaves open give {min(values):.2f} to "
-            sheet.number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
+            findings.number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
 
 
 # --- case study 1 under the choices that the source leaves open, and under its faults
@@ -284,55 +288,55 @@ SIGNIFICANT = 2.0 * 5.38
 SEEN = 0.05
 
 
-def section_2_4_2(sheet: Sheet, study: Study) -> None:
+def section_2_4_2(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims of 2.4.2.
 
     Those on random errors stay open where the study draws no screws.
     """
     groove = groove_section(study.scene("lin-case1"))
-    sheet.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
-    sheet.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
-    _given_errors(study, sheet)
-    _single_errors(study, sheet)
+    findings.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
+    findings.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
+    _given_errors(study, findings)
+    _single_errors(study, findings)
     if study.members != 0:
-        _drawn_errors(study, sheet)
+        _drawn_errors(study, findings)
 
 
-def _given_errors(study: Study, sheet: Sheet) -> None:
+def _given_errors(study: Study, findings: Findings) -> None:
     """Compute the entries of the given errors, as in the scenes."""
     profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
-        sheet.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
-        sheet.number(f"pitch_{side}", 1e6 * pitch.side(side).pitch[0].sin)
-    sheet.number("random_sigma", 1e6 * study.scene("lin-random").errors.balls.sigma)
+        findings.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
+        findings.number(f"pitch_{side}", 1e6 * pitch.side(side).pitch[0].sin)
+    findings.number("random_sigma", 1e6 * study.scene("lin-random").errors.balls.sigma)
 
 
-def _single_errors(study: Study, sheet: Sheet) -> None:
+def _single_errors(study: Study, findings: Findings) -> None:
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_of(load[:, 0] > 0)}, SR {count_of(load[:, 1] > 0)} loaded"
-        sheet.claim(f"{name}_two_point", two_point(load), words)
+        findings.claim(f"{name}_two_point", two_point(load), words)
     little, much = load_error(profile, base), load_error(pitch, base)
-    sheet.claim(
+    findings.claim(
         "profile_little",
         little.max_percent < SIGNIFICANT,
         f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: {much.max_percent:.1f} %)",
     )
-    sheet.claim(
+    findings.claim(
         "pitch_much",
         much.max_percent > SIGNIFICANT,
         f"largest change {much.max_percent:.1f} % of the mean load, ball {much.ball} {much.side}",
     )
 
 
-def _drawn_errors(study: Study, sheet: Sheet) -> None:
+def _drawn_errors(study: Study, findings: Findings) -> None:
     base = study.solve("lin-case1").load
     random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([two_point(load) for load in random])
-    sheet.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
+    findings.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])
     low, high = np.percentile(changed, [5, 95])
-    sheet.claim(
+    findings.claim(
         "random_much",
         bool((changed > SIGNIFICANT).mean() > SEEN),
         f"largest change {low:.0f} to {high:.0f} % of the mean load in nine of ten drawn screws; significant in "
@@ -340,7 +344,7 @@ def _drawn_errors(study: Study, sheet: Sheet) -> None:
     )
     four = np.array([bool(np.any(load[:, [1, 2]] > 0.0)) for load in combined])
     words = f"some ball carries on SR or NL in {count_of(four)} drawn screws"
-    sheet.claim("combined_four_point", bool(four.mean() > SEEN), words)
+    findings.claim("combined_four_point", bool(four.mean() > SEEN), words)
 
 
 SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
@@ -385,33 +389,33 @@ def readings(scene: Scene) -> list[tuple[str, Scene]]:
     return out
 
 
-def section_4_3_2(sheet: Sheet, study: Study) -> None:
+def section_4_3_2(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims of 4.3.2."""
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
-    sheet.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
-    sheet.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
-    sheet.number("force", pitch.loads[0].force[2], "key of the scene")
+    findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
+    findings.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
+    findings.number("force", pitch.loads[0].force[2], "key of the scene")
     for screw in SCREWS:
-        _claims(study, sheet, screw)
+        _claims(study, findings, screw)
 
 
-def _claims(study: Study, sheet: Sheet, screw: str) -> None:
+def _claims(study: Study, findings: Findings, screw: str) -> None:
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
-    sheet.claim(
+    findings.claim(
         f"two_point_{screw}",
         max(third) == 0.0,
         f"a third contact carries up to {third[0]:.1f} N (pitch) and {third[1]:.1f} N (roundness); "
         "with clearance it vanishes, see table manufacturing-readings",
     )
-    sheet.claim(
+    findings.claim(
         f"less_uniform_{screw}",
         spread(roundness) > spread(pitch),
         f"standard deviation over mean {spread(roundness):.2f} with roundness, {spread(pitch):.2f} with pitch error",
     )
     lost = unloaded(roundness)
     words = f"{count_of(lost)} balls without contact; with pitch error {count_of(unloaded(pitch))}"
-    sheet.claim(f"lost_{screw}", bool(lost.any()), words)
+    findings.claim(f"lost_{screw}", bool(lost.any()), words)
     count, power = cycles(study.scene(f"lin-roundness-{screw}"), lost)
     words = f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else "no ball loses contact"
-    sheet.claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)
+    findings.claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)

@@ -10,7 +10,7 @@ from math import degrees
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, load_table, value_of
@@ -73,7 +73,7 @@ def claim_maps() -> PairMaps:
 # --- values of the printed entries
 
 
-def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Table 3.1: inputs."""
     b = ROTARY
     values = {
@@ -87,7 +87,7 @@ def table_3_1(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         "E": b.young,
         "nu": b.poisson,
     }
-    sheet.numbers(values)
+    findings.numbers(values)
 
 
 def rotary_value(s: bearing.Solution, key: str) -> float:
@@ -115,7 +115,7 @@ IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B
 IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 
 
-def table_3_2(sheet: Sheet, study: Study) -> None:
+def table_3_2(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 3.2 and the increases of 3.2.2.
 
     As printed, and with exact Hertz constants and least dissipation.
@@ -133,10 +133,10 @@ def table_3_2(sheet: Sheet, study: Study) -> None:
         value = solid[case].get(name)
         if key == "P_sum":
             unit, value = 1e-3, sum(v for what, v in solid[case].items() if what.startswith("loss ")) or None
-        sheet.number(row.key, true, words, as_printed=faulty, reference=None if value is None else unit * value)
+        findings.number(row.key, true, words, as_printed=faulty, reference=None if value is None else unit * value)
 
 
-def table_3_3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Table 3.3: inputs, the worst case of 3.3.4.1 and its claims."""
     b = LINEAR
     values = {
@@ -151,15 +151,15 @@ def table_3_3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         "contact_angle": degrees(b.contact_angle),
         "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
-    sheet.numbers(values)
-    _worst_case(sheet)
-    _claims_of_maps(sheet, claim_maps())
+    findings.numbers(values)
+    _worst_case(findings)
+    _claims_of_maps(findings, claim_maps())
 
 
-def _worst_case(sheet: Sheet) -> None:
+def _worst_case(findings: Findings) -> None:
     worst = pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.free.loss))
-    sheet.number(
+    findings.number(
         "worst_ratio",
         float(error_percent(worst.rubbing_ratio, 1.0)),
         f"Ours is the loss between the balls over the baseline; with the change of the groove losses {whole:.1f} %",
@@ -167,16 +167,16 @@ def _worst_case(sheet: Sheet) -> None:
     )
 
 
-def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
+def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
     difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(ratio.max(), 1.0))
-    sheet.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
+    findings.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
     pairs = ((difference, m.difference.error), (force, m.force.error), (ratio - 1.0, m.ratio.error))
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
-    sheet.claim(
+    findings.claim(
         "maps_agree",
         inside < 0.02 and corner > 3.0 * inside,
         f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
@@ -184,7 +184,7 @@ def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
     )
     closing = difference > 1e-9
     apart = float(np.abs(force[~closing]).max())
-    sheet.claim(
+    findings.claim(
         "sign_region",
         bool(np.all(force[closing] > 0.0)) and apart < 1e-8,
         f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
@@ -197,19 +197,19 @@ def formula_deviation(mated: bool) -> Array:
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
-def table_3_4(sheet: Sheet, study: Study) -> None:
+def table_3_4(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 3.4: velocity deviations [%], and its inputs."""
-    sheet.numbers({"theta": degrees(THETA), "rho": SIDE})
+    findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
         scene = source_cases.linear(name)
         top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
-        sheet.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
+        findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
         found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)
         solid = source_cases.in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
-        sheet.number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
-        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
+        findings.number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
+        findings.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
 
 def misprinted_force() -> float:
@@ -225,24 +225,24 @@ def formula_force(*, mated: bool) -> float:
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
-def table_3_5(sheet: Sheet, study: Study) -> None:
+def table_3_5(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
     spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
     solid = {case: source_cases.in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
     as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
-        sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads, reference=solid[case])
-        sheet.number(f"{case}_force_ansys", None, reference=solid[case])
-        sheet.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
+        findings.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads, reference=solid[case])
+        findings.number(f"{case}_force_ansys", None, reference=solid[case])
+        findings.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
     ansys = value_of("lin-3.5", "a_force_ansys")
     for name, ours in (("numerical", pair().force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
         words = f"ours is {off[0]} off the printed ANSYS force" + "".join(f", {x} off our 3D" for x in off[1:])
         first = value_of("lin-3.5", "a_force_numerical") if name == "numerical" else ours  # arithmetic on printed numbers
-        sheet.number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
+        findings.number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
-        sheet.words(f"{case}_time_{model}", "another machine and language; not compared")
+        findings.remark(f"{case}_time_{model}", "another machine and language; not compared")
 
 
 def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
@@ -253,7 +253,7 @@ def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
     return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
 
 
-def appendix_g(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the linear range of the friction force (appendix G), for the groove of Table 3.3 and conformity 0.52."""
     pressure = MULTIPLE * YIELD
     ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
@@ -261,17 +261,17 @@ def appendix_g(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every tabl
     a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
     reach, cut = value_of("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
     off = 100.0 * float(linear_error(ratio, K_F))
-    sheet.number(
+    findings.number(
         "k_f",
         slope,
         f"exact slope at c = 0 for conformity {LINEAR.conformity}; secant to c/a = 0.5 {slope - 0.25 * cubic:.3f}; the "
         f"printed slope is off by up to {off:.1f} % of the force",
     )
-    sheet.words("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
-    sheet.number("pressure", pressure)
-    sheet.number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
+    findings.remark("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
+    findings.number("pressure", pressure)
+    findings.number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
     eta = degrees(reach * a_over_r)
-    sheet.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
+    findings.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
 
 
 # --- lin 3.2 and 3.3 under several sets of assumptions: balance of power of the rotary cases, loads of the linear pair

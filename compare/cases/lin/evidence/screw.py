@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
@@ -112,7 +112,7 @@ def onset(study: Study, errors: str, idle: float) -> Onset:
 # --- values of the printed entries
 
 
-def given_3_6(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Table 3.6: inputs."""
     g = source_cases.table_3_6()
     values = {
@@ -129,35 +129,35 @@ def given_3_6(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
         "theta_2_a": THETA["a"],
         "theta_2_b": THETA["b"],
     }
-    sheet.numbers(values)
-    _modulus(sheet, g.young)
+    findings.numbers(values)
+    _modulus(findings, g.young)
 
 
-def _modulus(sheet: Sheet, young: float) -> None:
+def _modulus(findings: Findings, young: float) -> None:
     """Compute the entry of Young's modulus in the unit printed."""
-    sheet.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
+    findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def table_3_7(sheet: Sheet, study: Study) -> None:
+def table_3_7(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 3.7 and the text around it: plain reading and inferred reading."""
     for case in THETA:
         solid = source_cases.in_3d(study, source_cases.PAIR_SCENES[case])
-        _pair_of_3_7(sheet, case, solid)
+        _pair_of_3_7(findings, case, solid)
         force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
-        sheet.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        _ansys_of_3_7(sheet, study, case)
-        sheet.words(f"time_{case}", "another machine and language")
-        sheet.words(f"time_ansys_{case}", "another machine and program")
+        findings.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
+        _ansys_of_3_7(findings, study, case)
+        findings.remark(f"time_{case}", "another machine and language")
+        findings.remark(f"time_ansys_{case}", "another machine and program")
     printed = [value_of("lin-3.5", "error_numerical"), *(value_of("lin-3.7", f"difference_{case}") for case in THETA)]
-    sheet.number("within", max(printed), "the largest of the printed differences")
+    findings.number("within", max(printed), "the largest of the printed differences")
 
 
-def _pair_of_3_7(sheet: Sheet, case: str, solid: Mapping[str, float]) -> None:
+def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = pair(case, "plain"), pair(case, "inferred")
     implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
-    sheet.number(
+    findings.number(
         f"force_{case}",
         as_text.force,
         f"{_both(as_text.force, oversized.force)}; the text as it stands does not give it ({off[0]:+.0f} %): printed force "
@@ -169,16 +169,16 @@ def _pair_of_3_7(sheet: Sheet, case: str, solid: Mapping[str, float]) -> None:
     values = increase(as_text), increase(oversized)
     off = [float(error_percent(value, percent)) for value in values]
     words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
-    sheet.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
+    findings.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
 
 
-def _ansys_of_3_7(sheet: Sheet, study: Study, case: str) -> None:
+def _ansys_of_3_7(findings: Findings, study: Study, case: str) -> None:
     """Compare the printed force of ANSYS with that of the 3D rolling model here, in both readings."""
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.in_3d(study, scene).get("force 1-2 N") for scene in scenes)
     words = "no stored run" if as_text is None or oversized is None else _both(as_text, oversized)
     words = f"3D rolling of elastic half spaces: {words}"
-    sheet.number(f"ansys_{case}", None, words, reference=as_text)
+    findings.number(f"ansys_{case}", None, words, reference=as_text)
 
 
 def _both(as_text: float, oversized: float) -> str:
@@ -214,7 +214,7 @@ def steps_in_words(amplitude: float) -> str:
     )
 
 
-def section_3_4_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of 3.4.4: inputs, the numbers with theta of 3 degrees (and of 2 in the words), and the claims."""
     base = source_cases.lin_3_4_4()
     inputs = {
@@ -225,28 +225,28 @@ def section_3_4_4(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every t
         "steps": base.steps,
         "occupation": 100.0 * base.occupation,
     }
-    sheet.numbers(inputs)
-    _numbers_of_run(sheet)
-    _claims_of_run(sheet)
+    findings.numbers(inputs)
+    _numbers_of_run(findings)
+    _claims_of_run(findings)
 
 
-def _numbers_of_run(sheet: Sheet) -> None:
+def _numbers_of_run(findings: Findings) -> None:
     low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
     words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {steps_in_words(3.0)}"
     near = {key: f"; {nearest(key)}" for key in PRINTED_OF_RUN}
-    sheet.number("largest", 100.0 * high.largest, words + near["largest"])
-    sheet.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + near["largest_at"])
-    sheet.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + near["none_at"])
+    findings.number("largest", 100.0 * high.largest, words + near["largest"])
+    findings.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + near["largest_at"])
+    findings.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + near["none_at"])
 
 
-def _claims_of_run(sheet: Sheet) -> None:
+def _claims_of_run(findings: Findings) -> None:
     low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
     words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
-    sheet.claim("groups", low.groups == high.groups == 4, words)
+    findings.claim("groups", low.groups == high.groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
     loose = loose_run()
-    sheet.claim(
+    findings.claim(
         "groove_steady",
         max(vary) < 0.03,
         f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
@@ -254,10 +254,10 @@ def _claims_of_run(sheet: Sheet) -> None:
         "with the first, whose loads are computed without friction: mostly the start, not third contacts that come and go",
     )
     again = [engages_again(screw_run(a)) for a in AMPLITUDES]
-    sheet.claim("none_then_again", all(again), "with 2 and with 3 deg")
+    findings.claim("none_then_again", all(again), "with 2 and with 3 deg")
 
 
-def table_4_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Table 4.2: inputs; dimensions that enter no model here stay open."""
     four, double = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False)
     g = four.groove
@@ -274,20 +274,20 @@ def table_4_2(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table
             f"groove_{key}": 1e3 * case.groove.groove_radius,
             f"balls_{key}": case.count,
         }
-    sheet.numbers(values)
-    _modulus(sheet, g.young)
+    findings.numbers(values)
+    _modulus(findings, g.young)
     apart = 2e3 * (double.rows[1].place - double.rows[0].place)
-    sheet.number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
+    findings.number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
     for key in ("outer_diameter", "inner_diameter", "thickness_4p"):
-        sheet.words(key, "enters no model here: nothing to compare")
+        findings.remark(key, "enters no model here: nothing to compare")
 
 
-def section_4_3(sheet: Sheet, study: Study) -> None:
+def section_4_3(findings: Findings, study: Study) -> None:
     """Compute the entries of 4.3.1 and the conclusion of 4.3.2 carried through to ball-to-ball contact."""
-    _bearings(sheet)
+    _bearings(findings)
     first = {(e, i): degrees(onset(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
     lost = {e: int((onset(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
-    sheet.claim(
+    findings.claim(
         "roundness_quicker",
         all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)),
         f"first meeting within {first['roundness', 0.0]:.1f} deg of the nut if lost balls stand, "
@@ -296,20 +296,20 @@ def section_4_3(sheet: Sheet, study: Study) -> None:
     )
 
 
-def _bearings(sheet: Sheet) -> None:
+def _bearings(findings: Findings) -> None:
     four, double = curve("4P", True), curve("DR", True)
     ratios = cut(four, 18.0), cut(double, 18.0), cut(curve("DR", False), 18.0)
     at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
     still = cut(curve("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
-    sheet.number("ratio_4p", ratios[0], words)
-    sheet.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
-    sheet.claim(
+    findings.number("ratio_4p", ratios[0], words)
+    findings.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
+    findings.claim(
         "dr_consistent",
         bool(np.all(double.four == 0)) and ratios[1] < 1.28,
         f"never more than two contacts a ball; ratio {ratios[1]:.2f} with tilt, {ratios[2]:.2f} without",
     )
-    sheet.claim(
+    findings.claim(
         "transition",
         bool(four.four[0] == 0 and at_18 > 0),
         f"{int(four.four[0])} balls beyond two contacts at 0 deg, {at_18} of {source_cases.four_point().count} at 18 deg",

@@ -45,9 +45,9 @@ def k_f() -> float:
 
 def in_3d(study: Study, name: str) -> Mapping[str, float]:
     """Return values of a scene's finest stored run of the 3D model of rolling, such as "force 1-2 N"; empty without one."""
-    from rollbench.compare.studies.rolling.runs import LEVELS, load
+    from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
-    run = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    run = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return {} if run is None else run.values
 
 

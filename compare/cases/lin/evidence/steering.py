@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
@@ -173,7 +173,7 @@ def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
     return high[0] / low[0], high[1] / low[1]
 
 
-def section_4_2(sheet: Sheet, study: Study) -> None:
+def section_4_2(findings: Findings, study: Study) -> None:
     """Compute the entries of Table 4.1 and sections 4.2.1, 4.2.2."""
     scene = study.scene(SCREW)
     material = scene.balls.material
@@ -190,41 +190,41 @@ def section_4_2(sheet: Sheet, study: Study) -> None:
         "E": material.youngs_modulus,
         "nu": material.poissons_ratio,
     }
-    sheet.numbers(given)
-    _lash(sheet, study)
-    _sizing(sheet)
+    findings.numbers(given)
+    _lash(findings, study)
+    _sizing(findings)
 
 
-def _lash(sheet: Sheet, study: Study) -> None:
+def _lash(findings: Findings, study: Study) -> None:
     found = lash(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
-    sheet.number("axial", found.axial, "screw kept from turning only")
-    sheet.number("conical", max(found.conical), words)
-    sheet.claim("robust", found.axial < min(found.conical), f"{found.axial:.1f} % against {by_direction} %")
+    findings.number("axial", found.axial, "screw kept from turning only")
+    findings.number("conical", max(found.conical), words)
+    findings.claim("robust", found.axial < min(found.conical), f"{found.axial:.1f} % against {by_direction} %")
 
 
-def _sizing(sheet: Sheet) -> None:
+def _sizing(findings: Findings) -> None:
     gear = rack()
     results = [at_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest(r) for r in results])
     bands = ratio_bands(gear)
     for k, key in enumerate(("screw", "bearing")):
-        by_input = "; ".join(f"{b.changed} {_words(getattr(b, key), sheet.printed(f'ratio_{key}'))}" for b in bands)
-        sheet.number(
+        by_input = "; ".join(f"{b.changed} {_words(getattr(b, key), findings.printed(f'ratio_{key}'))}" for b in bands)
+        findings.number(
             f"ratio_{key}", float(loads[-1, k] / loads[0, k]), f"over what is not printed, one at a time: {by_input}"
         )
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
-    sheet.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
+    findings.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
     even, ring = (_loaded(results[0], i) for i in range(2))
-    sheet.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
+    findings.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
     tilted = _loaded(results[-1], 0)
     low, high = (float(x / even.mean()) for x in (even.min(), even.max()))
     words = (
         f"{even.min():.0f} to {even.max():.0f} N, {low:.2f} to {high:.2f} of the mean, scatter "
         f"{100.0 * even.std() / even.mean():.0f} %; at 18 deg up to {tilted.max() / tilted.mean():.2f} of it"
     )
-    sheet.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
+    findings.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
 
 
 def _words(band: tuple[float, float], printed: float) -> str:

@@ -213,7 +213,7 @@ INTRODUCTION = (
 )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("velocities of the rotary bearing")
     study.uses((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))

@@ -26,7 +26,7 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
@@ -62,7 +62,7 @@ def _statement(place: str, printed: str, computed: str, verdict: str) -> Row:
 
 def _times(study: Study) -> Row:
     """Return the printed run times and that of the 3D model here on a mesh of the same size."""
-    run = load(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
+    run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
         "no stored run"
@@ -122,7 +122,7 @@ def _force(case: str) -> Row:
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
     scene = cast("KindScene", catalogue.shipped(name))
-    coarse, fine = (rolling.load(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
+    coarse, fine = (rolling.load_run(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
     printed = f"{low:g} N, ANSYS {ansys:g} N: {float(error_percent(low, ansys)):.2f} %"
     if coarse is None or fine is None:
         return _statement(f"Table {case}", printed, "no stored run", "not judged")
@@ -157,7 +157,7 @@ ABOUT_IT = (
 )
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report, which opens with the answer."""
     step("combinations of readings")
     found = study.once(combined.every_combination)

@@ -155,7 +155,7 @@ def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
     return rows
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("lash tests")
     scene = study.scene(SCREW)

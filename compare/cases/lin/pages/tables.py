@@ -16,7 +16,7 @@ from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, tables, value_of
 from rollbench.compare.reference.convergence import representative_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load, shipped_store
+from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.curves import load_panel, loads
@@ -74,7 +74,7 @@ def solid_size(study: Study, name: str) -> str:
         return (
             "" if found is None else f"{found.best.unknowns:,} unknowns of the equivalent mesh (level {found.best.level})"
         )
-    run = rolling.load(case_of(name, KindScene), max(rolling.LEVELS), study.stores or (shipped_store(),))
+    run = rolling.load_run(case_of(name, KindScene), max(rolling.LEVELS), study.stores or (shipped_store(),))
     return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
 
 
@@ -207,13 +207,13 @@ def why(name: str) -> str:
 def ours(study: Study) -> dict[str, str]:
     """Return what stands for ours in the source's layout where it is no value: times and sizes."""
 
-    def words(name: str, way: str) -> str:
+    def time_text(name: str, way: str) -> str:
         found = seconds(study, name, way)
         return found.older or (
             "–" if found.cold is None else f"{found.cold:.3g} s cold, {found.further or 0.0:.2g} s further"
         )
 
-    out = {name: words(*of) for name, of in TIMED.items()}
+    out = {name: time_text(*of) for name, of in TIMED.items()}
     out |= {"lin-2.2:elements_proposed": low_size(study, STATIC[1]), "lin-2.2:elements_ansys": solid_size(study, STATIC[1])}
     out |= {f"lin-3.7:elements_{case}": solid_size(study, name) for case, name in SCREW.items()}
     return out | {"lin-3.5:elements_ansys": solid_size(study, LINEAR["a"])}
@@ -265,7 +265,7 @@ def mesh_figure(study: Study) -> Figure:
         found = study.reference(name)
         if found is None:
             continue
-        coarse = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+        coarse = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = [*([coarse] if coarse is not None else []), *found.runs[:-1]]
         sizes = [representative_size(r.settings) / found.sizes[-1] for r in runs]
         errors = [load_error(r.load, found.load, found.contacts).own_max_percent for r in runs]
@@ -276,7 +276,7 @@ def mesh_figure(study: Study) -> Figure:
     static.append(Series("printed: low-order against ANSYS, case 1", [1.0, 4.0], [printed, printed], "line"))
     for name in (LINEAR["a"], *SCREW.values()):
         stores = study.stores or (shipped_store(),)
-        found_runs = [rolling.load(case_of(name, KindScene), level, stores) for level in (0, *rolling.LEVELS)]
+        found_runs = [rolling.load_run(case_of(name, KindScene), level, stores) for level in (0, *rolling.LEVELS)]
         good = [run for run in found_runs if run is not None]
         if len(good) > 1:
             finest = good[-1].values["force 1-2 N"]
@@ -347,7 +347,7 @@ GUIDE = (
 )
 
 
-def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the sections of the report."""
     step("printed numbers of the thesis")
     names = [name for name in tables() if name.startswith("lin-")]

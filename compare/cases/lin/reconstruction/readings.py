@@ -44,7 +44,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
 from rollbench.compare.reference.computing import compute
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import Run, load, save
+from rollbench.compare.reference.store import Run, load_run, save
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.reference.variants import ends_in_plain_shaft, scaled, solid
 from rollbench.compare.scenes import catalogue
@@ -237,7 +237,7 @@ def scenes(readings: Combination) -> tuple[Scene, ...]:
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the converged runs of the cases, on their level unless another is given; None where one is missing."""
     level = level_of(readings) if level is None else level
-    found = [load(scene, level, stores=[RUNS]) for scene in scenes(readings)]
+    found = [load_run(scene, level, stores=[RUNS]) for scene in scenes(readings)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
     return runs if len(runs) == len(CASES) else None
 
@@ -262,7 +262,7 @@ def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
         if penalty:
             from rollbench.compare.cases.lin.reconstruction.solvers import with_penalty
 
-            shipped = [load(catalogue.scene(c), level) for c in CASES]
+            shipped = [load_run(catalogue.scene(c), level) for c in CASES]
             runs = with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
         else:
             runs = compute(Task(pair, level, cache=cache))

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from rollbench.compare.cases.smith.evidence import bearings
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
@@ -54,7 +54,7 @@ class Layout:
     left: tuple[int, ...]
     right: tuple[int, ...]
 
-    def rows(self, end: str) -> BearingSet:
+    def bearings_at(self, end: str) -> BearingSet:
         """Return rows of an end by their laws."""
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
@@ -88,12 +88,12 @@ def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED)
 
     place: of the nut over the length; applied: force [N] on the screw there, towards the left end.
     """
-    a, first = bearings.axis(), layout.rows("left")
+    a, first = bearings.axis(), layout.bearings_at("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
     if not layout.right:
         k = equilibrium(first, -applied).stiffness
         return Ends(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
-    second = layout.rows("right")
+    second = layout.bearings_at("right")
 
     def gap(left: float) -> float:
         forces = left, left + applied
@@ -132,7 +132,7 @@ def in_series(layout: Layout) -> float:
     if not layout.right:
         return float("nan")
     a, force = bearings.axis(), by_formulas(layout, 0.5, 0.0).left
-    ends = [equilibrium(layout.rows(end), force).stiffness for end in ("left", "right")]
+    ends = [equilibrium(layout.bearings_at(end), force).stiffness for end in ("left", "right")]
     return as_printed.series_stiffness(ends, float(shaft_stiffness(a, 0.5 * a.length)), float("inf"))
 
 
@@ -194,7 +194,7 @@ def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -
     return [float(v) for v in loads]
 
 
-def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute stretch and warming."""
     a = bearings.axis()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
@@ -216,7 +216,7 @@ def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     e.number("F_end", pull() / bearings.POUND, as_printed=0.5 * round(pull() / bearings.POUND, -1))
 
 
-def section_4_2(e: Sheet, study: Study) -> None:
+def section_4_2(e: Findings, study: Study) -> None:
     """Compute loads and stiffness of the supports, stiffness of the axis."""
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
@@ -243,7 +243,7 @@ def section_4_2(e: Sheet, study: Study) -> None:
     e.claim("supported", bool(np.all(ratio > 1.0)), words)
 
 
-def _support(e: Sheet, kind: str, end: str) -> None:
+def _support(e: Findings, kind: str, end: str) -> None:
     """Compute loads and stiffnesses of the rows of one end."""
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
@@ -267,7 +267,7 @@ def topology(supports: float) -> float:
     return float(axis_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
-def _total(e: Sheet, kind: str, as_scenes: str) -> None:
+def _total(e: Findings, kind: str, as_scenes: str) -> None:
     """Compute the stiffness of the axis as printed, and in the right topology with printed and computed bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -279,7 +279,7 @@ def _total(e: Sheet, kind: str, as_scenes: str) -> None:
     e.number(f"total_{kind}", right, f"{words}; {as_scenes}", as_printed=printed)
 
 
-def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the torque budget."""
     rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
     e.number("nut", 18.0)
@@ -298,7 +298,7 @@ def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 # --- chapter 5
 
 
-def _drive(e: Sheet) -> None:
+def _drive(e: Findings) -> None:
     """Compute the entries of section 5.1."""
     warming = unloading_warming(bearings.axis(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
     e.numbers(
@@ -316,7 +316,7 @@ def _drive(e: Sheet) -> None:
     e.claim("five", 4.5 < warming < 5.0, f"{warming:.2f} degF")
 
 
-def _torque_tests(e: Sheet) -> None:
+def _torque_tests(e: Findings) -> None:
     """Compute the entries of section 5.2.1: sums of printed parts against the tests."""
     off = {}
     for kind in KINDS:
@@ -335,7 +335,7 @@ def _torque_tests(e: Sheet) -> None:
     e.number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
 
 
-def _stiffness_tests(e: Sheet) -> None:
+def _stiffness_tests(e: Findings) -> None:
     """Compute the entries of section 5.2.2: the tests against the right topology, and the claim as it stands."""
     off = []
     for kind in KINDS:
@@ -348,7 +348,7 @@ def _stiffness_tests(e: Sheet) -> None:
     e.number("six", float(error_percent(e.printed("S_ball"), e.printed("S_taper"))))
 
 
-def _heat(e: Sheet) -> None:
+def _heat(e: Findings) -> None:
     """Compute the entries of section 5.2.4."""
     torque = {
         "rise_ball": value_of("smith-2.3", "M_test_3"),
@@ -372,7 +372,7 @@ def unseating_load(preload: float) -> float:
     return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - pull()) / share
 
 
-def _reduced(e: Sheet) -> None:
+def _reduced(e: Findings) -> None:
     """Compute the entries of section 5.3."""
     for end in ("left", "right"):
         printed = printed_loads("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
@@ -388,7 +388,7 @@ def _reduced(e: Sheet) -> None:
     e.number("unseat", unseating_load(REDUCED) / bearings.POUND, words, as_printed=2.0 * least)
 
 
-def chapter_5(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute all entries of chapter 5."""
     for fill in (_drive, _torque_tests, _stiffness_tests, _heat, _reduced):
         fill(e)

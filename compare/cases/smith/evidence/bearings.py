@@ -12,7 +12,7 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import load_table
@@ -159,7 +159,7 @@ def sheet_tangent(pounds: float) -> float:
     return 2.0 * step * 25.4 / (sheet(pounds + step).deflection - sheet(pounds - step).deflection)
 
 
-def table_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Table 2-1 from exact elliptic integrals."""
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
@@ -173,7 +173,7 @@ def table_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table tak
         e.claim(f"{name}_22", bool(np.all(steps > 1.0)), f"{words} at 1 - F(p) = 1e-4, 1e-7, 1e-10")
 
 
-def _inputs(e: Sheet) -> None:
+def _inputs(e: Findings) -> None:
     b = ball_bearing()
     lengths = {
         "D": b.ball_diameter,
@@ -193,7 +193,7 @@ def _inputs(e: Sheet) -> None:
     e.number("alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(SHEET_LOAD).angle)):.2f} deg under 2040 lbf")
 
 
-def _cells(e: Sheet) -> None:
+def _cells(e: Findings) -> None:
     """Compute the cells of figure 2-10 that depend on the contact angle under load."""
     source, s = sheet(SHEET_LOAD / POUND), state(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
@@ -214,7 +214,7 @@ def _cells(e: Sheet) -> None:
     free, loaded = (np.cos(np.radians(e.printed(key))) for key in ("alpha_0", "alpha"))
     normal = e.printed("B") * e.printed("D_mm") * (free / loaded - 1.0)
     rest = e.printed("Q_N") - e.printed("K_n") * normal**1.5
-    e.words("balance", f"Q_n - K_n delta_n^1.5 of the printed cells is {rest:.2g} N")
+    e.remark("balance", f"Q_n - K_n delta_n^1.5 of the printed cells is {rest:.2g} N")
     e.number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
     inner, outer = (float(a) / INCH**2 for a in s.areas())
     words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {e.printed('area') / inner:.1f} times"
@@ -228,7 +228,7 @@ def _cells(e: Sheet) -> None:
     )
 
 
-def _triplex(e: Sheet) -> None:
+def _triplex(e: Findings) -> None:
     """Compute the entries of section 2.1.2."""
     for load in (1500.0, 1020.0):
         e.number(
@@ -262,7 +262,7 @@ def fit_range() -> tuple[float, float, float]:
     return low, high, off(0.5)
 
 
-def section_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Figure 2-10 and section 2.1.2."""
     _inputs(e)
     _cells(e)
@@ -275,7 +275,7 @@ def section_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     e.claim("fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}")
 
 
-def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of Table 2-2: right tangent stiffness, both printed columns, and the tangent as printed."""
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
@@ -297,7 +297,7 @@ def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
     e.claim("parabola", straight, f"differences of 1/S {steps.min():.5f} to {steps.max():.5f} 1e-6 in/lbf a row")
 
 
-def section_2_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the torque of the ball bearing."""
     b = ball_bearing()
     e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
@@ -411,7 +411,7 @@ def taper_sheet_tangent(pounds: float) -> float:
     return 2.0 / (sheet_deflection(pounds + 1.0) - sheet_deflection(pounds - 1.0))
 
 
-def _sheet(e: Sheet) -> None:
+def _sheet(e: Findings) -> None:
     b = taper_bearing()
     e.numbers(
         {
@@ -458,7 +458,7 @@ def _ball_growth() -> float:
     return float(error_percent(high, low))
 
 
-def _contacts(e: Sheet) -> None:
+def _contacts(e: Findings) -> None:
     b, c = taper_bearing(), contacts()
     p = as_printed.taper_contact(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
@@ -484,7 +484,7 @@ def _contacts(e: Sheet) -> None:
     e.claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
 
 
-def _torque(e: Sheet) -> None:
+def _torque(e: Findings) -> None:
     load = TAPER_TORQUE_LOAD / POUND
     middle = tangent(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
@@ -512,7 +512,7 @@ def _torque(e: Sheet) -> None:
     e.claim("fair", abs(percent) <= 10.0, f"{percent:+.0f} %")
 
 
-def chapter_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def chapter_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute all entries of chapter 3."""
     _sheet(e)
     _contacts(e)

@@ -35,7 +35,7 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
 def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "SIZES", ("bnf-4010-5",))
-    text, table = holding.section(Study(), lambda _: None).items
+    text, table = holding.make_section(Study(), lambda _: None).items
     assert text.paragraphs[0].startswith("The way of holding a nut moves its largest load by +0.0 to +0.0 %, its life by ")
     by_model = [row for row in table.rows if row["by"] == "lin"]
     assert len(by_model) == 7
@@ -86,7 +86,7 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     stored = [*stored_ways(), *finer(stored_ways(), 0.02)]
     rows = rows_of(monkeypatch, stored)
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
-    known = grid_parts.read(shipped_store())
+    known = grid_parts.read_experience(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
     both = {x["level"]: holding.loads_of(x) for x in stored if x["held"] == holding.WHOLE}
     bar = grid_parts.parts(both, known).bars(both).max()

@@ -67,7 +67,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     monkeypatch.setattr(rolling, "fields", lambda: (field,))
     beyond = Change("lin-pair-a", "grid", "finer", 0.5, 0.4)
     monkeypatch.setattr(rolling, "changes", lambda *_: (beyond, replace(beyond, change=0.3)))
-    section = rolling.section(Study(), lambda _: None)
+    section = rolling.make_section(Study(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
     forces = {row["scene"]: row for row in tables["rolling-pairs"].rows if row["quantity"] == "force 1-2"}

@@ -10,7 +10,7 @@ from rollbench.compare.cases.lin.pages import reconstruction
 from rollbench.compare.cases.lin.reconstruction import readings
 from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.store import load
+from rollbench.compare.reference.store import load_run
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, on_mesh
 from rollbench.meshes.block import Influence, tetrahedra
@@ -211,7 +211,7 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
     """Summed from stored loads and angles; and the loads as of a contact angle that is turned by that of friction."""
     alpha = float(np.arctan(SCENE.track.lead / (2.0 * np.pi * SCENE.track.pitch_radius)))
     for scene, name in zip(readings.scenes(FRICTION[key]), readings.CASES, strict=True):
-        run = load(scene, readings.LEVEL, stores=[readings.RUNS])
+        run = load_run(scene, readings.LEVEL, stores=[readings.RUNS])
         force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
         axial = np.cos(alpha) * (force * (np.sin(angle) + sense * readings.MU * np.cos(angle))).sum()
         assert axial == pytest.approx(5000.0, rel=1e-5)

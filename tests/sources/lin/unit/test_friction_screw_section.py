@@ -49,7 +49,7 @@ def records() -> list[Record]:
             patch.setattr(extremes, name, value)
         for name in ("from_linear_starts", "from_pair_starts"):
             patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
-        return friction_stability.rows()
+        return friction_stability.all_rows()
 
 
 def test_both_readings_stand_side_by_side(section):

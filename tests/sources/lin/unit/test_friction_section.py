@@ -23,7 +23,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 @pytest.fixture(scope="module")
 def section() -> Section:
     steps: list[str] = []
-    section = friction.section(STUDY, steps.append)
+    section = friction.make_section(STUDY, steps.append)
     assert len(steps) == 3
     return section
 

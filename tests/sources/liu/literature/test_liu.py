@@ -74,7 +74,7 @@ def test_other_draws_give_the_same_percentiles() -> None:
     other = solve_ensemble(liu.screw(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
-        a, b = place(row), percentile(other.of("largest", load), row.value, row.tolerance)
+        a, b = place(row), percentile(other.values_at("largest", load), row.value, row.tolerance)
         assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
     for half_range in liu.LOADS:
         ensemble = liu.drawn(half_range)

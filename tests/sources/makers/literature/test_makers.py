@@ -8,7 +8,7 @@ from tests.evidence_study import GROUP, STUDY
 
 from rollbench.compare.cases.makers import bearings, nuts, page
 from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
-from rollbench.compare.cases.makers.tables import Table, half_step, table
+from rollbench.compare.cases.makers.tables import Table, half_step, read_table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -56,7 +56,7 @@ def test_balls_come_back_from_their_ratings() -> None:
 def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
     """C and C_0 are two formulas; HIWIN's nuts of deflectors are rated with two thirds of a turn, the others with all."""
     shares: dict[str, list[float]] = {}
-    source = table("nuts-hiwin")
+    source = read_table("nuts-hiwin")
     for row in source.rows:
         if not source.misprinted(row["nut"]):
             nut = nuts.nut_of(source, row)
@@ -126,7 +126,7 @@ def test_all_values_and_their_table() -> None:
 
 
 def test_section_says_its_conclusion_first() -> None:
-    found = page.section(STUDY, lambda _: None)
+    found = page.make_section(STUDY, lambda _: None)
     judged = [x for x in page.outside_values(STUDY) if not x.left]
     assert found.conclusion.startswith(f"Of {len(judged)} values")
     assert "1020: a formula in disguise" in found.items[1].note

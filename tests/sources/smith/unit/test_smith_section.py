@@ -18,7 +18,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 def test_stiffness_of_a_symmetric_axis_is_symmetric():
-    found = [figure for section in smith.section(STUDY, lambda _: None) for figure in figures(section)]
+    found = [figure for section in smith.make_section(STUDY, lambda _: None) for figure in figures(section)]
     lines = {s.label: s.y for figure in found for panel in figure.panels for s in panel.series}
     assert lines["ball, fixed-fixed"] == pytest.approx(lines["ball, fixed-fixed"][::-1])
     assert np.all(np.diff(lines["taper, fixed-supported"]) < 0.0)
