@@ -33,7 +33,7 @@ class Case:
     title: str
     #: Import name of the Python package that holds the folder.
     package: str
-    #: Module below ``package`` whose ``make_section(study, step)`` returns the section of its page in the report, or several
+    #: Module below ``package`` whose ``make_section(study, step)`` returns the section of its report page, or several
     #: sections; or a package of such modules. Empty: no page.
     page: str = ""
 

@@ -100,7 +100,7 @@ class Evidence:
 
     @property
     def change(self) -> str:
-        """Difference from the expected verdict in words; empty without."""
+        """Text on the difference from the expected verdict; empty if there is none."""
         expected = self.printed.verdict
         if expected == self.verdict:
             return ""
@@ -109,7 +109,7 @@ class Evidence:
 
 
 class Findings:
-    """Computed values of one printed table, entered one by one; entries without a value stay open.
+    """Computed values of one printed table; entries without a value stay open.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ class Findings:
         reading: float | None = None,
         reference: float | None = None,
     ) -> None:
-        """Enter a number in the printed unit.
+        """Record a number in the printed unit.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ class Findings:
         self._file(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
 
     def numbers(self, values: Mapping[str, float]) -> None:
-        """Enter correct values by key; KeyError for an unknown key."""
+        """Record correct values by key. Raises KeyError for an unknown key."""
         for key, value in values.items():
             self.number(key, float(value))
 
@@ -178,11 +178,11 @@ class Findings:
         return value_of(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
-        """Enter whether a claim is true, and the numbers behind it; KeyError for an unknown key."""
+        """Record whether a claim is true, and the numbers that show it. Raises KeyError for an unknown key."""
         self._file(key, holds=bool(holds), words=words)
 
     def remark(self, key: str, words: str) -> None:
-        """Enter why nothing is compared, or a remark; KeyError for an unknown key."""
+        """Record a remark, or why nothing is compared. Raises KeyError for an unknown key."""
         self._file(key, words=words)
 
     def evidence(self) -> tuple[Evidence, ...]:

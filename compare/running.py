@@ -213,7 +213,7 @@ def _draw(text: str, share: float | None = None) -> None:
 
 
 def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
-    """Return whether one of some outputs (file numbers) is a pipe that nobody reads any more (``| head``)."""
+    """Return whether one of some outputs (file numbers) is a pipe whose reader has closed it (``| head``)."""
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()

@@ -201,7 +201,7 @@ def code_folder() -> Path | None:
     Folders of other sources are removed, but for the last ones used. None where the cache is switched off
     (ROLLBENCH_CACHE=off),
     and where nothing can be written there or others can write there, with a message on standard error: every process then
-    compiles anew.
+    compiles again.
     """
     from rollbench.meshes.cache import default_root
 

@@ -1,4 +1,4 @@
-"""Names of temporary files and folders beside their targets, and removal of those that killed processes left.
+"""Temporary files and folders next to their targets: names, and removal of those that killed processes left.
 
 A name contains machine and process, so that the next writer of the same target recognises abandoned ones.
 """
@@ -19,7 +19,7 @@ OLD = 86_400.0
 
 
 def temporary(path: Path, ending: str = "tmp") -> Path:
-    """Make a temporary name beside a target, and remove abandoned ones of earlier processes.
+    """Return a temporary name next to a target, and remove abandoned ones of earlier processes.
 
     Parameters
     ----------

@@ -48,4 +48,4 @@ def _check(status: os.stat_result, folder: Path, *, shared: bool) -> None:
     if not stat.S_ISDIR(status.st_mode) or status.st_uid not in owners:
         raise PermissionError(13, "it is not this user's alone", str(folder))
     if status.st_mode & 0o022 and not (shared and status.st_mode & stat.S_ISVTX):
-        raise PermissionError(13, "it is not this user's alone, others may write there (chmod go-w)", str(folder))
+        raise PermissionError(13, "other users may write there (chmod go-w)", str(folder))

@@ -70,7 +70,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
         for scene in each_case(one, name):
             if scene.name in taken:
                 advice = "verdicts differ by the name of file and case: rename one"
-                raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
+                raise InputError(name, "name", scene.name, "each scene once, with a unique name", advice)
             taken[scene.name] = name
     found = verdict_of(described, names, request, engine, on_terminal)
     verdicts, left = found.judged, found.not_judged
@@ -257,7 +257,7 @@ def check(
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
         given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
         refuse_given(
-            given | {"baseline": baseline}, "without --printed", "leave it out: printed data have their own limits"
+            given | {"baseline": baseline}, "without --printed", "leave it out: printed data have limits of theirs"
         )
         from rollbench.compare.commands.printed import run_printed
 

@@ -82,7 +82,7 @@ def run_compare(
     described = [catalogue.any_scene(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            raise ArgumentError(name, "with a reference of your own", "one of both", "the file is the reference")
+            raise ArgumentError(name, "given with `reference`", "only one of both", "the file replaces the 3D reference")
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = comparing(described, names, chosen, engine, on_terminal, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
@@ -385,7 +385,7 @@ def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, b
     kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
     if any(kinds) and not all(kinds):
         allowed = "whole screws and bearings, or scenes of friction"
-        raise ArgumentError("scenes", " ".join(names), allowed, "name them apart")
+        raise ArgumentError("scenes", " ".join(names), allowed, "compare them in separate runs")
     if bodies not in (HALF_SPACE, FINITE):
         raise ArgumentError("bodies", bodies, f"{HALF_SPACE} or {FINITE}", "half spaces are the faster ones")
     if not any(kinds):

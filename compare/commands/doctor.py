@@ -27,8 +27,8 @@ PYTHON = (3, 11)
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
 
 LICENCES = (
-    "rollbench's own code is under the MIT licence. It imports gmsh, which is under the GNU GPL: who passes the program "
-    "on together with it keeps to the GPL. Only the 3D reference imports it."
+    "The code of rollbench is under the MIT licence. It imports gmsh, which is under the GNU GPL: whoever distributes it "
+    "together with gmsh must comply with the GPL. Only the 3D reference imports gmsh."
 )
 
 #: Memory [GB] for one run of the reference on level 1 of a screw of 32 balls, and free disc [GB] for its caches.
@@ -37,7 +37,7 @@ ENOUGH_GB, DISC_GB = 4.0, 2.0
 #: Other programs: what they are for, and the Debian package.
 PROGRAMS = {
     "ccx": (("ccx",), "crosscheck --run solves with CalculiX", "calculix-ccx"),
-    "chromium": (("chromium", "chromium-browser", "google-chrome"), "tests look at the report in a browser", "chromium"),
+    "chromium": (("chromium", "chromium-browser", "google-chrome"), "tests open the report in a browser", "chromium"),
 }
 
 
@@ -80,7 +80,7 @@ def _python() -> Iterator[Check]:
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
     old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
     lack = present if old else ""
-    yield _looked("Python", f"{present}, at least {least}", lack, "not supported", f"take {least} or newer")
+    yield _looked("Python", f"{present}, at least {least}", lack, "not supported", f"install Python {least} or newer")
 
 
 def requirements() -> dict[str, str]:
@@ -160,7 +160,7 @@ def _folders(store: Path) -> Iterator[Check]:
     if root is None:
         yield Check("cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE")
     else:
-        yield _folder("cache of meshes", root, "meshes are built every time", "name another by ROLLBENCH_CACHE")
+        yield _folder("cache of meshes", root, "meshes are built every time", "name another with ROLLBENCH_CACHE")
     yield _folder("store of references", store, "no run of the 3D reference can be kept", "name another by --store")
 
 
@@ -179,7 +179,7 @@ def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
         lack = f"{folder}: {error.value}"
     free = 0.0 if lack else 1e-9 * shutil.disk_usage(near).free
     if not lack and free < DISC_GB:
-        lack, advice = f"{folder}: {free:.1f} GB free", f"make room for {DISC_GB:g} GB"
+        lack, advice = f"{folder}: {free:.1f} GB free", f"free at least {DISC_GB:g} GB"
     return _looked(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
 
 
@@ -187,11 +187,11 @@ def _size() -> Iterator[Check]:
     yield Check("cores", "ok", f"{cores()} of {os.cpu_count()} for this process")
     free = available_GB()
     if free is None:
-        yield Check("memory", "optional", "not known on this system", "3D runs start without a look at it")
+        yield Check("memory", "optional", "not known on this system", "3D runs start without checking it")
         return
     room = f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB"
     lack = f"{free:.1f} GB free" if free < ENOUGH_GB else ""
-    cost = f"less than the {ENOUGH_GB:g} GB of a 3D run of 64 contacts"
+    cost = f"less than a 3D run of 64 contacts needs ({ENOUGH_GB:g} GB)"
     yield _looked("memory", room, lack, cost, "close other programs, or take a larger machine")
 
 

@@ -292,7 +292,7 @@ def solve(
         alone |= {"seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
         alone |= {"everything": everything or None, "verbose": verbose or None}
         for name in (k for k, v in alone.items() if v is not None):
-            raise ArgumentError(name, f"with {len(scenes)} scenes", "one scene", "solve each by itself for that")
+            raise ArgumentError(name, f"with {len(scenes)} scenes", "one scene", "solve one scene at a time for that")
         choices = Choices(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
         return print_answer(run_side_by_side(scenes, choices), as_json)
     (scene,) = scenes
@@ -409,7 +409,7 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
     of_nut = (
-        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; solve's rigidity is the nut's alone"
+        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; the rigidity of solve is that of the nut only"
     )
     stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]

@@ -103,7 +103,7 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
     force, station = (_size(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
-        advice = comma_or("leave it empty for the scene's own loads", where)
+        advice = comma_or("leave it empty for the loads of the scene", where)
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 

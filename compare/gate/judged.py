@@ -1,4 +1,4 @@
-"""Quantities that the gate judges besides contact loads: of every contact and of the whole screw.
+"""Judged quantities other than contact loads: of every contact and of the whole screw.
 
 Hertz' approach of a contact, as `lowfi.hertz` defines it, goes as F^(2/3), its largest pressure as F^(1/3), and life as
 F^-3: unless a limit is given, the limit of the loads is multiplied by these powers. A contact angle is judged in degrees.

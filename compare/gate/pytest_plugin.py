@@ -52,7 +52,7 @@ class Rollbench:
         max_error, model, loads, values, limits, reference, strict, levels, store, compute
             As for `rollbench.check`; paths start from the folder of the test.
         stored
-            Folder of runs from which the reference is taken, besides those shipped; none is computed.
+            Folder of stored runs, used in addition to the shipped runs; none is computed.
 
         Returns
         -------

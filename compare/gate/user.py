@@ -528,7 +528,7 @@ def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load of a value; InputError if it has none."""
     assert value.force is not None
     if isinstance(scene, Assembly):
-        raise InputError(str(path), "where", value.where, "empty", "several sets are judged under the scene's own loads")
+        raise InputError(str(path), "where", value.where, "empty", "several sets are judged at the loads of the scene")
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
         advice = "leave it empty: loads are raised in proportion to the scene's"
@@ -593,7 +593,7 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
     else:
         model = known_model(name)
         if not model.suits(scene):
-            advice = "rollbench list tells what each model describes"
+            advice = "see rollbench list for what each model describes"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
         solved = run_model(scene, name, options_for(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status

@@ -42,7 +42,7 @@ LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
 
 #: Note on a reference with a single mesh level.
-ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; two or three levels give its own"
+ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two or three levels measure it"
 
 
 @dataclass(frozen=True)

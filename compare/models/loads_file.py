@@ -311,7 +311,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
             of[ball, side] = cells.amount(name)
     if only and not cases:
         which, value = " and ".join(only), " of ".join(f"{name} {words[0]}" for name, words in reversed([*only.items()]))
-        advice = f"solve with `loads_csv=FILE` writes all, told apart by the column {which}"
+        advice = f"solve with `loads_csv=FILE` writes all, identified by the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}

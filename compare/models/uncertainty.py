@@ -457,7 +457,7 @@ class Total:
             return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
         if self.at_face:
-            grid += f", of it {self.beside_face:.2f} % at {self.at_face} beside the nut's free face"
+            grid += f", of it {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
         c = self.choices
         modelling = "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, most {c.choice}"
         inputs = (

@@ -22,7 +22,7 @@ JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | Non
 SCHEMA = 1
 
 
-#: Headings of the columns of a table of results, and the room [characters] below which notes stand on lines below.
+#: Headings of the columns of a table of results, and the width [characters] below which notes go to separate lines.
 HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
 
 

@@ -396,7 +396,7 @@ def comparing(
     step
         Called with lines of progress, such as the errors by the coarsest level while finer ones run.
     store
-        Folder of runs, besides those shipped.
+        Folder of stored runs, used in addition to the shipped runs.
     levels
         Mesh levels to compute where they are not stored; None: the best stored run.
     otherwise

@@ -169,7 +169,7 @@ class Friction(Data):
     """Status: converged, or why not."""
     torque: float | None = quantity(
         "torque.friction_torque_Nmm",
-        "torque of friction alone, against the motion",
+        "torque of friction only, against the motion",
         error="proportional to the coefficient",
         heading="friction torque",
         form="g3",
@@ -182,7 +182,7 @@ class Friction(Data):
     )
     drag_torque: float | None = quantity(
         "torque.drag_torque_Nmm",
-        "friction torque without the scene's loads: preload alone",
+        "friction torque without the scene's loads: by preload only",
         error="as above",
         heading="drag torque",
         form="g3",

@@ -175,7 +175,7 @@ class Verdict(Record):
         loads = any(v.quantity == LARGEST for v in self.judged)
         return [
             *([f"errors of contact loads: {RULE}"] if loads else []),
-            *(["fail: every contact beside its reference: rollbench compare SCENE --balls"] if "fail" in words else []),
+            *(["fail: every contact with its reference: rollbench compare SCENE --balls"] if "fail" in words else []),
             *(
                 ["undecided: further mesh levels make the reference more certain: --levels 3"]
                 if "undecided" in words

@@ -166,7 +166,7 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
         for i, label in enumerate(given):
             if label in given[:i]:
-                yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
+                yield Fault((f"{table}[{i}].name",), "a unique name", "results are identified by it: rename one")
     known = ", ".join(names) or "none is described"
     named: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
     named += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]

@@ -139,7 +139,7 @@ def _profile_faults(scene: Scene, part: str, room: float) -> Iterator[Fault]:
         inward = float(np.polynomial.polynomial.polyval(gamma, profile or (0.0,)).max())
         if inward >= room:
             allowed = f"an inward offset below {mm(room)} for gamma from 0 to 90 deg"
-            advice = "the ball would jam: the groove's profile error leaves it no room"
+            advice = "the ball would jam: the groove's profile error leaves no clearance"
             yield Fault((f"errors.{side}.profile",), allowed, advice, f"an offset of {mm(inward)}")
 
 

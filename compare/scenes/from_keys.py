@@ -319,7 +319,7 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
             advice = 'it becomes a part of file names: write e.g. name = "rapid-travel"'
             yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)
         if case.name in names[:k]:
-            yield Fault((f"{where}.name",), "a name of its own", "results are told apart by it: change one")
+            yield Fault((f"{where}.name",), "a unique name", "results are identified by it: rename one")
         yield from _share_faults(case, where)
         yield from _support_faults(keys, case, where)
     if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):

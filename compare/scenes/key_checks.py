@@ -136,7 +136,7 @@ def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
             advice = 'the annulus and the fit are those of a flange: give [nut.flange], and at = "flange face"'
             yield Fault((f"nut.held.{name}",), "a flange by which the nut is held", advice)
     if by_flange and nut.flange and nut.held.centring == "bonded" and nut.flange.centring == 0.0:
-        advice = 'give the length of the fit beside the flange, e.g. nut.flange.centring = "10 mm"'
+        advice = 'give the length of the fit next to the flange, e.g. nut.flange.centring = "10 mm"'
         yield Fault(("nut.held.centring",), '"free" without a fit', advice)
 
 

@@ -511,7 +511,7 @@ class AxisKeys(keys.HeadKeys):
     joints: Annotated[list[JointKeys], Field(max_length=100)] = key(
         "springs between housings", [], [{"between": ["a", "b"], "at": "400 mm"}]
     )
-    supports: Supports = key("supports of the shaft besides its bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
+    supports: Supports = key("supports of the shaft other than bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
     loads: Loads = key("loads on the shaft", [], LOADED)
     cases: Annotated[list[AxisCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
     stiffness: AskedKeys = key("where the stiffness is asked for", AskedKeys(), {"housing": "carriage"})

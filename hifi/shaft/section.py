@@ -2,7 +2,7 @@
 
 Averaged over a lead, a long grooved shaft under a constant wrench is a uniform beam. About that beam its sections sway
 with the groove: an axial force bends it towards the groove, and over half a lead the other way. A rigid section that ends
-it stops the sway in one phase, and keeps the cross-section flat besides. So of a shaft with length L along z, cut and
+it stops the sway in one phase, and also keeps the cross-section flat. So of a shaft with length L along z, cut and
 rigid at both ends and fixed at the lower one (a), the upper end (b) moves by the flexibility
 
     F = U(L) + T(L) A T(L)^T + R_b E R_b^T,   A = R_a M E M R_a^T,

@@ -144,7 +144,7 @@ def roller_torque(
             thrust = float(loads.sum() * np.sin(bearing.cup_angle))
             timken = taper_torque(row.torque_factor, lubricant.dynamic_viscosity, speed, thrust)
             if float(loads.max()) > UNEVEN * float(loads.mean()):
-                words.append("Timken's formula takes the thrust alone, and leaves out the radial force")
+                words.append("Timken's formula uses only the thrust and neglects the radial force")
     if row.torque_factor is None:
         words.append("no Timken's formula: rollers.torque_factor, the maker's G1, is not given")
     if row.rib_friction is None:

@@ -55,7 +55,7 @@ class ShaftLimits:
     #: Root diameter of the thread [m].
     root: float = quantity("root_diameter_mm", "root diameter of the thread, which the formulas take")
     #: Euler's buckling load F_c [N].
-    buckling: float = quantity("buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as said")
+    buckling: float = quantity("buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as stated")
     #: Largest axial compression of the shaft by its loads [N]; 0 where it is only in tension.
     compression: float = quantity("compression_N", "largest axial compression in the shaft by its loads")
     #: Critical speed [rad/s].

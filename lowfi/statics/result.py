@@ -136,7 +136,7 @@ class SolverReport:
     #: What is solved.
     formulation: str = quantity("formulation")
     #: Residual that rounding in double precision can leave.
-    round_off_bound: float = quantity("round_off_bound", "bound of the residual that rounding alone makes", default=0.0)
+    round_off_bound: float = quantity("round_off_bound", "bound of the residual due to rounding only", default=0.0)
     #: Largest change of a contact load with a finer beam [N]; None where it was not computed.
     discretisation: float | None = quantity(
         "discretisation_percent",

@@ -92,7 +92,7 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     if isinstance(scene, Assembly):
         return solve_axis(scene, choices)
     if choices != Choices():
-        advice = "leave them out: such a scene holds its own loads and coefficients"
+        advice = "leave them out: such a scene gives its loads and coefficients itself"
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "with the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_kind

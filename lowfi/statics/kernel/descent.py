@@ -2,7 +2,7 @@
 
 This file is loaded once for each system (`lowfi.jit.driver_of`), a module that gives by name the functions taken below and
 ``KEPT``, the residual over the least one before from which on, near the end, the stiffness is factored again. ``given`` is
-what such a system consists of, ``state`` its unknowns, ``room`` its derivatives, the step and where the step begins.
+the constants of such a system, ``state`` its unknowns, ``room`` its work arrays: derivatives, the step and its start.
 The shift is proportional to the residual, so it vanishes at the solution and convergence stays fast.
 """
 
