@@ -409,7 +409,8 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
     of_nut = (
-        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; the rigidity of solve is that of the nut only"
+        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; "
+        "the rigidity of solve is that of the nut only"
     )
     stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]

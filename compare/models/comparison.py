@@ -174,7 +174,7 @@ class Loads:
     #: Name of the model or run.
     model: str
     #: Contact loads, (n, 4) [N].
-    load_run: Array
+    load: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
     #: Stations of the screw's axis, (k,) [m].

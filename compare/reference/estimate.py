@@ -32,7 +32,7 @@ class Reference:
     #: Runs, coarse to fine; of a user's reference one without mesh, displacements or times.
     runs: tuple[Run, ...]
     #: Contact loads of the finest run, (n, 4) [N].
-    load_run: Array
+    load: Array
     #: Uncertainty of the loads by discretisation and incomplete convergence, (n, 4) [N]; zero where no level has load.
     uncertainty: Array
     #: Parts of this uncertainty.

@@ -178,7 +178,7 @@ class Run:
     #: Status: converged, or why not.
     status: str
     #: Contact loads, (n, 4) [N].
-    load_run: Array
+    load: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
     #: Contact loads with directions fixed in the nominal state, (n, 4) [N].

@@ -353,7 +353,7 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
         restart(tally, chain, m, rng, FAR_START)
-        bound = p.groove.mu * float(r.load.max())
+        bound = p.groove.mu * float(r.ball_loads.max())
         for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
             tally.theirs(found, m.ball_force[:1], bound)
     return tally.record(group, "screw pair", note)

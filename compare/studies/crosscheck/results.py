@@ -79,7 +79,7 @@ class CrossRun:
     #: Meshes of the bodies.
     meshes: tuple[BodyMesh, ...]
     #: Contact loads, (n, 4) [N].
-    load_results: Array
+    load: Array
     #: Largest force of a weak spring on a ball [N].
     weak: float
     #: Largest unbalanced force of a ball beyond it [N].
@@ -189,7 +189,7 @@ class Extrapolation:
     """Loads of a series of runs extrapolated to zero element size and rigid contact."""
 
     #: Extrapolated contact loads, (n, 4) [N].
-    load_results: Array
+    load: Array
     #: Their uncertainty, (n, 4) [N].
     uncertainty: Array
     #: Order p.

@@ -254,7 +254,7 @@ def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called
         series.append(Series(kind, [n + shift for n in number], value, "markers", bars=bars))
     caption = (
         f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
-        f"{100 * indices['confidence']:g} % intervals: first, of this key only; total, including its interaction with others."
+        f"{100 * indices['confidence']:g} % intervals: first, of the key only; total, with its interactions."
     )
     panel = Panel("Sobol indices", "", "share of the variance", tuple(series), zero=True, names=[called(v) for v in keys])
     return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)

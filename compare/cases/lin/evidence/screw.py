@@ -161,8 +161,8 @@ def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> N
         f"force_{case}",
         as_text.force,
         f"{_both(as_text.force, oversized.force)}; the text as it stands does not give it ({off[0]:+.0f} %): printed force "
-        f"and increase imply {implied:.0f} N of contact load a ball, the plain reading has {as_text.load.mean():.0f} N, "
-        f"the inferred one {oversized.load.mean():.0f} N ({off[1]:+.1f} %)",
+        f"and increase imply {implied:.0f} N of contact load a ball, the plain reading has {as_text.ball_loads.mean():.0f} N, "
+        f"the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
         reference=solid.get("force 1-2 N"),
     )
@@ -388,7 +388,7 @@ def reading_rows() -> list[Row]:
                 Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
                 Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
                 Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): increase(r),
-                Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.load.mean()),
+                Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.ball_loads.mean()),
             }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
