@@ -207,7 +207,7 @@ Behind = tuple[str, ...] | str
 
 @dataclass(frozen=True)
 class Computation:
-    """How the entries of one printed table are computed."""
+    """Function that computes the entries of one printed table, with its scenes and tests."""
 
     #: Case of the table.
     case: Case
@@ -356,7 +356,7 @@ def misprints() -> list[dict[str, str]]:
 
 
 def left_out() -> list[dict[str, Any]]:
-    """Return groups of printed numbers that are no entries: source, place, what, count, reason."""
+    """Return groups of printed numbers that are not entries: source, place, quantity, count, reason."""
     rows: list[dict[str, Any]] = files.shipped_table("cases/left-out.toml")["row"]
     return rows
 

@@ -115,7 +115,7 @@ def alike(name: str, names: Iterable[str]) -> list[str]:
 
 
 def like_path(path: Path, others: Iterable[str] = ()) -> str:
-    """Return the `question` for a file that does not exist: files of its folder with the same ending, else other names."""
+    """Return a `question` for a file that does not exist: files of its folder with the same suffix, else similar names."""
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
     except (OSError, ValueError):

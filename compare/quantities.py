@@ -68,7 +68,7 @@ def count_of(number: int, one: str) -> str:
 
 
 def split_unit(key: str) -> tuple[str, str]:
-    """Return words and unit of a key; an empty unit if it names none.
+    """Return description and unit of a key; the unit is empty if the key names none.
 
     Examples
     --------

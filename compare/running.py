@@ -28,7 +28,7 @@ def gmsh_fault() -> str:
 
 
 def gmsh_remedy() -> str:
-    """Return what to do if gmsh cannot be loaded."""
+    """Return advice for a gmsh that cannot be loaded."""
     return pip("gmsh") if version("gmsh") is None else install(MESHING)
 
 
@@ -200,7 +200,7 @@ def duration(seconds: float) -> str:
 
 
 def _left(spent: float, share: float) -> str:
-    """Return in words the time left when a share (0 to 1) of the work took some seconds; empty if not known."""
+    """Return the remaining time as text from the share of the work done (0 to 1) and its seconds; empty if not known."""
     return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
 
 

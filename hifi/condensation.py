@@ -72,7 +72,7 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 
 @dataclass(frozen=True)
 class SidePatches:
-    """Patches of groove and ball at one flank, on the same contact nodes; all balls share them."""
+    """Patches of groove and ball at one flank, with coinciding contact nodes; all balls share them."""
 
     #: Patch of the groove.
     groove: CondensedPatch
@@ -181,7 +181,7 @@ def _constants(material: Material) -> tuple[float, float]:
 
 
 def congruent(m: GrooveMap, side: int) -> bool:
-    """Whether the side is the other flank of the same groove turned about the radius through the ball's centre.
+    """Return whether a flank is the other flank of its groove turned about the radius through the ball's centre.
 
     Parameters
     ----------

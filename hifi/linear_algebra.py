@@ -172,7 +172,7 @@ def _first_columns(parent: Index) -> Index:
 
 
 def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """Rows of every supernode: its diagonal block, those of its graph's edges, and those that its children pass on."""
+    """Rows of every supernode: its diagonal block, those of its graph edges, and those inherited from its children."""
     owner = np.repeat(np.arange(first.size - 1), np.diff(first))
     left: list[list[Index]] = [[] for _ in first[1:]]
     rows = []

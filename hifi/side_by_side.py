@@ -33,7 +33,7 @@ class Job(NamedTuple):
 
 @dataclass(frozen=True)
 class Made:
-    """A record, and what it cost."""
+    """A record, with the time and memory that it took."""
 
     #: The record.
     value: Any

@@ -72,7 +72,7 @@ class Housing:
 
     @property
     def stands(self) -> bool:
-        """Whether all its freedoms are fixed at zero."""
+        """Whether all freedoms of the housing are fixed at zero."""
         return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
 
@@ -156,10 +156,7 @@ class RollingSet:
 @keyed
 @dataclass(frozen=True)
 class Drive:
-    """What the motor of a shaft moves besides it, for the torque and the inertia of the axis.
-
-    Mass [kg], inertia [kg m^2], time [s], torque [N m], density [kg/m^3].
-    """
+    """Parts driven by the motor in addition to the shaft, for torque and inertia of the axis."""
 
     mass: Mass = usual(0.0, "mass that the nut moves along the shaft", "200 kg")
     motor_inertia: Inertia = usual(0.0, "moment of inertia of motor and coupling", "20 kg cm2")

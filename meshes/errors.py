@@ -241,7 +241,7 @@ def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
 
 @dataclass(frozen=True)
 class Specimens:
-    """Errors of m specimens whose grooves have the same radii."""
+    """Errors of m samples with equal groove radii."""
 
     #: Ball radii ``(m, n)`` [m].
     ball_radius: Array
@@ -252,7 +252,7 @@ class Specimens:
 
 
 def alike_in_shape(scene: Scene) -> bool:
-    """Whether the grooves of all specimens of a scene are exact arcs of the same radii; see `specimens`.
+    """Return whether all samples of a scene have exact arcs of equal radii as grooves; see `specimens`.
 
     Parameters
     ----------

@@ -328,7 +328,7 @@ def moved(mesh: Mesh, points: Array) -> Mesh:
 
 
 def _changed(mesh: Mesh, **fields: Any) -> Mesh:
-    """Copy of a mesh with other attributes and the same cells, whose edges and faces need not be numbered again."""
+    """Copy of a mesh with other attributes and unchanged cells, so that edges and faces keep their numbers."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
         changed.__dict__.pop(name, None)

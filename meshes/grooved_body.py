@@ -326,7 +326,7 @@ class Thread:
         return lambda gamma: cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
-        """Cut of a flank by an end, in the plane of the end; place: 0 left, 1 right; end: 0 low, 1 high."""
+        """Intersection of a flank with the plane of an end; place: 0 left, 1 right; end: 0 low, 1 high."""
         return lambda gamma: self._space(place, end)(gamma)[:, :2]
 
     def flank(self, place: int) -> list[Side]:

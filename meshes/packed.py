@@ -80,7 +80,7 @@ def unpacked(content: bytes, *packages: str) -> Any:
 
 
 def _described(value: Any, arrays: list[Any]) -> Any:
-    """JSON of a value: plain values as they are, others as a list that begins with their kind; arrays go to ``arrays``."""
+    """JSON of a value: plain values unchanged, others as a list that begins with their kind; arrays go to ``arrays``."""
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.ndarray | np.generic) and value.dtype != object:

@@ -382,10 +382,7 @@ class Ingredients:
 @keyed
 @dataclass(frozen=True)
 class Solid:
-    """What the 3D reference needs beyond the low-order model; a key left out stands for an assumption, which is printed.
-
-    Lengths in m; assumptions by `meshes.solid`; a groove that is not through: `meshes.groove.GrooveEnds`.
-    """
+    """Inputs that only the 3D reference uses; a missing key is replaced by an assumption, which is printed."""
 
     nut_inner_diameter: Size | None = usual(None, "diameter of the nut's lands; mirrors the screw's if left out", "34 mm")
     hole_diameter: Size | None = usual(None, "hole along the meshed screw where it has no bore", "3 mm")
@@ -476,10 +473,7 @@ class Lubricant:
 @keyed
 @dataclass(frozen=True)
 class Circulation:
-    """How the balls of a screw go round, for: rollbench friction.
-
-    Each circuit is a loaded arc and a return; without gap [m] and filling the balls in the return are spaced as on the arc.
-    """
+    """Circulation of the balls of a screw, for ``rollbench friction``."""
 
     circuits: Annotated[int, Whole(1, 1000)] = usual(1, "closed circuits that share the balls of each start equally", 1)
     turns: Turns | None = usual(

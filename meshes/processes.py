@@ -42,7 +42,7 @@ def for_one_thread() -> dict[str, str]:
 
 
 def one_thread() -> None:
-    """Run linear algebra of this process, and of those that it starts, on one thread from now on."""
+    """Run linear algebra of this process and its child processes on one thread from now on."""
     if "numpy" in sys.modules:
         for library in _loaded():
             library.set_num_threads(1)
@@ -103,7 +103,7 @@ def local() -> Any:
 
 @contextmanager
 def restarts_unsaid() -> Iterator[None]:
-    """Keep joblib from warning of a worker that it starts anew because its jobs have kept more than 300 MB."""
+    """Suppress joblib's warning about a worker that it restarts because its jobs retain more than 300 MB."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
         yield

@@ -12,10 +12,7 @@ Getter = TypeVar("Getter", bound=Callable[..., object])
 
 @dataclass(frozen=True)
 class Stated:
-    """What is stated of a quantity: its key, definition and format.
-
-    As a decorator below ``@property`` it is stated of a property; of a method it is only a definition.
-    """
+    """Metadata of a quantity: key, definition and format."""
 
     #: Key in JSON, whose ending gives the unit; with a dot where it is in a table there.
     key: str
@@ -38,7 +35,7 @@ class Stated:
     note: str = ""
 
     def shown(self, value: object) -> object:
-        """Value as it is shown, from that of the field."""
+        """Return the value in the unit shown, from that of the field."""
         return value if self.show is None else self.show(value)
 
     def __call__(self, getter: Getter) -> Getter:

@@ -230,7 +230,7 @@ class Whole:
     high: int
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Validate a number that is whole as it stands."""
+        """Accept only numbers that are whole."""
         from pydantic_core import core_schema
 
         return core_schema.int_schema(strict=True, ge=self.low, le=self.high)

@@ -402,7 +402,7 @@ def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tu
 
 
 def between(nodes: Array, needed: Array) -> tuple[Array, int]:
-    """Nodes between the outermost of some stations, at least two.
+    """Return the nodes that enclose some stations, at least two.
 
     Parameters
     ----------

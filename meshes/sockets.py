@@ -658,9 +658,7 @@ def fitted_socket(
 def _narrowed(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
-    """Half width of sockets that edges and apexes of the grooves allow, and what limits it.
-
-    On the ball, sockets are then as far from the middle between two contacts as here from apex or pitch cylinder.
+    """Half width of sockets allowed by edges and apexes of the grooves, and which of them limits it.
 
     Parameters
     ----------

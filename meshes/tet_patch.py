@@ -122,7 +122,7 @@ def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
 
 
 def _sizes(gmsh: Any, box: TetBox) -> None:
-    """Edges `fine` within the body of influence, then growing with the distance from it; shorter ones asked for inside."""
+    """Element sizes: `fine` within the body of influence, growing with the distance from it; smaller on request."""
     across, along, depth = (MM * length for length in box.influence)
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
     edge = f"Min({MM * box.far:.17g},{MM * box.fine:.17g}+{box.growth:.17g}*Sqrt({away}))"
@@ -247,9 +247,7 @@ _OCTAHEDRON = np.array([[[p, q, ring[k], ring[(k + 1) % 4]] for k in range(4)] f
 
 
 def split_second_order(points: Array, cells: Index) -> Index:
-    """Divide second-order tetrahedra into eight first-order ones each, on the same nodes.
-
-    The octahedron in the middle is divided along its shortest diagonal that inverts no cell.
+    """Divide each second-order tetrahedron into eight first-order ones on its nodes.
 
     Parameters
     ----------

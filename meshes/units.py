@@ -167,7 +167,7 @@ def expected(dimension: str) -> str:
 
 
 def example(dimension: str) -> str:
-    """Show an example of a quantity as it stands in a scene file: in quotes where it has a unit.
+    """Return an example of a quantity as written in a scene file: in quotes if it has a unit.
 
     Examples
     --------
@@ -179,7 +179,7 @@ def example(dimension: str) -> str:
 
 
 def show(value: object) -> str:
-    """Text of a value as it stands in a TOML file: text in quotes, booleans in lower case, the rest by ``str``.
+    """Text of a value as written in a TOML file: text in quotes, booleans in lower case, the rest by ``str``.
 
     Parameters
     ----------
@@ -362,7 +362,7 @@ def _factor(unit: str) -> tuple[str, Decimal, Decimal]:
 
 
 def _single(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """As `_factor` of one unit, with or without a prefix, singular or plural; None where there is no such unit."""
+    """Like `_factor` for one unit, with or without prefix, singular or plural; None for an unknown unit."""
     for whole in (name, name.removesuffix("s")):
         for prefix, tens in PREFIXES.items():
             if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:

@@ -116,7 +116,7 @@ def solve(
     condensed: str | Path | None = None,
     stiffness_at: float | None = None,
 ) -> Result:
-    """Compute the contact loads of a scene with a low-order model, and what follows from them.
+    """Compute the contact loads of a scene with a low-order model, and the results that follow from the loads.
 
     Parameters
     ----------

@@ -271,7 +271,7 @@ def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def solver_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the balance of forces of every shipped scene, and that both solvers of the same equations agree."""
+    """Check the equilibrium of every shipped scene, and the agreement of both solvers of the beam model."""
     rows = []
     limit = min(EXACT, max_error)
     for name in catalogue.whole_names():

@@ -555,7 +555,7 @@ def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[s
 
 
 def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Return the limits of a scene: those given, else its own, else `LIMIT`.
+    """Return the limits of a scene: those of the request, else those of the scene, else `LIMIT`.
 
     Parameters
     ----------

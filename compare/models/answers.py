@@ -126,7 +126,7 @@ WIDEST = 0.6
 
 @record
 class LoadAnswers:
-    """What follows from contact loads, of any model or of the 3D reference; None without load."""
+    """Results that follow from contact loads of a model or of the 3D reference; None without load."""
 
     #: Contact with the highest pressure.
     worst: Contact | None = quantity("worst_contact")
@@ -146,7 +146,7 @@ class LoadAnswers:
 
 @record
 class RollerAnswers:
-    """What follows from the line loads of a row of rollers; None without load."""
+    """Results that follow from the line loads of a row of rollers; None without load."""
 
     #: Line contact with the highest pressure.
     worst: RollerContact | None = quantity("worst_contact")

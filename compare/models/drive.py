@@ -81,7 +81,7 @@ class AxisDrive:
 
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
-    """Return the friction of every nut, if it is cached or no kernel must be compiled for it.
+    """Return the friction of every nut if it is cached or needs no compilation, else the reason.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
 
 
 def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
-    """Return the torque of a nut in the sense in which the shaft turns; from rest the same (Coulomb friction)."""
+    """Return the torque of a nut in the direction in which the shaft turns, or would turn from standstill."""
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, words=why or "no balance of friction found")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]

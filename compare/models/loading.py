@@ -1,7 +1,4 @@
-"""How a scene responds to its loads: preload without them, load at which a contact opens, and the path that they take.
-
-The path: which share supports, frames of housings and contacts take.
-"""
+"""Response of a scene to its loads: preload at zero load, load at which a contact opens, and the load path."""
 
 from __future__ import annotations
 
@@ -426,7 +423,7 @@ def _at(station: float, wrench: Array) -> Array:
 
 
 def path_words(path: LoadPath) -> str:
-    """Describe which share of each load component each support takes; empty if they take none."""
+    """Return a text on the share of each load component that each support takes; empty if they take none."""
     out = []
     for k in np.flatnonzero(path.applied):
         load, unit = float(path.applied[k]), "N" if k < 3 else "N m"

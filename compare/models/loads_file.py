@@ -117,7 +117,7 @@ def _with_unit(name: str, text: str, dimension: str) -> Column:
 
 @dataclass(frozen=True)
 class GivenLoads:
-    """Contact loads of a file, and what else it gives."""
+    """Contact loads read from a file, with its other quantities."""
 
     #: Contact loads (n, 4) [N]; zero on flanks that the file does not name.
     load: Array
@@ -374,7 +374,7 @@ class _Row:
         return SIDES.index(flank.upper())
 
     def place(self, name: str) -> float:
-        """Return an azimuth [rad] or an axial position [m]."""
+        """Return an azimuth [rad] or an axial position [m] of the row."""
         value, factor, text = self._number(name)
         if not np.isfinite(value):
             raise self.fault(self._cells[name][0], text, "a number", comma_or("or leave the column out", text))

@@ -385,7 +385,10 @@ class LeftOut:
 
 
 def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
-    """Estimate every compared screw of a model from all others; those without a flange from others without one."""
+    """Estimate the error of every compared screw of a model from all other screws (leave one out).
+
+    Screws without a flange are estimated from screws without one only.
+    """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
         like = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)]

@@ -214,7 +214,7 @@ class Program:
                 raise self._failed(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
-        """Run the program with its output in a file; return why it failed, empty if it did not."""
+        """Run the program with its output in a file; return the reason of a failure, else an empty text."""
         import subprocess
 
         with said.open("wb") as output:

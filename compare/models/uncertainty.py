@@ -295,7 +295,7 @@ class Validated:
 
     @property
     def bar(self) -> str:
-        """u_val in words, or why it is not known."""
+        """u_val as text, or why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
         why = "modelling choices were varied on no scene like it" if np.isfinite(self.grid) else "one mesh level"
@@ -551,10 +551,7 @@ def recorded(varied: Modelling) -> Choices:
 
 
 def spoken_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
-    """Return the modelling choices that apply to a scene: of its own parts, else those with the largest effect.
-
-    None for a scene beyond what was compared. ValueError as `applicability.outside`.
-    """
+    """Return the modelling choices for a scene: those studied on its parts, else those with the largest effect."""
     if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)

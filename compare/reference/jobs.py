@@ -160,7 +160,7 @@ HEARTBEAT = 20.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Where and how jobs run."""
+    """Where runs are computed (machine or cluster), and with how many processes."""
 
     #: ``joblib``: processes of this machine; ``dask``: a cluster.
     backend: str = "joblib"
@@ -254,7 +254,7 @@ def plan(
 
 
 def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
-    """Return what no store holds yet, task by task."""
+    """Return the runs that no store holds yet, by task."""
     left = []
     for task in tasks:
         runs = [load_run(scene, task.level, task.variant, stores) for scene in task.scenes]

@@ -54,9 +54,7 @@ def as_done(
     workers: int | None = None,
     wait: float | None = None,
 ) -> Generator[tuple[int, Any], None, None]:
-    """Run independent jobs and yield the result of each as soon as it is there; closing the generator drops the rest.
-
-    The linear algebra of a job runs on one thread.
+    """Run independent jobs and yield each result as soon as it is available; closing the generator drops the rest.
 
     Parameters
     ----------

@@ -229,7 +229,7 @@ class Run:
 
     @property
     def answers(self) -> bool:
-        """Whether the run has loads: converged, or not fully but with a known remaining change."""
+        """Whether the run has usable loads: it converged, or its remaining change is known."""
         return self.status == "converged" or self.moving > 0.0
 
     @property
@@ -299,7 +299,7 @@ def bodies_key(
 def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
-    """Return what a mesh depends on besides the fields of the scene."""
+    """Return the inputs of a mesh other than the fields of the scene."""
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
     low, high = dims.ends(scene)

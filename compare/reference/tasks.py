@@ -62,7 +62,7 @@ def refused(described: Solvable, error: ValueError) -> Refusal:
 
 
 def _bodies(case: Solvable) -> list[Scene]:
-    """Return what is meshed of each set; Refusal for a set without 3D body."""
+    """Return the bodies of each set that are meshed. Raises Refusal for a set without 3D body."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import bodies_of
@@ -92,7 +92,7 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
 
 
 def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Return the flanks that may touch, and those opposite, which press a ball against them."""
+    """Return the flanks that may touch, and the opposite ones, against which they press a ball."""
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
 
@@ -211,7 +211,7 @@ def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
 
 
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings as they are read from a file: lists become tuples."""
+    """Return settings with lists as tuples, as they were before they were stored."""
 
     def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
@@ -242,7 +242,7 @@ class Task:
 
     @property
     def single(self) -> tuple[Scene, ...]:
-        """Its scenes with one set."""
+        """Scenes of the task that have one set."""
         return tuple(scene for scene in self.scenes if isinstance(scene, Scene))
 
     @property

@@ -75,7 +75,7 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
 
 
 def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
-    """Whether a column holds numbers, which stand flush right."""
+    """Return whether a column holds numbers, which are right-aligned."""
     return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
 
 

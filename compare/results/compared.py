@@ -201,7 +201,7 @@ def others_than(reference: Reference) -> list[Point]:
 
 
 def answers_of(b: Beside) -> dict[str, Any]:
-    """Return what follows from the loads of a model or the reference, as JSON; null if there is no such quantity."""
+    """Return the results that follow from the loads of a model or the reference, as JSON; null for missing quantities."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
         Axial(b.force, b.displacement, stiff),

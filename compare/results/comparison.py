@@ -37,7 +37,7 @@ Pairs = Sequence[tuple[Referenced, Compared]]
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Loads:
-    """Contact loads of a model or of the reference, and what follows from them; columns are the flanks SL, SR, NL, NR."""
+    """Contact loads of a model or of the reference, with derived results; columns are the flanks SL, SR, NL, NR."""
 
     name: str
     """Name of the model, ``3D reference``, file of another reference, or ``3D level 1`` for a coarser mesh."""

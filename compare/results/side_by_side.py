@@ -220,7 +220,7 @@ def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
 
 
 def _differ(scenes: Sequence[Scene | Assembly]) -> list[str]:
-    """Return which data differ between the scenes."""
+    """Return the names of the data that differ between the scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
         return ["one set against several"]

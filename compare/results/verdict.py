@@ -170,7 +170,7 @@ class Verdict(Record):
 
     @property
     def advice(self) -> list[str]:
-        """What errors of loads are of, and what to do where not all pass."""
+        """Advice: what the errors of loads are relative to, and what to do where not all pass."""
         words = {v.word for v in self.judged}
         loads = any(v.quantity == LARGEST for v in self.judged)
         return [

@@ -354,7 +354,7 @@ def _of_arcs(scene: Scene, thrust: str) -> Scene:
 
 
 def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
-    """Return a fault of a set's scene with its keys as they are in the file: those of the shaft are shared."""
+    """Return a fault of a set's scene with the keys of the axis file, where those of the shaft are shared."""
     inner = "screw" in raw["sets"][i]
     keys = []
     for k in fault.keys:

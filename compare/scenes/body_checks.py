@@ -214,7 +214,7 @@ def _rigid_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _solid_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield faults of dimensions that only the 3D reference needs, if the scene gives them."""
+    """Yield faults of dimensions that only the 3D reference uses, if the scene gives them."""
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = groove_depths(scene)
     if solid.nut_inner_diameter is not None:

@@ -141,7 +141,7 @@ MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 
 
 class HeadKeys(Table):
-    """What a scene of every kind begins with."""
+    """First keys of a scene of every kind."""
 
     title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
     source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")

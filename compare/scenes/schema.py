@@ -28,7 +28,7 @@ CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
 
 
 class ClearanceKeys(keys.Table):
-    """Internal clearance of a bearing as data sheets give it, all the way that one ring goes against the other."""
+    """Internal clearance of a bearing as in data sheets: total travel of one ring relative to the other."""
 
     radial: ranges.Clearance | None = key("radial clearance", None, "13 um")
     axial: ranges.Clearance | None = key("or axial clearance", None, "96 um")
@@ -83,7 +83,7 @@ class FlangeKeys(keys.Table):
 
 
 class HeldKeys(keys.Table):
-    """Where the nut is held."""
+    """Where the nut is fixed."""
 
     at: NutHeld | None = key(
         "surface; the flange's face towards the rest of the nut where there is a flange, else the left face, or the outer "
@@ -194,7 +194,7 @@ class SupportKeys(keys.Table):
 
     @property
     def held(self) -> tuple[str, ...]:
-        """Freedoms that it holds, fixed ones first."""
+        """Freedoms that the support restrains, the rigid ones first."""
         return (*self.fix, *self.displace.given)
 
 
@@ -263,7 +263,7 @@ class CaseSupportKeys(keys.Table):
 
 
 class CaseKeys(keys.Table):
-    """One of several load cases of the same parts: what differs from the scene, and its share of the revolutions."""
+    """One of several load cases of the same parts: its differences from the scene, and its share of the revolutions."""
 
     name: keys.Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
     share: Share | None = key("part of the revolutions; 0: static check only; all cases together 1", None, 0.5)
@@ -451,7 +451,7 @@ class JointKeys(StiffKeys):
 
 
 class AskedKeys(keys.Table):
-    """Where the stiffness of the whole is asked for; where the loads act if left out."""
+    """Position for which the stiffness of the whole is reported; default: where the loads act."""
 
     at: ranges.Station | None = key("a station of the shaft", None, "400 mm")
     housing: Name | None = key("or a housing", None, "carriage")
@@ -491,7 +491,7 @@ class CaseHousingKeys(keys.Table):
 
 
 class AxisCaseKeys(CaseKeys):
-    """One of several load cases of the same parts; an oversize is that of the balls of every set."""
+    """One of several load cases of the same parts; an oversize applies to the balls of every set."""
 
     housings: Annotated[list[CaseHousingKeys], Field(max_length=100)] = key(
         "loads on housings in place of the scene's", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]

@@ -139,7 +139,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
 
 
 def shares_table(study: Study) -> Table:
-    """Return which body's idealisation causes the error of the refined model."""
+    """Return the contributions of each body's idealisation to the error of the refined model."""
     found = study.once(shares)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []

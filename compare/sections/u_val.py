@@ -273,7 +273,7 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Return the stated bounds, and how many of them held."""
+    """Return the stated error bounds, and for how many scenes they were kept."""
     rows = left_out_one(study, rungs)
     counts = [
         (f"largest error to expect, model {name}, scene left out", held, total)

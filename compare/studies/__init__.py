@@ -1,1 +1,1 @@
-"""What is computed beyond one solve: sweeps, members, mesh studies, friction, rolling, checks by other programs."""
+"""Computations beyond one solve: sweeps, samples, mesh studies, friction, rolling, checks by other programs."""

@@ -247,7 +247,7 @@ def both_kinds() -> Assembly:
 
 
 def _fixed() -> Assembly:
-    """Return the shipped axis with bearings preloaded by offsets, so that all formulations solve the same equations."""
+    """Return the shipped axis with bearings preloaded by offsets, so that all formulations solve identical equations."""
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
     return _each_set(shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0)))
 

@@ -209,7 +209,7 @@ def _attempt(case: Case, formulation: str, status: str, **found: Any) -> Attempt
 
 
 def _fault(result: StaticResult | AxisResult) -> str:
-    """Return what contradicts a solver's claim of convergence; empty if nothing."""
+    """Return the reason why a claimed convergence is wrong; empty if it is right."""
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
@@ -414,7 +414,7 @@ GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRAS
 
 
 def read_campaigns(path: Path) -> list[Record]:
-    """Return the records of a file; empty if it is missing or holds something else."""
+    """Return the records of campaigns in a file; empty if the file is missing or holds something else."""
     try:
         records = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):

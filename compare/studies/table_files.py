@@ -174,7 +174,7 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _left_out(table: Table) -> list[str]:
-    """Return which rows are left out, and why."""
+    """Return sentences on the rows that are left out."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
@@ -183,12 +183,7 @@ def _comments(lines: Iterable[str]) -> str:
 
 
 def modelica_text(table: Table) -> tuple[str, list[str]]:
-    """Return a file for Modelica.Blocks.Tables, and what is left out of it with the reasons.
-
-    One key gives ``table`` for CombiTable1Ds, its columns named in comments; two give a table of each column for
-    CombiTable2Ds. Left out are rows without equilibrium, and columns without a number in some row. InputError for more
-    keys, text as values, and a grid with gaps.
-    """
+    """Return a file for Modelica.Blocks.Tables, and sentences on what it leaves out."""
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table over one or two keys, each of two numbers or more"

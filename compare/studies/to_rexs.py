@@ -73,7 +73,7 @@ class Writer:
 
 
 def _is_seat(housing: Housing) -> bool:
-    """Return whether a housing holds all but the motion along the shaft, and nothing acts on it."""
+    """Return whether a housing is fixed except along the shaft, and carries no load."""
     held = housing.fixed == tuple((name, 0.0) for name in SEAT)
     return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 

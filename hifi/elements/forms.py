@@ -145,7 +145,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         self._kept: dict[str, tuple[Any, Any, Any]] = {}
 
     def _once(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """Compute a result, or return that for the same points X in the same cells or faces ``entities``."""
+        """Return a result for the points X in the cells or faces ``entities``, computed once."""
         known = self._kept.get(name)
         if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
             known = self._kept[name] = (X, entities, compute())

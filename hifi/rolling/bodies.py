@@ -459,7 +459,7 @@ MOST = 32
 
 
 def kept(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function to compute the same result only once; arguments are hashed."""
+    """Decorate a function to cache its results by its hashed arguments."""
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:

@@ -76,7 +76,7 @@ def _beyond(start: float, end: float, step: float, growth: float) -> Array:
 
 @dataclass(frozen=True)
 class ContactBody:
-    """Mesh of a body; boundaries "contact" (the zone) and "held" (where it is fixed or cut off; a ball has none)."""
+    """Mesh of a body with boundaries "contact" (the zone) and "held" (where it is fixed or cut off; a ball has none)."""
 
     #: The mesh.
     mesh: Mesh

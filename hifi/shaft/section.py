@@ -405,7 +405,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
 
 
 def _periodic(basis: Basis, period: float) -> sp.csr_array:
-    """Freedoms ``(n, m)`` from those that are left where the two ends of the period are one."""
+    """Return the freedoms ``(n, m)`` of a period whose ends are tied together, from the independent ones."""
     x = basis.doflocs
     low, high = (np.flatnonzero(np.abs(x[1] - s * 0.5 * period) < 1e-9 * period) for s in (-1.0, 1.0))
     low, high = (at[np.lexsort((at, x[0, at]))] for at in (low, high))

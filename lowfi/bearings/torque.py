@@ -171,7 +171,7 @@ def ball_torque(
 
 @record
 class LoadTorque:
-    """Load-dependent torque of a ball bearing with what it follows from."""
+    """Load-dependent torque of a ball bearing, with the factors from which it is computed."""
 
     #: M_1 [N m].
     torque: float = quantity(

@@ -97,7 +97,7 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
 
 
 def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Return the compliance of the smooth body beyond the same body as a beam ``(2 c, 2 c)`` [m/N]."""
+    """Return the compliance ``(2 c, 2 c)`` [m/N] that the smooth body has in addition to its beam."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
@@ -130,10 +130,7 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> 
 
 @lru_cache(maxsize=32)
 def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return what grooves and faces of screw or nut add between contacts of a turn.
-
-    Cached for all bodies of the same sections, whatever their lengths.
-    """
+    """Return the compliance added by grooves and faces of screw or nut between contacts of a turn, cached."""
     radii = (0.0, np.inf) if screw else dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
@@ -149,11 +146,7 @@ def of_sections(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[flo
 
 
 def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Return what grooves and faces add between contacts less than half a lead apart ``(2 c, 2 c)`` [m/N].
-
-    Along their normals, and near a free face across them; far from a face, nothing to a contact's motion by its own load
-    (`own_flank` has that).
-    """
+    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and faces add between contacts within half a lead."""
     geometry = geometry_only(scene)
     flank, held, found = flank_of(geometry, screw), held_at(geometry, screw), kept_near_face(geometry, screw, backend)
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]

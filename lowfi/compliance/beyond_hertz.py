@@ -85,7 +85,7 @@ def own_slope(radius: float, material: Material) -> float:
 
 
 def own_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Return motion of a contact by its own unit load beyond that of a half space [m/N], the mean over Hertz's pressure.
+    """Return the motion of a contact under unit load beyond that of a half space [m/N], averaged over the pressure.
 
     Parameters
     ----------
@@ -179,16 +179,7 @@ def size_slope(flank: Flank) -> float:
 
 
 def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """Return what a contact adds by its size and shape to the correction for the narrow round patch [m/N].
-
-    A pressure exp(i k x) presses a surface of curvatures kappa in by
-    (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G, A = 2 (1 - nu), alpha = A (1 - 2 nu),
-    beta = -(1 - 2 nu)(3 - 2 nu): the only form that is linear in kappa, from the long cylinder under pressure that varies
-    along it and around it; a sphere's c_n gives the same. In space 1/k^2 is a logarithm, and cos(2 phi)/k^2 is
-    -cos(2 phi)/(4 pi), whose mean over an ellipse is -(a - b)/(a + b)/(4 pi).
-
-    semi_axes: of the contact, across the groove and along it [m].
-    """
+    """Return the effect of size and shape of a contact on the correction for the narrow round patch [m/N]."""
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
     across, along = curvatures(flank)

@@ -1,18 +1,4 @@
-"""What the contacts of one groove do to one another beyond the smooth body, far from a face of their body and near one.
-
-The smooth body of revolution ends at the face, but its wide patch does not represent the lip of the groove, nor the
-neighbouring grooves. So the true flank with a narrow patch and the smooth body with the wide one are cut at some distances
-from the contact, both clamped well behind it: what their difference gains over that of the last cut is the face's; the last
-one, less the same difference of the beams, is what neighbouring grooves and the surface behind do.
-
-A lip also tilts. It turns the flank about the contact, which moves the centre of its arc across the load, and the contact
-along the arc. All pressure on an arc goes through its centre, so that a force on that across the load is a moment about the
-contact, by pressure that one side of it gains and the other loses (`turned`).
-
-Grooves are rings, as in `lowfi.compliance.groove`; at a contact's azimuth the section of the helix is theirs. Stiffness is
-eliminated along the axis, so that one factor of the longest body contains all the shorter ones, each with its face free and
-fixed.
-"""
+"""Compliance between contacts of one groove beyond the smooth body, far from a face of the body and near one."""
 
 from __future__ import annotations
 
@@ -73,7 +59,7 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 @dataclass(frozen=True)
 class NearFace:
-    """What ring grooves and a face add to the compliance between contacts of one groove, at k distances and n harmonics."""
+    """Compliance that ring grooves and a face add between contacts of one groove, at k distances and n harmonics."""
 
     #: Of the face from the middle of the groove ``(k,)`` [m].
     distance: Array
@@ -132,9 +118,7 @@ def around(waves: Array, angle: Array) -> Array:
 def near_face(
     flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
 ) -> NearFace:
-    """Return what grooves and a face add to the body that ``smooth`` represents.
-
-    What is far from any face is that of a whole body, however it is fixed.
+    """Return the compliance that grooves and a face add to the body that ``smooth`` represents.
 
     Parameters
     ----------
@@ -237,10 +221,7 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tup
 def less_smooth(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Return the motions of the true flanks less those of the smooth body, each by its patch, as `cut_motions`.
-
-    kinds: 1 along the loads, 2 also across them.
-    """
+    """Return the motions of the true flanks minus those of the smooth body under one patch each, as `cut_motions`."""
     width = finer.width * flank.map.ball
     true = true_loads(flank, grid, cuts, width, kinds)
     r_ends, line = radial_ends(smooth)

@@ -246,7 +246,7 @@ class Body:
 
     @cached_property
     def parts(self) -> tuple[csr_array, ...]:
-        """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, with the same pattern."""
+        """Stiffness matrices K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the harmonics, with one sparsity pattern."""
         from scipy.sparse import coo_array
 
         dof = self.freedoms()
@@ -256,7 +256,7 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of their three lines of m freedoms."""
+        """Return the stiffness ``(3, rows, 3, m, 3, m)`` of rows of elements along r, between their three lines."""
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
         out = np.zeros((3, elements.shape[1], 3, width, 3, 3, width, 3))
@@ -267,7 +267,7 @@ class Body:
 
     @cached_property
     def alike(self) -> NDArray[np.bool_]:
-        """Return which rows of elements along r are as stiff as the row before, but for round-off, ``(rows,)``."""
+        """Return whether each row of elements along r has the stiffness of the row before, to round-off ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())

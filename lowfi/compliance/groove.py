@@ -136,11 +136,7 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
 
 
 def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
-    """Return the motions ``(k,)`` [m/N] of one flank's patch by its own load in harmonics ``n``.
-
-    Half a lead with the other flank unloaded; load: forces on the grid ``(rows, columns, 3)`` for equal loads on both
-    flanks and for opposite ones.
-    """
+    """Return the motions ``(k,)`` [m/N] of one flank's patch under a unit load on it, in harmonics ``n``."""
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
     body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
@@ -164,7 +160,7 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
 
 
 def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Return the motion [m/N] of one flank's patch of ``width`` [m] by its own load in all harmonics, as `own_waves`."""
+    """Return the motion [m/N] of one flank's patch of ``width`` [m] under a unit load on it, summed over `own_waves`."""
     n = harmonics_to(2.6 * flank.contact()[0] / width)
     waves = every_harmonic(n, own_waves(flank, grid, load, n))
     return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
@@ -178,10 +174,7 @@ def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
 
 
 def finer(flank: Flank, coarse: Grid, last: int) -> float:
-    """Return what a narrow patch moves by its own load beyond what a coarse grid resolves [m/N].
-
-    Up to harmonic ``last`` the difference of the finer grid there, and all harmonics above.
-    """
+    """Return the motion of a narrow patch under a unit load on it that a coarse grid does not resolve [m/N]."""
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)
     sampled = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
@@ -249,7 +242,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
 
 
 def patch_shares(n: Array, width: float, radius: float) -> Array:
-    """Return what a Gaussian patch of ``width`` [m] along the circumference takes of the motion in harmonics ``n``."""
+    """Return the weights of a Gaussian patch of ``width`` [m] along the circumference for the harmonics ``n``."""
     return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
 

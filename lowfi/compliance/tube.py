@@ -223,11 +223,11 @@ class Tube:
     flange: Flange | None = None
 
     def body(self, grid: Grid) -> Body:
-        """Return its stiffness on a grid, which may reach beyond it around a flange."""
+        """Return the stiffness of the tube on a grid, which may extend beyond the tube around a flange."""
         return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer, self.solid(grid))
 
     def solid(self, grid: Grid) -> NDArray[np.bool_]:
-        """Return which elements of a grid it fills ``(elements,)``: with the sleeve, those of the flange."""
+        """Return which elements of a grid the tube fills ``(elements,)``; with the sleeve, those of the flange."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
             return np.ones(r.size, dtype=bool)
@@ -443,7 +443,10 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def on_line(tube: Tube, x: Array) -> Array:
-    """Return points ``(c, 3)`` [m] where tube takes the loads of contacts at x: its surface where these lie beyond it."""
+    """Return the points ``(c, 3)`` [m] at which a tube takes the loads of contacts at x.
+
+    They lie on its surface where the contacts lie outside it.
+    """
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 

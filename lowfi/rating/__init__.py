@@ -1,1 +1,1 @@
-"""What contact loads mean for a designer: size and pressure of contacts, static safety, life, rigidity of the nut."""
+"""Ratings from contact loads: size and pressure of contacts, static safety, life, rigidity of the nut."""

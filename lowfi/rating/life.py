@@ -604,7 +604,7 @@ def _of_ring(scene: Scene, force: Array) -> float:
 
 
 def _outside(scene: Scene, *, ring: bool) -> str:
-    """Return what of a case the standard does not cover; empty where it covers all."""
+    """Return the conditions of a case that the standard does not cover; empty where it covers all."""
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"

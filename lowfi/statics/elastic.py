@@ -360,7 +360,7 @@ def shared(scene: Scene) -> bool:
 
 
 class _System:
-    """Elastic bodies at the solution of one member, and what the others change."""
+    """Elastic bodies at the solution of one sample, with the arrays that other samples change."""
 
     def __init__(self, elastic: Elastic) -> None:
         self.elastic = elastic

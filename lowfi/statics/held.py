@@ -170,7 +170,7 @@ def opening_motion(problem: Problem) -> Array | None:
 
 
 def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> Array:
-    """Return how the contacts on one flank of N balls approach by motions of the flank and of the balls.
+    """Return the change of the approaches of contacts on one flank per motion of the flank and of its N balls.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 
 
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
-    """Return the status of a body that moved without limit: "not held" only where a linear program proves it.
+    """Return the status of a body that moved without limit; "not held" only if a linear program proves it.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ Array = NDArray[Any]
 
 
 class BeamArrays(NamedTuple):
-    """The screw as a beam and what acts on it."""
+    """The screw as a beam, with supports and loads."""
 
     #: Lengths (n - 1,) of the elements [m].
     lengths: Array
@@ -63,7 +63,7 @@ class RowState(NamedTuple):
 
 
 class MemberArrays(NamedTuple):
-    """Specimens m of one screw: what takes the place of the same in `BeamContacts`; B is one long where all share it."""
+    """Arrays of m samples of one screw that replace those of `BeamContacts`; B has length one if all samples share it."""
 
     #: Lever arms (m, N, 2, 2, 6).
     B: Array
@@ -117,7 +117,7 @@ class RowRoom(NamedTuple):
 
 
 class Options(NamedTuple):
-    """How `lowfi.statics.kernel.descent` iterates and when it stops."""
+    """Iteration and stopping parameters of `lowfi.statics.kernel.descent`."""
 
     #: Relative residual to reach.
     tolerance: float
@@ -319,7 +319,7 @@ class ForceStep(NamedTuple):
 
 
 class SearchStart(NamedTuple):
-    """Where a line search on the forces begins."""
+    """Start of a line search on the forces."""
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
@@ -391,7 +391,7 @@ class Trial(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How a kernel's iteration ended."""
+    """Result of a kernel's iteration: status, counts, residual, energy, largest force."""
 
     #: See ``lowfi.statics.kernel.search``: converged, out of iterations, not held, singular.
     status: int

@@ -161,7 +161,7 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 
 
 def tightest(problem: Problem) -> float:
-    """Return the interference of the tightest ball [m]; zero where it is round-off of the lengths that make it."""
+    """Return the interference of the tightest ball [m]; zero where it is below the round-off of the lengths."""
     closed = float(problem.closure.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0
 

@@ -89,7 +89,7 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
 
 
 class Compliance:
-    """Compliance between contacts, with what is computed from it only once; not to be written to."""
+    """Compliance between contacts, with derived quantities that are computed once; read-only."""
 
     def __init__(self, G: Array, normals: Array) -> None:
         """Store a compliance G ``(2 n, 2 n)`` [m/N] between contacts of ``normals`` ``(n, 2)``."""
@@ -208,7 +208,7 @@ class Response:
 
 @dataclass(frozen=True)
 class _Asked:
-    """Requested response; equal requests have the same ``key``."""
+    """Request for a response; equal requests have equal ``key``."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)

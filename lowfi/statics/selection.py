@@ -137,10 +137,7 @@ def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
 def all_clear(
     centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
-    """Return in which of k solutions no ball comes near a flank that was left out, ``(k,)``.
-
-    A loaded ball must clear the flanks that are not in ``use`` where it is; an unloaded ball must find one position, of two
-    tried, where it clears all four. Both are sufficient.
+    """Return for each of k solutions whether no ball comes near a flank that was left out, ``(k,)``.
 
     Parameters
     ----------
@@ -214,7 +211,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
 
 
 def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
-    """Return sentences on what was left out of the system and why."""
+    """Return sentences on the neglected parts of the system and the reasons."""
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
     if idle and is_one_arc(problem.scene):

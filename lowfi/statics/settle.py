@@ -95,7 +95,7 @@ class Description(NamedTuple):
 
 
 class SetFlanks(NamedTuple):
-    """Contacts of one set of N balls at a state."""
+    """Contacts, ball centres and flank motions of one set of N balls in one state of the iteration."""
 
     #: The set's problem.
     problem: Problem

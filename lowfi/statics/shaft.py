@@ -67,7 +67,7 @@ class Shaft:
     band: Array = field(repr=False)
 
     def under(self, problem: Problem) -> Shaft:
-        """Return the same shaft under the loads and prescribed displacements of another problem."""
+        """Return a copy of the shaft with the loads and prescribed displacements of another problem."""
         return replace(self, problem=problem, work=_work(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
@@ -404,10 +404,7 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
 
 
 def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0) -> Squeeze | None:
-    """Return what stretches add to a shaft and its flanks in use; None without stretches.
-
-    strain: thermal strain of the free shaft, which is among the problem's loads.
-    """
+    """Return the terms that stretches add to a shaft and its flanks in use; None without stretches."""
     if not stretches:
         return None
     problem = shaft.problem

@@ -15,9 +15,7 @@ def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
 
 
 def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
-    """Return the matrices that give the motions at stations from those of the two nodes around each.
-
-    Beyond the end nodes the shaft is free and moves rigidly with the last one.
+    """Return the matrices that interpolate motions at stations from the two adjacent nodes.
 
     Parameters
     ----------

@@ -247,7 +247,7 @@ class Build:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def holding(self, pinned: Problem) -> Self:
-        """Return a copy that fixes the same freedoms as a problem."""
+        """Return a copy with the fixed freedoms of another problem."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSet:
@@ -465,7 +465,7 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 
 def unheld(problem: Problem) -> Status:
-    """Return the status of a screw that moved without limit: "not held" only where a linear program proves it."""
+    """Return the status of a screw that moved without limit; "not held" only if a linear program proves it."""
     from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"

@@ -68,7 +68,7 @@ def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
 
 @lru_cache(maxsize=8)
 def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return `stations_of` and `motion_matrices` there, cached for all solutions on the same nodes."""
+    """Return `stations_of` a shaft and their `motion_matrices`, cached by length, nodes and section."""
     stations = stations_of(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)
 

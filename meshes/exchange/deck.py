@@ -328,7 +328,7 @@ def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, u
 
 
 def _held(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
-    """Prescribed motions of the sections: those at zero, or those ``moved``, which Abaqus accepts only inside a step."""
+    """Return the prescribed motions of the sections: zero or, if ``moved``, nonzero (Abaqus: only inside a step)."""
     for section in deck.sections:
         for freedom, value in section.held:
             if (value != 0.0) == moved:

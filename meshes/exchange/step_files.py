@@ -94,7 +94,7 @@ def _model() -> Iterator[Any]:
 
 
 def _write(gmsh: Any, path: Path) -> None:
-    """Write the model's file; what OpenCASCADE prints of it on standard output goes nowhere."""
+    """Write the model's file, and suppress the output of OpenCASCADE."""
     sys.stdout.flush()
     kept = os.dup(1)
     try:
@@ -250,7 +250,7 @@ def distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: 
 
 
 def off(scene: Scene, side: int, points: Array, shift: float) -> Array:
-    """Distances of points from a flank, each in the section of the helix in which it lies.
+    """Distances of points from a flank, each measured in its section normal to the helix.
 
     Parameters
     ----------

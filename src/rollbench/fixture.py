@@ -1,10 +1,4 @@
-"""What pytest loads where rollbench is installed: the fixture ``rollbench`` judges scenes against their 3D reference.
-
-def test_my_screw(rollbench):
-    rollbench.check("my.toml", max_error=7)
-
-Nothing heavy is loaded before a test asks for it.
-"""
+"""Pytest plug-in of rollbench: the fixture ``rollbench`` judges scenes by their 3D reference."""
 
 from __future__ import annotations
 

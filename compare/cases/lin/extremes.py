@@ -181,7 +181,7 @@ def _drive_power(problem: Problem, wrench: Array) -> float:
 
 
 def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
-    """Least dissipation and the source's root from the same random starts, each unknown off by up to ``off``."""
+    """Solve a ball by least dissipation and by the source's root finding from random starts up to ``off`` away."""
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
@@ -331,7 +331,7 @@ def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
 
 
 def patchy_chain(count: int, mu: float) -> LinearCase:
-    """Return the same with loads out of balance, none at some of the contacts: given loads, not those of a carriage."""
+    """Return a linear chain with random given loads that are out of balance, zero at some contacts."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
@@ -519,7 +519,7 @@ def pair_rows() -> list[Row]:
 
 
 def root_rows() -> list[Row]:
-    """Return the source's root finding on cases I to III and least dissipation, from the same random starts."""
+    """Return rows that compare the source's root finding and least dissipation on cases I to III from random starts."""
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: right(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
@@ -555,7 +555,7 @@ COLUMNS = (
 
 
 def by_model(tried: Sequence[Record]) -> str:
-    """Return how many starts the source's root finding solves, model by model, the worst first."""
+    """Return the number of starts that the source's root finding solves, by model, the worst first."""
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))

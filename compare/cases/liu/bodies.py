@@ -1,9 +1,4 @@
-"""Where the axial-only idealisation misleads: Liu's screw by the axial chain, the beam model, the refined one, and in 3D.
-
-The chain has the axial compliance of the same screw with a rigid nut, as the beam model has: what differs between the two
-is bending, twist and where on the circumference a ball sits. What differs between beam and refined model is the nut, and
-the bodies' elasticity beyond a beam's.
-"""
+"""Limits of the axial-only idealisation: Liu's screw by the axial chain, the beam model, the refined model and in 3D."""
 
 from __future__ import annotations
 
@@ -121,7 +116,7 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
 
 
 def axial_loads(scene: Scene) -> Array:
-    """Return loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
+    """Return the loads (78, 4) [N] of the axial chain on a scene of the screw, equal at both contacts of a ball."""
     row, load = same_screw(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load

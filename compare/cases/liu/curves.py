@@ -204,7 +204,7 @@ def loads_2() -> Figure:
 
 
 def loads_by_range() -> Figure:
-    """Draw Figure 17: the same with errors of 0 to 3 um."""
+    """Draw Figure 17: loads of the balls for errors within 0 to 3 um."""
     panels = []
     for half_range, letter in enumerate("abcd"):
         title = f"{letter}: " + (f"±{half_range} µm" if half_range else "no errors")

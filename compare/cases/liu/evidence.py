@@ -155,10 +155,7 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def loosest_agreement() -> tuple[int, int, float]:
-    """Return, of ``FEW`` screws of +-2 um at 500 N, those with the same active set by both algorithms.
-
-    Most rounds of the elimination; largest difference of a load over the largest load.
-    """
+    """Return those of ``FEW`` screws with errors of +-2 um at 500 N for which both algorithms find the same active set."""
     errors = draw_errors(SEED, 0, FEW, balls(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
@@ -197,7 +194,7 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def mei() -> Chain:
-    """Return Mei's model as the source uses it: 45 deg, the compliance of the source's own model."""
+    """Return Mei's model as the source uses it: contact angle 45 deg, compliance of the source's model."""
     return replace(screw(), law="constant")
 
 
@@ -234,7 +231,7 @@ def ratio(error_um: float, load: float) -> float:
 
 
 def readings(error_um: float, load: float) -> str:
-    """Describe Q33 by the other contact angles, each calibrated in the same way."""
+    """Describe Q33 with other contact angles, each model calibrated as for 45 deg."""
     found = {law: single(error_um, load, screw(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
@@ -310,7 +307,7 @@ def sample_of(key: str) -> Array:
 
 
 def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
-    """Return how many balls are loaded at 1000 N where about as many as printed are at 500 N, in words."""
+    """Return a text on the loaded balls at 1000 N of screws that agree with the printed number at 500 N."""
     first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
@@ -403,7 +400,7 @@ def secant(load: float, step: float) -> float:
 
 @cache
 def secants(half_range_um: int, load: float, share: float) -> Array:
-    """Return the same of drawn screws, by a step that is a share of the load."""
+    """Return the secant stiffness of randomly drawn screws over a load step given as a share of the load."""
     if share == 0.0:
         return 1e-8 * drawn_sample(half_range_um, "stiffness", load)
     ends = [load, (1.0 + share) * load]
@@ -426,7 +423,7 @@ def stiffness_comes_out(row: Printed, share: float) -> bool:
 
 
 def by_step(rows: Sequence[Printed]) -> str:
-    """Return how many printed stiffnesses come out with the tangent, and by a step of load, in words."""
+    """Return a text on how many printed stiffnesses are reproduced by the tangent, and how many by a load step."""
     counts = [sum(stiffness_comes_out(row, share) for row in rows) for share in (0.0, STEP)]
     return (
         f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "

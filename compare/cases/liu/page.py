@@ -73,7 +73,7 @@ def stiffness_in_words(found: dict[str, float]) -> str:
 
 
 def bodies_table(study: Study) -> Table:
-    """Return the same screws and errors by the chain, the beam model and the refined one."""
+    """Return loads and stiffness of screws with errors by the axial chain, the beam model and the refined model."""
     rows: list[Row] = []
     for c in study.once(bodies.compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
@@ -98,7 +98,7 @@ def bodies_table(study: Study) -> Table:
 
 
 def solid_table(study: Study) -> Table:
-    """Return the same screw in 3D and by the low-order models."""
+    """Return the results of one screw in 3D and by the low-order models."""
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {

@@ -34,10 +34,7 @@ TORQUE = 4.0 / 3.0
 
 @cache
 def over_pair(name: str) -> tuple[float, float, float]:
-    """Return preload, tangent rigidity and starting torque of a set over those of a pair of the same bearings.
-
-    Ground to the same gaps, at a constant contact angle.
-    """
+    """Return preload, tangent rigidity and starting torque of a set, relative to those of a pair of the same bearings."""
     one = PointRow()
 
     def totals_of(name: str) -> Array:
@@ -59,10 +56,7 @@ OF_SETS = (
 
 
 def sets() -> Iterator[Outside]:
-    """Yield every set from the pair of the same bearings and preload class.
-
-    The pair of one class from that of the other.
-    """
+    """Yield every bearing set, computed from the pair of equal bearings and preload class."""
     for source in tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}

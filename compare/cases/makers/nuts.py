@@ -139,7 +139,7 @@ def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
 
 
 def family(source: Table, row: Mapping[str, str]) -> str:
-    """Return the maker, with what tells apart nuts that he rates by different rules."""
+    """Return the maker, and for nuts that he rates by different rules also the type of nut."""
     maker = source.head["maker"]
     if maker == "HIWIN":
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
@@ -331,7 +331,7 @@ def size(lead: float) -> Nut:
 
 
 def sweep() -> list[Drag]:
-    """Return the same balls under the same preload over the lead."""
+    """Return the computed torque of a nut over the lead, with the balls and the preload unchanged."""
     rows = []
     for lead in SWEPT[1]:
         nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]

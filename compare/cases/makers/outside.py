@@ -1,7 +1,4 @@
-"""One number that others print or measured, beside what is computed for it; bias and scatter of many.
-
-Here too what other programs and textbooks print: the entries of the external sources, and contact loads by CalculiX.
-"""
+"""Computed values compared with values that makers, programs and textbooks print or measured; bias and scatter of many."""
 
 from __future__ import annotations
 
@@ -66,12 +63,12 @@ class Outside:
 
     @property
     def group(self) -> str:
-        """Whose values stand in one row: a maker, or all programs and textbooks that are held against one model."""
+        """Origin of the values in one row: a maker, or all programs and textbooks compared with one model."""
         return self.maker if self.law != "the model of its table" or self.cls == MAKER else "programs and textbooks"
 
     @property
     def verdict(self) -> str:
-        """Where the printed interval lies against the computed band, or why it does not count."""
+        """Position of the printed interval relative to the computed band, or the reason why it does not count."""
         if self.left:
             return self.left
         if self.value + self.rounding < self.computed.low:
@@ -93,10 +90,9 @@ def of_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """Return the number in a column of a printed row, whose line stands in another; what: quantity, law, item and unit.
+    """Return the number in a column of a printed row.
 
-    others: further fields of the record, also maker and rounding where they are not the table's. A known misprint is not
-    judged.
+    what: quantity, law, item and unit; the line of the row is in another column.
     """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
@@ -118,7 +114,7 @@ def of_row(
 
 @dataclass(frozen=True)
 class Standing:
-    """Statistics of the computed values against those of one kind that others print or measure."""
+    """Statistics of the differences between computed values and printed or measured ones of one kind."""
 
     number: int
     bias: float

@@ -60,7 +60,7 @@ def _clearances_off(found: Sequence[outside.Outside]) -> Array:
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """Return how many values there are, and how far the computed ones lie off where nothing is free."""
+    """Return a text on the number of values and the deviations of those computed without a free parameter."""
     judged = [x for x in found if not x.left]
     clear = _of(found, "displacement", "bearing whose angle turns")
     off = _clearances_off(found)
@@ -78,7 +78,7 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
 
 
 def clearances(found: Sequence[outside.Outside]) -> str:
-    """Return how NSK's clearances and rigidities are defined, as far as computed values show."""
+    """Return a text on how NSK defines clearances and rigidities, as far as computed values show it."""
     stiff = _of(found, "rigidity", "bearing whose angle turns")
     off = _clearances_off(found)
     return (
@@ -90,7 +90,7 @@ def clearances(found: Sequence[outside.Outside]) -> str:
 
 
 def why_softer(found: Sequence[outside.Outside]) -> str:
-    """Return what explains that printed rigidities of nuts are below the computed ones, and what does not."""
+    """Return the text on why printed rigidities of nuts lie below the computed ones."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
     rest = outside.grouped(most, "maker")
@@ -139,7 +139,7 @@ def balls_counted(found: Sequence[outside.Outside]) -> str:
 
 
 def drag(found: Sequence[outside.Outside]) -> str:
-    """Return which of the makers' formulas agrees with sliding balls, and the measured screws."""
+    """Return a text on the makers' drag formulas, compared with sliding balls and with measured screws."""
     rows = nuts.sweep()
     leads = [r.lead for r in rows]
     sliding = [nuts.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]

@@ -16,7 +16,7 @@ UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um"
 
 @dataclass(frozen=True)
 class Table:
-    """One file. head: maker, origin, class, how numbers are written, what else it says; rows: texts by heading."""
+    """Content of one file. head: maker, origin, class, number format, remarks; rows: texts by heading."""
 
     name: str
     head: Mapping[str, str]

@@ -37,7 +37,7 @@ MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
 
 
 class RingLoadKeys(Table):
-    """What is done to the inner ring."""
+    """Motion or load of the inner ring."""
 
     axial_force: Axial = key("force along the axis")
     radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")

@@ -29,7 +29,7 @@ from rollbench.meshes.scene_text import to_toml
 
 
 class KindKeys(HeadKeys):
-    """What every kind has."""
+    """Keys of every kind."""
 
     kind: str = key("what the scene describes")
     material: MaterialKeys = key("material of all parts", example=MATERIAL)
@@ -37,7 +37,7 @@ class KindKeys(HeadKeys):
 
 @dataclass(frozen=True)
 class KindScene:
-    """What the scene of every kind has. ``assumed``: statements about what the source leaves open."""
+    """Fields of the scene of every kind. ``assumed``: statements about what the source leaves open."""
 
     kind: ClassVar[str]
     name: str
@@ -62,7 +62,7 @@ def head_of(keys: KindKeys, name: str) -> Head:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
+    """A kind of scene: its keys, keys that are not allowed, and the function that makes its record."""
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]

@@ -35,14 +35,14 @@ _PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (scre
 
 
 class ScrewLoadKeys(Table):
-    """What is done to the screw; the nut stands against it."""
+    """Motion or load of the screw; the nut is fixed."""
 
     force: common.AxialLoad = key("force on the screw")
     direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial", "axial")
 
 
 class ScrewFrictionKeys(common.RubbingKeys):
-    """Coulomb friction of grooves and balls, and what it moves."""
+    """Coulomb friction of grooves and balls, and which bodies it displaces."""
 
     coupling: Coupling = key("what friction moves: nothing, the balls, or balls and screw", "none", "ball")
 
@@ -74,7 +74,7 @@ class RunBallKeys(BallSizeKeys):
 
 
 class ClosedTrackKeys(Table):
-    """How the balls come back."""
+    """Return path of the balls."""
 
     return_tube: common.Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
     first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)

@@ -150,7 +150,7 @@ def load_results(folder: Path, scene: str) -> CrossData | None:
 
 
 def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
-    """Return what is made of a stored JSON value; None without a file, InputError for a damaged one."""
+    """Return the object made of a stored JSON value; None without a file. Raises InputError for a damaged one."""
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:

@@ -88,7 +88,7 @@ def one_pass(scene: Scene) -> bool:
 
 
 def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
-    """Solve members of a scene with random errors, with the same loads as ``solve_static``.
+    """Solve samples of a scene with random errors; loads agree with those of ``solve_static``.
 
     Parameters
     ----------
@@ -179,10 +179,7 @@ class _Batch:
         return prepared
 
     def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve members with the flanks of a problem; a member counts only if no flank left out comes near its ball.
-
-        Stops after ``TRIAL`` members if flanks are left out and fewer than half of them pass.
-        """
+        """Solve samples with the flanks of a problem; a sample counts only if no ball comes near a flank left out."""
         if problem is None:
             return
         prepared = self._system(problem)

@@ -129,10 +129,7 @@ def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE)
 
 
 def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
-    """Return the stored run of the first store that has it, whatever the name of the scene was when it was made.
-
-    Its key contains that name, which is in the file.
-    """
+    """Return the run of the first store that has it, even if the scene had another name when the run was made."""
     for store in stores:
         own = path_in(store, scene, level, bodies)
         for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):

@@ -217,7 +217,7 @@ def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]
 
 
 def _synonyms(path: str) -> Iterator[str]:
-    """Yield other keys for the same quantity as ``path``, in the same set."""
+    """Yield other keys of the set that give the quantity of ``path``."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:

@@ -278,7 +278,7 @@ Record = dict[str, Any]
 
 
 def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
-    """Make a folder that of this sweep; InputError if it holds another one or cannot be written."""
+    """Create or check the folder of this sweep. Raises InputError if it holds another sweep or cannot be written."""
     path = folder / HEADER
     text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
     advice = "choose another folder for another sweep"

@@ -32,7 +32,7 @@ SHARPNESS = 100.0
 
 @dataclass(frozen=True)
 class Neighbours:
-    """How balls in touch act on each other, with n unknowns of motion a ball, the first of them along the track."""
+    """Forces between touching balls, with n unknowns of motion a ball, the first of them along the track."""
 
     #: Sliding of the first ball's surface at the contact by its motion ``(2, n)`` [m].
     first: Array
@@ -199,7 +199,7 @@ def roots(balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]) ->
 
 
 def closing_in(pair: Neighbours, q: Array, tolerance: float = 0.0) -> Mask:
-    """Return which neighbours ``(N-1,)`` are not leaving each other in motions q; tolerance: over the nominal speed."""
+    """Return which neighbours ``(N-1,)`` do not separate in motions q. tolerance: relative to the nominal speed."""
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
 
@@ -280,10 +280,7 @@ def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> L
 def solve_linear_by_root(
     bearing: LinearBearing, angles: Array, loads: Array, reach: Mask | bool = True, law: Law | None = None
 ) -> SourceMotion:
-    """Return balls in a linear bearing as Lin solves them (3.25-3.31); law: Coulomb's, as 3.25 prints it, if None.
-
-    angles [rad], loads [N]: ``(N, 4)``; reach ``(N-1,)``: whether neighbours are near enough to touch.
-    """
+    """Return balls in a linear bearing by Lin's method (3.25-3.31). law: default Coulomb's law as printed in 3.25."""
     balls = linear_balls(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(reach, dtype=bool), (balls.count - 1,))
     return solve_by_root(balls, Coulomb() if law is None else law, near)

@@ -352,7 +352,7 @@ class PairResult:
 
     @property
     def difference(self) -> float:
-        """epsilon_1 - epsilon_2 of the balls without contact; they approach where it is positive."""
+        """epsilon_1 - epsilon_2 of the balls without contact; positive: the balls approach."""
         return float(self.free.deviation[0] - self.free.deviation[1])
 
     @property

@@ -113,7 +113,7 @@ class AnyChain(ABC):
 
 @dataclass(frozen=True)
 class Chain(AnyChain):
-    """Balls of one size in the same grooves."""
+    """Balls of equal size in one pair of grooves."""
 
     #: The grooves.
     groove: ScrewGroove
@@ -243,7 +243,7 @@ class Search:
         return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Iterate at the last regularising speed, cut short unless it comes near; return too whether (x, f) converged."""
+        """Iterate at the last regularising speed, stopping early without progress; return also whether (x, f) converged."""
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.balanced(f)
         if good and steps == SHORT:
@@ -461,10 +461,7 @@ class _Path:
         self.system = system_of(self.cell, self.search)
 
     def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
-        """Go from one fraction of the friction and logarithm of the regularising speed to others; return if it arrived.
-
-        Each stage begins where the last two point to; stages shrink where Newton's method fails.
-        """
+        """Continue from one fraction of the friction and regularising speed to others; return whether it arrived."""
         way, step = 0.0, FIRST
         last: tuple[float, Place] | None = None
         while way < 1.0 and step >= SHORTEST and self.steps < MOST:
@@ -487,7 +484,7 @@ class _Path:
         return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
     def stage(self, guess: Place, share: float, eps: float) -> int | None:
-        """Iterate at one fraction of the friction and one regularising speed; return None and stay where it fails."""
+        """Iterate at one fraction of the friction and one regularising speed; on failure return None without moving."""
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
         f /= s.bound

@@ -152,7 +152,7 @@ class BallMotion:
 
     @property
     def input_power(self) -> float:
-        """Power that nut and screw put in by their helical motions, from friction on them [W]; equals ``motion.loss``."""
+        """Power [W] that the helical motions of nut and screw supply against friction; equals ``motion.loss``."""
         return helical_power(self.groove, self.normals, self.wrench)
 
 
@@ -264,10 +264,7 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
 
 
 class Mixer:
-    """Anderson acceleration of x = g(x) over the last few rounds, damped and restarted where it takes many.
-
-    Of one x ``(n,)``, or of many separate ones ``(k, n)``.
-    """
+    """Anderson acceleration of x = g(x) over the last few rounds, damped, and restarted after many rounds."""
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:
         """Make a mixer without history.
@@ -296,7 +293,7 @@ class Mixer:
 
 
 def hold_screw(cell: Cell, load: Settled) -> Cell:
-    """Return the cell with its screw fixed where it settled: no freedoms left."""
+    """Return the cell with its screw fixed in its equilibrium position, without freedoms."""
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),

@@ -85,7 +85,7 @@ class PairResult:
 
     @property
     def closing(self) -> float:
-        """omega_B of the first ball less that of the second without contact [rad/s]; they meet where it is positive."""
+        """omega_B of the first ball minus that of the second, both without contact [rad/s]; positive: the balls meet."""
         q = self.free.motion.q
         return float(q[0, 0] - q[1, 0])
 

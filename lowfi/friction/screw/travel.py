@@ -310,10 +310,7 @@ def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
 
 
 def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
-    """Return the length of the next piece of a step of which ``left`` remains, and whether an event ends it.
-
-    after: whether an event ended the last piece.
-    """
+    """Return the length of the next part of a step, of which ``left`` remains, and whether an event ends it."""
     short = SHORT * step
     limit = min(short, left) if after else left
     if event >= limit:

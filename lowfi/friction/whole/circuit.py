@@ -34,7 +34,7 @@ APART = 1.5
 
 
 class CircuitError(ValueError):
-    """Circuit that is impossible: the key to change, what is allowed, and what to do."""
+    """Error for an impossible circuit: the key to change, the allowed values, and advice."""
 
     def __init__(self, key: str, allowed: str, advice: str) -> None:
         """Store the three parts."""
@@ -348,7 +348,7 @@ CLOSING = 1e-9
 
 @dataclass(frozen=True)
 class Onset:
-    """How soon neighbours of a static state meet: N balls, M pairs of neighbours in their circuits."""
+    """Time until neighbours of a static state meet: N balls, M pairs of neighbours in their circuits."""
 
     #: Angular speeds ``(N,)`` [rad/s], of unloaded balls as assumed.
     orbit: Array

@@ -189,7 +189,7 @@ def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rub
 
 
 def turn_back(at: StaticContacts, values: Array) -> None:
-    """Turn values in the axes of `rubs_of` ``(N, 4, 3)`` to x across the groove and z along it, in place."""
+    """Rotate values in the axes of `rubs_of` ``(N, 4, 3)`` to x across the groove and z along it, in place."""
     values[~at.across] = _quarter(values[~at.across], -1.0)
 
 

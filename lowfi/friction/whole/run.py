@@ -95,7 +95,7 @@ class Travelling:
 
 
 def in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """Return how a model computes the loads of balls that travel; ahead: 1.0 or -1.0, as they do in the nut.
+    """Return the function by which a model computes the loads of travelling balls.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class ScrewTorque:
 
     @property
     def backward(self) -> float:
-        """Torque that brakes the screw while the axial load drives it [N m]; negative: it must be driven."""
+        """Braking torque of the screw while the axial load drives it [N m]; negative: the screw must be driven."""
         with_load = self.load * self.ratio * self.speed > 0.0
         return self.ideal - (self.power if with_load else self.reverse_power) / abs(self.speed)
 
@@ -160,7 +160,7 @@ COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
 def feeds_back(scene: Scene, friction: Friction) -> bool:
-    """Return whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
+    """Return whether friction displaces balls in their grooves: it is requested, and there is friction and a lead."""
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 

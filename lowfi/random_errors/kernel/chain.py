@@ -43,7 +43,7 @@ def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
 
 @kernel
 def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return the same from the distance of the groove centres, whose offset across the axis no ball changes."""
+    """Return force law and direction of a ball from the distance of the groove centres, at a fixed lateral offset."""
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
     sine = along / distance
@@ -109,12 +109,7 @@ def _rigid(errors: Array, load: float, p: Array) -> float:
 def newton(
     errors: Array, load: float, segments: Array, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
-    """Solve one chain; equations in ``lowfi.random_errors.chain``.
-
-    errors (M,): [m]; load: positive [N]; segments (M,): compliance from the ball before [m/N]; u (M,): result, motions [m];
-    work (3, M): its first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
-    Returns Newton steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
-    """
+    """Solve the axial chain of balls by Newton's method; equations in ``lowfi.random_errors.chain``."""
     m = errors.size
     loads, s, t = work[0], work[1], work[2]
     u[m - 1] = _rigid(errors, load, p)

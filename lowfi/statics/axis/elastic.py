@@ -299,7 +299,7 @@ def own_bodies(
 
 
 def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
-    """Return motions ``(4 N, 6 m)`` of outer flanks and cups by those of m housings, and of inner flanks on them."""
+    """Return the motions ``(4 N, 6 m)`` of flanks and cups on housings per unit motion of m housings."""
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
     for b in system.balls:

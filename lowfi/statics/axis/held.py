@@ -159,7 +159,7 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 
 
 def unheld(system: System) -> Status:
-    """Return status of a shaft or housing that moved without limit: "not held" only where a linear program proves it."""
+    """Return the status of a shaft or housing that moved without limit; "not held" only if a linear program proves it."""
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(
         partial(opening_motion, system),

@@ -33,7 +33,7 @@ TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 @dataclass(frozen=True)
 class _Mounting:
-    """Assembly as it is mounted, and what solves it; ``key`` identifies the latter."""
+    """An assembly as mounted, and its solver; ``key`` identifies the solver."""
 
     bare: Assembly
     key: tuple[object, ...]

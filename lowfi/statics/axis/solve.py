@@ -223,7 +223,7 @@ class Sets(Prepared):
 
     @abstractmethod
     def row_states(self) -> tuple[RowState, Array]:
-        """Return the motions of all rows with the contacts there, and the forces of what fixes them ``(r, 6)``."""
+        """Return the motions of all rows with their contacts, and the reaction forces of fixed rows ``(r, 6)``."""
 
     @abstractmethod
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
@@ -343,7 +343,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
 
 
 def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, again: partial[AxisResult]) -> AxisResult:
-    """Solve an assembly by a model, as `solve_assembly`; again: solves the assembly as it is mounted."""
+    """Solve an assembly by a model, as `solve_assembly`; again: function that solves the assembly as mounted."""
     start = perf_counter()
 
     def failed(status: Status) -> AxisResult:

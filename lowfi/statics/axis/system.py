@@ -533,7 +533,7 @@ def asked_row(system: System) -> int:
 
 
 def left_out(system: System) -> tuple[str, ...]:
-    """Return sentences on the flanks that were left out though their sets could use them."""
+    """Return sentences on flanks that were left out although their sets could use them."""
     notes = []
     for b in system.balls:
         idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]

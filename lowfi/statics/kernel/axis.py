@@ -45,7 +45,7 @@ from .rollers import roller_forces
 
 @kernel
 def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
-    """Add a block (6, 6) at rows a, columns b of motions, and what symmetry makes of it; a = b: its lower half."""
+    """Add a block (6, 6) at rows a and columns b of the symmetric matrix; for a = b only its lower half."""
     if axis.place[a] >= axis.place[b]:
         rows, columns = 6 * axis.place[a], 6 * axis.place[b]
         for i in range(6):

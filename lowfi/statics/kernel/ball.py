@@ -104,7 +104,7 @@ def touch(
 def touch_any(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Write and return the same as `touch` for flanks that are no arcs, and for elastic bodies."""
+    """Compute forces and energy of a ball, as `touch`, for flanks that are not arcs and for elastic bodies."""
     energy = 0.5 * y * y  # of the body's amplitude, scaled to a stiffness of one
     for s in range(4):
         contact[s, FORCE] = 0.0

@@ -121,7 +121,7 @@ def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Ar
 
 @kernel
 def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
-    """Add what the force (fx, fz) [N] of ball i on flank s does to the gradient (6 n,)."""
+    """Add the force (fx, fz) [N] of ball i on flank s to the gradient (6 n,)."""
     for k in range(m):
         gradient[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
 

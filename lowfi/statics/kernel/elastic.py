@@ -220,7 +220,7 @@ def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f
 
 @kernel
 def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
-    """Write and return the same as `full_balls` for balls between two opposite arcs a and b.
+    """Compute forces and energy, as `full_balls`, for balls between two opposite arcs a and b.
 
     v (N, 2): motion of a less that of b. The ball's centre lies on the line of the arcs' centres D + v, and the
     interference is its nominal value plus |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|,

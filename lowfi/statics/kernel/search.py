@@ -38,10 +38,7 @@ def first_trial(energy: float, slope: float, limit: float) -> Trial:
 
 @kernel
 def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
-    """Return the trial that follows one of energy ``new`` and slope ``ahead``, and whether the search goes on to it.
-
-    The step is shrunk on overshoot, and stretched while the slope does not change (open gaps).
-    """
+    """Return the trial step after one with energy ``new`` and slope ``ahead``, and whether the search continues."""
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
     go_on = tried < TRIALS

@@ -28,10 +28,7 @@ TABLE_CONFORMITY = 0.56
 
 
 def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
-    """Return the same quantities from I^-1 II and exact elliptic integrals, keyed as in Table B.1.
-
-    rho1 is the radius across the groove, rho2 along it (convex positive), R1 <= R2 the relative radii.
-    """
+    """Return the quantities of Table B.1 computed from I^-1 II and exact elliptic integrals, under the table's keys."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
@@ -118,7 +115,7 @@ def table_2_2(findings: Findings, study: Study) -> None:
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of the right end: words, its scenes without and with offset, and whether it is the text's own."""
+    """One interpretation of the right end: description, scenes without and with offset, and whether the text states it."""
 
     label: str
     plain: str
@@ -238,7 +235,7 @@ def _against_ansys(study: Study, findings: Findings) -> None:
 
 @dataclass(frozen=True)
 class Choice:
-    """One choice: what it is, the result with it, and what it changes against the first, in per cent of its mean load."""
+    """One modelling choice: description, result, and largest change against the first choice [% of its mean load]."""
 
     label: str
     result: StaticResult

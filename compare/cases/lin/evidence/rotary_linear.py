@@ -54,7 +54,10 @@ def as_printed(case: str) -> bearing.Solution:
 
 @cache
 def right(case: str, hertz: Mode = "right") -> bearing.Solution:
-    """Return the same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
+    """Return the motion of a ball of a rotary bearing by least dissipation.
+
+    hertz: "as printed" keeps the source's loads and ellipses.
+    """
     return bearing.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
 

@@ -82,7 +82,7 @@ def as_stepped(amplitude: float) -> History:
 
 @cache
 def loose_run() -> History:
-    """Return the same with 3 degrees, without oversize, friction moving balls and screw."""
+    """Return the run of 3 degrees without oversize, with friction that moves balls and screw."""
     return equal_steps(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
 
 
@@ -160,8 +160,8 @@ def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> N
     findings.number(
         f"force_{case}",
         as_text.force,
-        f"{_both(as_text.force, oversized.force)}; the text as it stands does not give it ({off[0]:+.0f} %): printed force "
-        f"and increase imply {implied:.0f} N of contact load a ball, the plain reading has {as_text.ball_loads.mean():.0f} N, "
+        f"{_both(as_text.force, oversized.force)}; the text as printed does not give it ({off[0]:+.0f} %): printed force "
+        f"and increase imply {implied:.0f} N of contact load a ball, plainly read it is {as_text.ball_loads.mean():.0f} N, "
         f"the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
         reference=solid.get("force 1-2 N"),
@@ -204,7 +204,7 @@ def engages_again(r: History) -> bool:
 
 
 def steps_in_words(amplitude: float) -> str:
-    """Return how many steps the run takes, their error, and what the source's own number of steps would give."""
+    """Return a sentence on the steps of the run: number, error, and the result with the source's number of steps."""
     (found, error), base = stepped(amplitude), as_stepped(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
     few = 100.0 * summarise(base).largest
@@ -410,7 +410,7 @@ def pair_map(case: str, coupling: Coupling) -> PairMap:
 
 
 def run_changes() -> list[tuple[str, str, dict[str, object]]]:
-    """Return what is varied in the whole run: assumption, label of its value, changes of the run."""
+    """Return the variations of the whole run: assumption, label of its value, and the changed results."""
     changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
     changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
     changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
@@ -457,7 +457,7 @@ def as_read(follows: str, amplitude: float, oversize: float, pattern: str) -> Ru
 
 @cache
 def tried() -> tuple[RunSummary, ...]:
-    """Return what every row of `TRIED` gives, in the source's 200 steps."""
+    """Return the results of every row of `TRIED`, in 200 steps as in the source."""
     return tuple(summarise(equal_steps(as_read(*reading))) for reading in TRIED)
 
 
@@ -521,10 +521,7 @@ def summary_row(label: str, value: str, r: History) -> Row:
 
 
 def source_run_row(run: Run) -> Row:
-    """Return the same run by the source's method: motions without contact decide which balls touch.
-
-    Gaps may become negative.
-    """
+    """Return the run by the source's method, where motions without contact decide which balls touch."""
     r = simulate_by_root(run)
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
@@ -594,7 +591,7 @@ def bearing_rows() -> list[Row]:
 
 
 def onset_rows(study: Study) -> list[Row]:
-    """Return how soon balls meet (4.3.2), by kind of error and by how unloaded balls move."""
+    """Return the time until balls meet (4.3.2), by kind of error and by motion of unloaded balls."""
     rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:

@@ -52,7 +52,10 @@ def in_3d(study: Study, name: str) -> Mapping[str, float]:
 
 
 def plain(theta: float | None = None) -> Pair:
-    """Return the text of 3.4.3 as it stands: no clearance, friction coupled to the loads; another ``theta`` [rad] ahead."""
+    """Return the case of 3.4.3 exactly as the text states it: no clearance, friction coupled to the loads.
+
+    theta: angle between neighbours [rad], if it differs.
+    """
     return _with_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 

@@ -263,7 +263,7 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 @dataclass(frozen=True)
 class LashPoint:
-    """Open inputs, and the differences [%] over the ball patterns that they give."""
+    """Values of the inputs that the source leaves open, and the resulting differences [%] over the ball patterns."""
 
     changed: str
     diameter: float

@@ -425,7 +425,7 @@ def run_table() -> Table:
 
 
 def run_reading_table() -> Table:
-    """Return what 3.4.4 leaves open, reading by reading, and what each misses of the printed numbers."""
+    """Return the interpretations of what 3.4.4 leaves open, and for each its deviations from the printed numbers."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
@@ -450,7 +450,7 @@ def bearing_table() -> Table:
 
 
 def onset_table(study: Study) -> Table:
-    """Return how soon balls meet (4.3.2), by kind of error and by how unloaded balls move."""
+    """Return the time until balls meet (4.3.2), by kind of error and by motion of unloaded balls."""
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
         "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."

@@ -51,7 +51,7 @@ FORCES = {
 
 
 def other_table(study: Study) -> Table:
-    """Return each statement, what is computed for it, and what follows."""
+    """Return each further statement of the source, the value computed for it, and the conclusion."""
     rows = [_times(study), _lateral(study), *(_case_3(study, model) for model in ("lin", DEFAULT)), *map(_force, FORCES)]
     return Table.of("reconstruction-others", "Other statements that compare the source's model with ANSYS", rows)
 
@@ -61,7 +61,7 @@ def _statement(place: str, printed: str, computed: str, verdict: str) -> Row:
 
 
 def _times(study: Study) -> Row:
-    """Return the printed run times and that of the 3D model here on a mesh of the same size."""
+    """Return the printed run times, and that of the 3D model on this machine with a mesh of equal size."""
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -319,7 +319,7 @@ def friction_paragraph(study: Study) -> str:
 
 
 def explanation_table(found: list[combined.Combined]) -> Table:
-    """Return what the explanations give, the printed numbers first."""
+    """Return the printed numbers, then those that each explanation gives."""
     printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
     given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.explanations(found).items()}
     rows: list[Row] = [
@@ -329,7 +329,7 @@ def explanation_table(found: list[combined.Combined]) -> Table:
 
 
 def missed_table(found: list[combined.Combined]) -> Table:
-    """Return what each explanation misses: computed less printed."""
+    """Return the differences between computed and printed numbers for each explanation."""
     printed = fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
     for name, c in combined.explanations(found).items():
@@ -386,7 +386,7 @@ def one_at_a_time(found: list[combined.Combined]) -> Table:
 
 
 def combination_table(found: list[combined.Combined]) -> Table:
-    """Return every combination, and the root mean square of what it misses."""
+    """Return every combination of interpretations with the root mean square of its deviations."""
     rows = [
         _row(c)
         | {"text": "against it" if c.against_text else "silent"}

@@ -138,7 +138,7 @@ def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
 
 
 def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Return bands of the ratios over what is not printed, and whether the printed values lie in them."""
+    """Return the range of each ratio over the inputs that are not printed, and whether the printed value lies in it."""
     rows = []
     for b in (*steering.ratio_bands(rack()), steering.band_of(points)):
         row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}

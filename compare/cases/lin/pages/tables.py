@@ -98,7 +98,7 @@ def sizes(study: Study, name: str, way: str) -> tuple[str, str]:
 
 
 def faster(slow: float | None, fast: float | None) -> float | None:
-    """Return how many times faster one of two times is; None without one of them."""
+    """Return the ratio of two times; None if one is missing."""
     return None if not slow or not fast else slow / fast
 
 
@@ -205,7 +205,7 @@ def why(name: str) -> str:
 
 
 def ours(study: Study) -> dict[str, str]:
-    """Return what stands for ours in the source's layout where it is no value: times and sizes."""
+    """Return the texts that replace computed values in the source's layout: run times and model sizes."""
 
     def time_text(name: str, way: str) -> str:
         found = seconds(study, name, way)
@@ -368,7 +368,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
 
 
 def conclusion(found: Iterable[Evidence]) -> str:
-    """Return how many of the printed numbers come out."""
+    """Return a sentence on the number of printed values that are reproduced."""
     numbers = [f for f in found if not f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]

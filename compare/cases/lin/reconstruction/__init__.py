@@ -1,1 +1,1 @@
-"""What the source may have done to print the errors of 2.4.1: readings of what the text leaves open, combined."""
+"""Reconstruction of the errors printed in 2.4.1: combinations of interpretations of what the text leaves open."""

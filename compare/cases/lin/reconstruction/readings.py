@@ -352,13 +352,13 @@ class Combined:
 
     @property
     def misses(self) -> Array:
-        """What it misses of the printed numbers: both ratios [%], four errors of each contact's own load [points]."""
+        """Deviations from the printed numbers: both ratios [%], four errors of contact loads [percentage points]."""
         ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_ratio())
         return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
 
     @property
     def against_text(self) -> bool:
-        """Whether the text speaks against a reading."""
+        """Whether the combination contradicts the text."""
         return any(r.by_text for r in (*self.low, *self.solid))
 
 
@@ -452,11 +452,7 @@ def explanations(found: list[Combined]) -> dict[str, Combined]:
 
 
 def softened(study: Study, readings: Combination) -> float:
-    """Return what a penalty adds to the approach of a contact, by Hertz under the mean load, as a share of it.
-
-    By the shaft's axial motion in case 1, which both contacts of a ball add to: the force on it is the same, and so, on the
-    mean, is what its bodies do.
-    """
+    """Return the part of a contact's approach that a penalty stiffness adds, by Hertz at the mean load."""
     scene = catalogue.scene(CASES[0])
     still, moved = (study.once(_runs, r)[0] for r in ((), readings))
     track = scene.track

@@ -84,9 +84,9 @@ class Ends:
 
 @cache
 def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> Ends:
-    """Return rows by their laws, all of an end at one place, and a bar: the stretch is that of the ends, preload included.
+    """Return the stiffness of both ends by formulas, with all rows of an end at one position.
 
-    place: of the nut over the length; applied: force [N] on the screw there, towards the left end.
+    The stretch is that of the ends, with preload.
     """
     a, first = bearings.axis(), layout.bearings_at("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
@@ -107,7 +107,7 @@ def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED)
 
 
 def by_scene(study: Study, layout: Layout, place: float) -> Ends:
-    """Return the same by the scene: beam, contacts, rows apart from one another."""
+    """Return the stiffness of both ends by the scene: beam, contacts, and rows at their positions."""
     return study.once(_by_scene, layout, place)
 
 
@@ -336,7 +336,7 @@ def _torque_tests(e: Findings) -> None:
 
 
 def _stiffness_tests(e: Findings) -> None:
-    """Compute the entries of section 5.2.2: the tests against the right topology, and the claim as it stands."""
+    """Compute the entries of section 5.2.2: the tests with the correct topology, and the claim as printed."""
     off = []
     for kind in KINDS:
         right = topology(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH

@@ -389,7 +389,7 @@ def printed_deflection(pounds: float, length: float, diameter: float, cup: float
 
 
 def sheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
-    """Return the same with the inputs of figure 3-6 [in]."""
+    """Return the deflection [in] by the formula of the spreadsheet with the inputs of figure 3-6."""
     b = taper_bearing()
     return printed_deflection(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
 

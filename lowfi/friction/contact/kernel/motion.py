@@ -252,11 +252,7 @@ def reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Complete ``forces`` by what rest needs for balance; return what stays out of balance.
-
-    inverse (n, 3k): pseudo-inverse of the rows of the k contacts at rest, numbers ``resting``. Where the reactions are not
-    unique they are those nearest to the forces given.
-    """
+    """Add to ``forces`` the reactions of sticking contacts that balance the ball; return the remaining imbalance."""
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
     evaluate(slipping, maps, drives, push, 0.0, q, out, hess)

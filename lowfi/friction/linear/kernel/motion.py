@@ -79,9 +79,10 @@ def _correct(
     length: float,
     fixed: bool,
 ) -> tuple[bool, int, float]:
-    """Iterate back to the path, across tau or, fixed, at the same s; return whether it arrived, the steps, and s.
+    """Correct a predicted point by iteration back to the solution path, normal to tau or, if ``fixed``, at constant s.
 
-    Given up where they lead farther than most of the step's ``length``: it may be another path.
+    Return whether it converged, the number of steps, and s. It gives up where the corrections exceed most of the step's
+    ``length``, because they may lead to another path.
     """
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0

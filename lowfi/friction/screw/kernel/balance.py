@@ -180,7 +180,10 @@ def worst(parts: BalanceParts) -> float:
 def couple(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
 ) -> None:
-    """Write the blocks (4, 5, 5) that ball k and the next share: on k, right of it, below it, on the next."""
+    """Write the four blocks (4, 5, 5) of the matrix for ball k and the next ball.
+
+    Order: diagonal of k, right of it, below it, diagonal of the next.
+    """
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = rubbing(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size

@@ -57,9 +57,10 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 def _acts(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Write how a contact's normal force (9,) and friction per component (9, 3) act on the rows of `ball_rows`.
+    """Write the effect of a contact's normal force (9,) and of each friction component (9, 3) on the rows of `ball_rows`.
 
-    rows: its map (3, 4); along: share of the friction along the path. Linear in (n_x, n_z, rows, along).
+    rows: map (3, 4) of the contact's motion; along: share of the friction along the path. Linear in (n_x, n_z, rows,
+    along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -125,7 +126,7 @@ LONGEST_STEP = 0.1
 
 @kernel
 def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
-    """Add what ball k and the next do to each other."""
+    """Add the contact force and friction between ball k and the next ball, with their derivatives."""
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
     x, f = at.motion, at.ball_force
