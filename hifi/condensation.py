@@ -1,4 +1,4 @@
-"""Compliance of screw, nut and balls of the 3D reference under contact forces.
+"""Compliance of screw, nut and balls of the 3D reference under contact loads.
 
 Bodies are meshed with a socket at every contact and condensed to the modes of their patches, and so is the shaft beyond
 the 3D stretch of the screw. The local compliance of a contact is condensed once for each flank: the patches of its groove
@@ -86,7 +86,7 @@ class SidePatches:
 
 
 def side_of(scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings) -> SideArguments:
-    """Arguments of `condense_side` for a side of a scene."""
+    """Arguments of `condense_side` for a flank of a scene."""
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
     return m, side, radii, materials, meshes.sockets(side), settings
@@ -100,7 +100,7 @@ def condense_side(
     sockets: Sockets,
     settings: Settings,
 ) -> SidePatches:
-    """Condense the patches of groove and ball at one side, and their local compliance.
+    """Condense the patches of groove and ball at one flank, and their local compliance.
 
     Parameters
     ----------
@@ -255,9 +255,9 @@ SLICE, LEAST = 0.25, 30
 
 
 class Modal:
-    """Base of bodies condensed to the modes of their contacts, ball after ball, side after side."""
+    """Base of bodies condensed to the modes of their contacts, ball after ball, flank after flank."""
 
-    #: Modes V ``(c, k)`` of a contact, by side.
+    #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
 
     @property
@@ -290,7 +290,7 @@ class ScrewResponse(Modal):
 
     #: Flexibility of the stretch.
     stretch: Stretch
-    #: Modes V ``(c, k)`` of a contact, by side.
+    #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
     #: Motion of every contact's modes with the screw as a rigid body, about its station ``(contacts, k, 6)``.
     rigid: Array
@@ -309,7 +309,7 @@ class NutResponse(Modal):
 
     #: Coupling of the modes of all contacts [m/N].
     G: Array
-    #: Modes V ``(c, k)`` of a contact, by side.
+    #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
     #: Degrees of freedom that were condensed.
     unknowns: int
@@ -321,9 +321,9 @@ class NutResponse(Modal):
 class BallResponse(Modal):
     """One ball, its rigid motions constrained isostatically."""
 
-    #: Coupling of the modes of its contacts, side after side [m/N].
+    #: Coupling of the modes of its contacts, flank after flank [m/N].
     G: Array
-    #: Modes V ``(c, k)`` of a contact, by side.
+    #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
     #: Degrees of freedom that were condensed.
     unknowns: int
@@ -348,7 +348,7 @@ def with_modes(
     sockets : Sequence[Socket]
         Its sockets.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each side.
+        Condensed patch of each flank.
     count : int
         Number of modes of every socket.
     settings : Settings
@@ -361,7 +361,7 @@ def with_modes(
     rows : sparse array
         Rows of the modes of all sockets.
     kept : dict
-        Modes V and their rows Q, by side.
+        Modes V and their rows Q, by flank.
     """
     K = assemble(of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio)
     kept = {s: patch_modes(p, count) for s, p in patches.items()}
@@ -382,7 +382,7 @@ def ball_compliance(
     mesh : BallBody
         The ball.
     patches : dict[int, SidePatches]
-        Patches of each side.
+        Patches of each flank.
     settings : Settings
         Mesh choices.
 

@@ -31,7 +31,7 @@ SAMPLES = 16
 
 
 def forces_of(setup: Setup, side: int) -> Array:
-    """Choose the forces at which the approach of a side's contact is sampled ``(f,)`` [N]."""
+    """Choose the forces at which the approach of a flank's contact is sampled ``(f,)`` [N]."""
     return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
@@ -120,7 +120,7 @@ def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant, by side.
+        Nodal forces of unit resultant, by flank.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant, by side.
+        Nodal forces of unit resultant, by flank.
 
     Returns
     -------
@@ -156,14 +156,14 @@ def beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
 
 
 def local_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
-    """Approach of every side's contact over its force, beyond Hertz's law and the matrices.
+    """Approach of every flank's contact over its force, beyond Hertz's law and the matrices.
 
     Parameters
     ----------
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant with which the matrices were computed, by side.
+        Nodal forces of unit resultant with which the matrices were computed, by flank.
 
     Returns
     -------
@@ -196,7 +196,7 @@ def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int
     body : ScrewResponse | NutResponse
         Screw or nut.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant, by side.
+        Nodal forces of unit resultant, by flank.
 
     Returns
     -------

@@ -51,7 +51,7 @@ class PlacedSet:
 
     @cached_property
     def zones(self) -> tuple[tuple[slice, int], ...]:
-        """Contact nodes of one ball, side after side: their slice, and the side."""
+        """Contact nodes of one ball, flank after flank: their slice, and the side."""
         ends = np.cumsum([0] + [len(self.setup.patches[s].groove.A) for s in self.sides]).tolist()
         return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.sides, strict=True))
 
@@ -64,7 +64,7 @@ class PlacedSet:
 def compliance_of(
     sets: Sequence[PlacedSet], mounted: Mounted, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Compliance, Index]:
-    """Compliance of all contact nodes, set after set, ball after ball, side after side.
+    """Compliance of all contact nodes, set after set, ball after ball, flank after flank.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def compliance_of(
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
-    """Compliance of a ball and its grooves' patches between pairs of some sides.
+    """Compliance of a ball and its grooves' patches between pairs of some flanks.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
 def local_only(G: Array, body: Modal) -> Array:
     """Coupling of the modes of a body that is rigid at large.
 
-    Every contact keeps the mean response of its side to its load, nothing else.
+    Every contact keeps the mean response of its flank to its load, nothing else.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def modal_motion(C: Compliance, z: Array) -> Array:
 
 
 def expected_touch(p: PlacedSet, gap: Array) -> Array:
-    """Contact nodes that are expected to touch: the nearest third of each side.
+    """Contact nodes that are expected to touch: the nearest third of each flank.
 
     Parameters
     ----------
@@ -368,7 +368,7 @@ def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -
 
 
 def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array) -> tuple[Array, Array]:
-    """Motion of each ball's centre relative to each of its grooves, the same for all nodes of a side.
+    """Motion of each ball's centre relative to each of its grooves, the same for all nodes of a flank.
 
     The motion of the ball's centre against the groove across its track turns the normals; a ball may be anywhere along
     it.
@@ -394,7 +394,7 @@ def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array)
     shift : (balls, n, 3) Array
         Motion in the section plane [m].
     slid : (balls, n) Array
-        Motion along the track, less the mean over the sides of a ball [m].
+        Motion along the track, less the mean over the flanks of a ball [m].
     """
     motion = np.zeros((len(balls), len(p.zones), 3))
     for k, (nodes, _) in enumerate(p.zones):

@@ -1,7 +1,7 @@
-"""Displacements and stresses of the 3D reference, recovered from its contact forces.
+"""Displacements and stresses of the 3D reference, recovered from its contact loads.
 
 What was condensed is solved once more, with one right-hand side: the coarse body q under the modal forces of all its
-contacts, K q = H^T f, then each patch under its contact forces and the trace of its socket. All stresses are linear
+contacts, K q = H^T f, then each patch under its contact loads and the trace of its socket. All stresses are linear
 elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
 """
 
@@ -132,7 +132,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Split the normal forces of the pressure functions by side.
+    """Split the normal forces of the pressure functions by flank.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
 
 
 def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], scene: Scene | None = None) -> Array:
-    """Displacements of the coarse 3D stretch of the screw under all contact forces, fixed at its low end.
+    """Displacements of the coarse 3D stretch of the screw under all contact loads, fixed at its low end.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
-    """Displacements of the coarse nut under all contact forces, fixed where the scene says.
+    """Displacements of the coarse nut under all contact loads, fixed where the scene says.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
 
 
 def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh of the groove's patch at a side, for a ball at azimuth 0 and z = 0.
+    """Mesh of the groove's patch at a flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 
 
 def ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh of the ball's patch at a side, about the ball's centre."""
+    """Mesh of the ball's patch at a flank, about the ball's centre."""
     place = ball_place(setup.map, meshes.size, side, meshes.zone)[1]
     return patch_mesh(meshes, meshes.ball.sockets[side], place, setup.settings)
 
@@ -352,7 +352,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     Returns
     -------
     dict[int | None, SolidField]
-        Fields of the coarse ball (key None) and of its patches, by side.
+        Fields of the coarse ball (key None) and of its patches, by flank.
     """
     material, mesh = setup.scene.balls.material, meshes.ball
     e, nu = material.youngs_modulus, material.poissons_ratio
@@ -465,7 +465,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
     Returns
     -------
     dict[int, ContactPressure]
-        Pressures, by side.
+        Pressures, by flank.
 
     Raises
     ------

@@ -355,7 +355,7 @@ class Case:
             Motion of the housings [m, rad].
         """
         m, z, rigid = self.mounted, np.array(self.mounted.stations), self.mounted.motions @ self.rigid(last)
-        # contact forces press on the grooves: along the normals counted from ball to groove
+        # contact loads press on the grooves: along the normals counted from ball to groove
         forces, rows = self.C.amplitude(last.result.forces)[self.on_mounted], self.rows[self.on_mounted]
         line = m.line + m.line_modes[:, :, rows] @ forces
         line = line + np.array([transport(x - m.origin) @ rigid[:6] for x in z])

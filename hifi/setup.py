@@ -1,6 +1,6 @@
 """One geometry of the 3D reference: meshes, condensed patches, and compliance of screw, nut and balls.
 
-Screw, nut and one ball are meshed coarsely with a socket at every contact; one fine patch per side is condensed exactly
+Screw, nut and one ball are meshed coarsely with a socket at every contact; one fine patch per flank is condensed exactly
 and fits every socket of that side. All load cases, supports and error patterns of the geometry share this set-up.
 """
 
@@ -63,7 +63,7 @@ class Setup:
     settings: Settings
     #: Flanks (0 to 3) that may carry load.
     sides: tuple[int, ...]
-    #: Condensed patches of each side.
+    #: Condensed patches of each flank.
     patches: dict[int, SidePatches]
     #: Condensed screw.
     screw: ScrewResponse
@@ -86,7 +86,7 @@ class Setup:
     others_MB: float = 0.0
 
     def body(self, side: int) -> ScrewResponse | NutResponse | None:
-        """Body of the grooves of a side; None: rigid."""
+        """Body of the grooves of a flank; None: rigid."""
         return self.screw if side < 2 else self.nut
 
 

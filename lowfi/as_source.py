@@ -192,7 +192,7 @@ def _contacts(
 
 
 def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
-    """Return Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact forces.
+    """Return Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact loads.
 
     Parameters
     ----------
@@ -379,7 +379,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         "numpy, dense",
         "equilibrium equations of the source",
     )
-    left_out = ("nothing: all four sides are built",)
+    left_out = ("nothing: all four flanks are built",)
     return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), own_arms=True)
 
 

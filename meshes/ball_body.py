@@ -51,16 +51,16 @@ class BallBody(Meshed):
 
     #: Second-order tetrahedra.
     mesh: Mesh
-    #: Nodes of the inner faces of each socket, by side.
+    #: Nodes of the inner faces of each socket, by flank.
     socket_nodes: dict[int, Index]
-    #: Mesh of the sockets' faces, by side.
+    #: Mesh of the sockets' faces, by flank.
     sockets: dict[int, SocketMesh]
     #: Size and quality.
     quality: Quality
 
 
 def directions(m: GrooveMap, side: int) -> Array:
-    """Contact frame of a side, for a ball at azimuth 0.
+    """Contact frame of a flank, for a ball at azimuth 0.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ class CondensedBodies:
     hertz: Array
 
     def local_law(self, side: int) -> tuple[float, float]:
-        """Fit the approach e F + h F^(4/3) of one side's contacts beyond Hertz's.
+        """Fit the approach e F + h F^(4/3) of one flank's contacts beyond Hertz's.
 
         Beyond the linear elasticity of the bodies (e) the next term of a smooth contact is of the order of its area times
         F, F^(4/3) (h); a logarithm of its size fits no better. Least squares over the samples, relative to the approach.

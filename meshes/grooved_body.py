@@ -80,9 +80,9 @@ class GroovedBody(Meshed):
 
     #: Second-order tetrahedra.
     mesh: Mesh
-    #: Nodes of the inner faces of each socket ``(count, k)``, in the order of its side's mesh in ``sockets``.
+    #: Nodes of the inner faces of each socket ``(count, k)``, in the order of its flank's mesh in ``sockets``.
     socket_nodes: Index
-    #: Mesh of the sockets' faces, by side.
+    #: Mesh of the sockets' faces, by flank.
     sockets: dict[int, SocketMesh]
     #: Largest distance of the flanks' nodes, the sockets' rims among them, from the exact flanks [m].
     deviation: float

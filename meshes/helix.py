@@ -218,7 +218,7 @@ def nominal_contact_points(scene: Scene) -> Array:
 
 
 def _along_contacts(scene: Scene, distance: list[float]) -> Array:
-    """Points ``(4, 2)`` [m] so far along the contact direction of each side."""
+    """Points ``(4, 2)`` [m] so far along the contact direction of each flank."""
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
 

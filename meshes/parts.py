@@ -51,7 +51,7 @@ from rollbench.meshes.ranges import (
 SIDES = ("SL", "SR", "NL", "NR")
 
 #: Unit factors ``(s_x, s_z)`` of the contact direction ``(s_x cos(gamma), s_z sin(gamma))`` in the plane of the
-#: groove section (x3 radial, z3 along the binormal), one row per side (Lin 2019, Figure 2.4).
+#: groove section (x3 radial, z3 along the binormal), one row per flank (Lin 2019, Figure 2.4).
 SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 
 #: Freedoms of a station of the screw: displacements along x, y, z and small rotations about them.
@@ -371,7 +371,7 @@ class Ingredients:
     )
     arm: Literal["current", "nominal", "ball"] = usual(
         "current",
-        "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
+        "lever arm of a contact load: current contact point, nominal contact point, or the ball's station",
         "nominal",
     )
     load_step: LoadStep | None = usual(

@@ -1,7 +1,7 @@
 """Sockets: boxes left free around contacts for fine patches; their shape, faces and largest size.
 
 A socket is bounded by surfaces of constant depth and azimuth; in gamma it narrows with its depth. Its local coordinates
-xi are gamma and azimuth in [-1, 1] and depth in [0, 1]; all sockets of a side are congruent, so that one patch fits them.
+xi are gamma and azimuth in [-1, 1] and depth in [0, 1]; all sockets of a flank are congruent, so that one patch fits them.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
 def side_socket(
     places: Callable[[int], Callable[[Array], Array]], side: int, cuts: tuple[int, int, int]
 ) -> tuple[SocketMesh, Array]:
-    """Mesh of the sockets of one side, as `socket_mesh`.
+    """Mesh of the sockets of one flank, as `socket_mesh`.
 
     A turn by 180 degrees about the radius through the ball's centre takes left flanks onto right ones and reverses
     azimuths. So the socket of a right flank (SR, NR) is that of the left one with azimuths reversed, node by node.
@@ -135,7 +135,7 @@ def side_socket(
     Parameters
     ----------
     places : Callable[[int], Callable[[Array], Array]]
-        Map of local coordinates to points, by side.
+        Map of local coordinates to points, by flank.
     side : int
         Flank 0 to 3.
     cuts : tuple[int, int, int]
@@ -224,7 +224,7 @@ def rim(socket: SocketMesh) -> Index:
 
 
 def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
-    """Unrolled coordinates of the nominal contact point of a side.
+    """Unrolled coordinates of the nominal contact point of a flank.
 
     Parameters
     ----------

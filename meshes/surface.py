@@ -16,7 +16,7 @@ from rollbench.meshes.helix import lead_angle, reduced_lead
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 SIGNS = np.array(SIDE_SIGNS)
-#: In place of a side: all four, in a second axis.
+#: In place of a flank: all four, in a second axis.
 ALL = slice(None)
 
 

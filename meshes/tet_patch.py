@@ -40,7 +40,7 @@ class TetBox:
     depth: float
     #: Half widths of the contact zone across and along, in local units.
     zone: tuple[float, float]
-    #: Half axes across and along of the box of cells of edge ``fine`` about the contact, and its depth [m].
+    #: Semi-axes across and along of the box of cells of edge ``fine`` about the contact, and its depth [m].
     influence: tuple[float, float, float]
     #: Edge of the cells in that box [m].
     fine: float

@@ -174,7 +174,7 @@ class Model:
     about: str
     #: Name in tables and figures.
     label: str
-    #: How screw, nut and balls respond to a contact force.
+    #: How screw, nut and balls respond to a contact load.
     words: str
     #: Function that runs it on a scene with one set.
     run: Callable[[Scene, Options], StaticResult]

@@ -242,7 +242,7 @@ class CentrelinePoint:
 
 
 def sides_json(load: Array) -> dict[str, Any]:
-    """Return, for each loaded side, largest and smallest load [N], their ratio, balls with and without load."""
+    """Return, for each loaded flank, largest and smallest load [N], their ratio, balls with and without load."""
     out = {}
     for side, values in zip(SIDES, load.T, strict=True):
         loaded = values[values > 0.0]
@@ -368,7 +368,7 @@ def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
 
 
 def whole_json(one: SolvedAxis) -> dict[str, Any]:
-    """Return the summary of several sets: sides of all balls, values of the set with the worst contact, axial answers."""
+    """Return the summary of several sets: flanks of all balls, values of the set with the worst contact, axial answers."""
     result, answers = one.result, one.answers
     if not result.converged:
         return {}

@@ -59,7 +59,7 @@ def loads(
     emphasis: bool = False,
     bar: Array | None = None,
 ) -> Series:
-    """Return the curve of the loads of one side over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
+    """Return the curve of the loads of one flank over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
     ends = None if bar is None else (numbers(load - bar[:, side]), numbers(load + bar[:, side]))

@@ -156,7 +156,7 @@ class Solved:
     meshes: Meshes
     #: Result of the reference.
     result: ReferenceResult
-    #: Nodal forces of the drawn ball by side.
+    #: Nodal forces of the drawn ball by flank.
     forces: dict[int, Array]
     #: Number of the drawn ball.
     ball: int
@@ -170,9 +170,9 @@ class Stresses:
     bodies: tuple[SolidField, SolidField]
     #: Coarse ball.
     ball: SolidField
-    #: Patches of the grooves by side.
+    #: Patches of the grooves by flank.
     grooves: dict[int, SolidField]
-    #: Patches of the ball by side.
+    #: Patches of the ball by flank.
     patches: dict[int, SolidField]
 
 
@@ -230,7 +230,7 @@ def frame(solved: Solved) -> tuple[Array, Array, Array]:
 
 
 def contact_point(solved: Solved, side: int) -> Array:
-    """Return the nominal contact point of a side in the ball's frame."""
+    """Return the nominal contact point of a flank in the ball's frame."""
     from rollbench.meshes.ball_body import directions
 
     m = solved.setup.map
@@ -392,7 +392,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
 
 
 def loaded(solved: Solved) -> LoadedScrew:
-    """Return the picture of the contact forces of the 3D reference on all balls."""
+    """Return the picture of the contact loads of the 3D reference on all balls."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
     ball = float(specimen(scene, layout).ball_radius.max())
@@ -406,7 +406,7 @@ def loaded(solved: Solved) -> LoadedScrew:
         forces.append((-load * direction)[held])
     return LoadedScrew(
         "loaded-screw-3d",
-        "Case 1: contact forces on the balls by the 3D reference",
+        "Case 1: contact loads on the balls by the 3D reference",
         scene,
         result.load,
         np.concatenate(points),
@@ -465,7 +465,7 @@ def make_section(study: Study, step: Step) -> Section:
         "which are held where they join screw and nut."
     )
     stress = (
-        "Linear elastic, nominal geometry. The bodies are solved once more under the contact forces of all balls: the "
+        "Linear elastic, nominal geometry. The bodies are solved once more under the contact loads of all balls: the "
         "screw is held at the low end of its 3D stretch, its other end is free; the nut is held at its "
         f"{solved.setup.dims.nut_held}. The scale goes by tens."
     )
@@ -490,7 +490,7 @@ def make_section(study: Study, step: Step) -> Section:
             profiles(two),
             pressure_map(
                 "pressure-four",
-                f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four sides",
+                f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four flanks",
                 four,
                 f"Mesh level {FINE_LEVEL}; made as the pressures of {SCENE}.",
             ),

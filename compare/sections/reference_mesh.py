@@ -61,7 +61,7 @@ def level_table(study: Study, found: References) -> Table:
                     "scene": name,
                     "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
                     Quantity("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
-                    Quantity("sides", "sides meshed", "", "s"): len(run.sides),
+                    Quantity("sides", "flanks meshed", "", "s"): len(run.sides),
                     Quantity("unknowns", "unknowns, equivalent monolithic mesh", "", "s"): run.unknowns,
                     Quantity("setup", "set-up", "s", ".1f"): times[0],
                     Quantity("solve", "load case", "s", ".1f"): times[1],

@@ -258,7 +258,7 @@ EXTRAPOLATED = (
     "elements away from them are refined together, and all contacts of all meshes are fitted at once by F0 "
     "+ A e + B / k. Here (h + g d) / (c + d) is the element size at depth d over the distance in which the "
     "contact's field changes there; with the field's energy spread evenly over x = c / (c + d), e is the "
-    "mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and length c, in short half axes, are common "
+    "mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and length c, in minor semi-axes, are common "
     "to all contacts; B comes from two runs on one mesh with two contact stiffnesses k. A mesh is weighted "
     "by its e, because both the deviation from the law and the scatter between meshes of one size shrink "
     "with it. The uncertainty of a contact is the change of its limit over all orders and lengths that fit "
@@ -316,7 +316,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, heads))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
-        f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "
+        f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS misfit "
         f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
         f"contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )

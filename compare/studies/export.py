@@ -248,7 +248,7 @@ def write_deck(
     balls
         Range of balls to keep, such as ``3:5``; empty: all.
     b_over_h
-        Elements across the short half axis of a contact.
+        Elements across the minor semi-axis of a contact.
     growth
         Growth of element size per distance from the contacts.
     stiffness

@@ -1,6 +1,6 @@
 """Numerical stability: hard scenes solved by several formulations, each converged or with the reason why not.
 
-The scenes are in `extreme_cases`. A second formulation, in contact forces with the compliance of the same beam, must find
+The scenes are in `extreme_cases`. A second formulation, in contact loads with the compliance of the same beam, must find
 the same loads. It does not solve rows of rollers without balls; of these the law of every slice is checked.
 
 The source's Newton starts (``lowfi.as_source``) are: the nominal state; a good guess, the screw moved along its axis as if
@@ -54,7 +54,7 @@ SOURCE: dict[str, Start] = {
 }
 
 #: The force formulation (`lowfi.statics.elastic`) of the same equations: beam, rigid nut, Hertz contacts.
-FORCES = "contact forces, same equations"
+FORCES = "contact loads, same equations"
 
 #: Models with elastic bodies by label: the same scenes must be solved with their backends.
 BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.extremes}

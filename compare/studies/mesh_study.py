@@ -228,7 +228,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and side of the contact whose load on the finest level a quantity is.
+    """Return ball and flank of the contact whose load on the finest level a quantity is.
 
     None if it is not a contact load.
     """

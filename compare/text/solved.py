@@ -205,7 +205,7 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
         (side, *(shown(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
         for side, row in sides_json(result.load).items()
     )
-    summed = plain(("side", "max N", "min N", "max/min", "loaded", "lost"), sums)
+    summed = plain(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
     return [plain(headings, rows), "", summed, ""]
 
 

@@ -7,7 +7,7 @@ V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T.
 The local compliance of a contact comes from a submodel: a short piece of its body around it, meshed finely. A coarse body
 tied to a condensed patch carries loads from contact to contact well, but is too stiff under a contact's load: the trace
 of its socket and the cells around it take away a part of the approach that no finer patch restores. That part is local,
-the same for all contacts of a side, and decays within a socket's size. So a contact's local compliance is taken from a
+the same for all contacts of a flank, and decays within a socket's size. So a contact's local compliance is taken from a
 piece of the body cut off around one contact and meshed as finely as needed, and the share of the coarse body is
 subtracted:
 
@@ -45,7 +45,7 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 class Socket:
     """One socket of a coarse body: the box around a contact that a fine patch fills."""
 
-    #: Its nodes, in the order of its side's patch.
+    #: Its nodes, in the order of its flank's patch.
     nodes: Index
     #: Rotation of its local frame ``(3, 3)``.
     rotation: Array
@@ -65,9 +65,9 @@ NO_RESULTANT = 1e-9
 
 
 def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Reduce the transfer H of contact forces to a socket to few modes: V Q approximates H.
+    """Reduce the transfer H of contact loads to a socket to few modes: V Q approximates H.
 
-    First come, for every independent resultant of contact forces, the nodal forces on the socket that contact pressures
+    First come, for every independent resultant of contact loads, the nodal forces on the socket that contact pressures
     cause per unit of it on average: Q^T V^T f is in equilibrium with f for all forces f. Resultants are those of the
     forces, by the rigid motions' means over the pressure functions; H of a carrier patch has them only to some 1e-4
     (`hifi.bodies.patch.condense_patch`). Then come the strongest of the other traces, without resultants.
@@ -225,7 +225,7 @@ def assemble(
     sockets : Sequence[Socket]
         Its sockets.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each side.
+        Condensed patch of each flank.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -261,7 +261,7 @@ def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> s
     sockets : Sequence[Socket]
         Sockets of the body.
     rows : dict[int, Array]
-        Rows Q ``(k, 3 nodes)`` of each side.
+        Rows Q ``(k, 3 nodes)`` of each flank.
     size : int
         Number of the body's degrees of freedom.
 
@@ -372,7 +372,7 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
 
 
 #: Meshes of the coarse piece over which its response is averaged: sizes differ by a hundredth, so that the scatter of
-#: unstructured meshes (some ten thousandths of an approach) does not pass into all contacts of a side.
+#: unstructured meshes (some ten thousandths of an approach) does not pass into all contacts of a flank.
 REALISATIONS = 3
 
 STEP = 0.01
@@ -402,7 +402,7 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     patch : PatchMesh
         Patch in its socket.
     normals : (c, 3) Array
-        Directions of the contact forces.
+        Directions of the contact loads.
     young : float
         Young's modulus [Pa].
     poisson : float

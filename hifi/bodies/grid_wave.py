@@ -43,7 +43,7 @@ FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
 def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
-    """Hertz contact of a side under 1 N, x across the groove and y along it.
+    """Hertz contact of a flank under 1 N, x across the groove and y along it.
 
     The approach grows as F^(2/3), the semi-axes as F^(1/3).
 
@@ -329,7 +329,7 @@ def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: 
 
 @dataclass(frozen=True)
 class GridWave:
-    """Correction of the gaps of a side's contacts for their place on the grid."""
+    """Correction of the gaps of a flank's contacts for their place on the grid."""
 
     #: Tabulated forces ``(f,)`` [N].
     loads: Array

@@ -85,12 +85,12 @@ class PatchMesh(Meshed):
 class CondensedPatch:
     """A patch condensed to its c contact nodes and the k nodes of its socket: u_c = A f + H q, r = S q - H^T f.
 
-    f: contact forces; u_c: mean displacements of the contact; q: displacements of the socket; r: forces on it.
+    f: contact loads; u_c: mean displacements of the contact; q: displacements of the socket; r: forces on it.
     """
 
-    #: Mean displacement per contact force with the socket fixed ``(c, c)`` [m/N].
+    #: Mean displacement per contact load with the socket fixed ``(c, c)`` [m/N].
     A: Array
-    #: Mean displacement by the motion of the socket ``(c, 3 k)``; H^T carries contact forces to the socket.
+    #: Mean displacement by the motion of the socket ``(c, 3 k)``; H^T carries contact loads to the socket.
     H: Array
     #: Stiffness at the socket ``(3 k, 3 k)`` [N/m].
     S: Array
@@ -419,7 +419,7 @@ def _linear_shape(w: Array) -> Array:
 class _Partition:
     """Blocks of a patch's stiffness.
 
-    Of the inner degrees of freedom, between them and the socket's, and of the interface; unit contact forces on the inner
+    Of the inner degrees of freedom, between them and the socket's, and of the interface; unit contact loads on the inner
     ones; interface from the socket; inner degrees of freedom ``(i,)``.
     """
 
@@ -459,7 +459,7 @@ def condense_patch(
     mesh : PatchMesh
         The patch.
     normals : (c, 3) Array
-        Directions of contact forces and displacements.
+        Directions of contact loads and displacements.
     young : float
         Young's modulus [Pa].
     poisson : float

@@ -46,12 +46,12 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class BallBlock:
-    """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, side after side.
+    """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, flank after flank.
 
     A factor costs sum n_s^3 and not (sum n_s)^3.
     """
 
-    #: Compliance A_s of each side ``(n_s, n_s)`` [m/N], symmetric positive definite.
+    #: Compliance A_s of each flank ``(n_s, n_s)`` [m/N], symmetric positive definite.
     local: tuple[Array, ...]
     #: Smooth patterns V_s ``(n_s, k_s)`` by which a side is coupled to the ball's other sides.
     modes: tuple[Array, ...]
@@ -60,7 +60,7 @@ class BallBlock:
 
     @cached_property
     def sides(self) -> tuple[slice, ...]:
-        """Pairs of each side."""
+        """Pairs of each flank."""
         return _slices([len(a) for a in self.local])
 
     @cached_property

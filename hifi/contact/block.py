@@ -2,8 +2,8 @@
 
 The block is a quarter of the half-space z > 0 (x = 0 and y = 0 are planes of symmetry). With its cut faces fixed it is
 too stiff: a block of 5 mm shifts a ball's approach by 1.7-2.5 %. Here the cut moves as it would in the half-space, by
-Boussinesq's displacement of each contact force. By superposition, with i the free degrees of freedom, c those of the cut,
-P the unit contact forces and B the displacements of the cut under them,
+Boussinesq's displacement of each contact load. By superposition, with i the free degrees of freedom, c those of the cut,
+P the unit contact loads and B the displacements of the cut under them,
 
     u_i = K_ii^-1 (P - K_ic B) lambda,    C = P^T K_ii^-1 P - (K_ci K_ii^-1 P)^T B:
 

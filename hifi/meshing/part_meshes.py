@@ -140,7 +140,7 @@ def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Arr
 def ball_place(
     m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallSocket, Callable[[Array], Array]]:
-    """Socket of the ball at a side, and the map of local coordinates into it.
+    """Socket of the ball at a flank, and the map of local coordinates into it.
 
     In the contact zone its rays pass exactly through the groove's nodes.
 
@@ -181,7 +181,7 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 @dataclass(frozen=True)
 class Sockets:
-    """Sockets that the patches of one side fit into."""
+    """Sockets that the patches of one flank fit into."""
 
     #: Faces of the groove's socket.
     groove: SocketMesh
@@ -213,7 +213,7 @@ class Meshes:
     widths: tuple[float, float]
 
     def sockets(self, side: int) -> Sockets:
-        """Sockets that the patches of a side fit into."""
+        """Sockets that the patches of a flank fit into."""
         body = self.screw if side < 2 else self.nut
         return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
 

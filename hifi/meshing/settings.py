@@ -241,7 +241,7 @@ def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
 
 
 def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
-    """Contacts of an unloaded set, as if its nearest sides carried a given load.
+    """Contacts of an unloaded set, as if its nearest flanks carried a given load.
 
     Parameters
     ----------

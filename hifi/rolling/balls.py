@@ -1,6 +1,6 @@
 """Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces between balls in touch.
 
-Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact forces, which
+Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact loads, which
 are given here (`hifi.rolling.scenes`); the other four fix its speed along the track and its rotation. Forces across the
 track that friction adds to the given ones are in the result.
 
@@ -365,7 +365,7 @@ def solve_rolling(
     Parameters
     ----------
     scene : kinematics.Rolling
-        The balls and their contact forces.
+        The balls and their contact loads.
     choices : Choices | None, default None
         Numerical choices.
     near : RollingResult | None, default None
@@ -517,7 +517,7 @@ def solve_rigid_rolling(
     Parameters
     ----------
     scene : kinematics.Rolling
-        The balls and their contact forces.
+        The balls and their contact loads.
     points : int, default POINTS
         Points of the quadrature along each axis of an ellipse.
     curved : bool, default True
@@ -617,7 +617,7 @@ def run_from_rest(
     Parameters
     ----------
     scene : Rolling
-        The balls and their contact forces.
+        The balls and their contact loads.
     duration : float
         Duration of the run [s].
     steps : int

@@ -1,4 +1,4 @@
-"""Scenes of a linear bearing, a ball screw and a ring for `hifi.rolling.balls`, and their contact forces.
+"""Scenes of a linear bearing, a ball screw and a ring for `hifi.rolling.balls`, and their contact loads.
 
 The order of a ball's grooves and the senses of their directions are the caller's: contact angles and directions are
 given, loads are solved here or given.
@@ -285,7 +285,7 @@ def ring_layout(
     return Layout(track, np.eye(3)[None], np.eye(3)[:2], radius, groove_radius, radii, ride, orbit, ())
 
 
-#: Newton's steps that follow the search, and force out of balance over the sum of contact forces that counts as balance.
+#: Newton's steps that follow the search, and force out of balance over the sum of contact loads that counts as balance.
 POLISH, BALANCED = 30, 1e-9
 
 
@@ -325,7 +325,7 @@ class Loads:
     ball: Array
     #: Free motions of the inner body ``(m,)`` [m].
     body: Array
-    #: Unbalanced force over the sum of the contact forces.
+    #: Unbalanced force over the sum of the contact loads.
     left: float
 
     @property
@@ -411,7 +411,7 @@ def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
     return e, g, H
 
 
-# --- loads and rolling together: friction and neighbours push the balls across the track, which changes the contact forces
+# --- loads and rolling together: friction and neighbours push the balls across the track, which changes the contact loads
 
 
 #: Difference of the force that friction exerts and the one that the loads are for, over the largest load, that is none.

@@ -7,7 +7,7 @@ by lubrication, series and author, so each torque is a range (low, high):
 
     M_0 = f_0 (nu n)^(2/3) d_m^3,  M_1 = z (Q/Q_0)^y P_1 d_m.
 
-Q/Q_0 is the largest contact force over the force at which ISO 76 rates the contact, which is what P_0/C_0 means (Smith
+Q/Q_0 is the largest contact load over the force at which ISO 76 rates the contact, which is what P_0/C_0 means (Smith
 2.36), whatever loads the row. z, y and P_1 are those of `LOAD`, f_0 of `VISCOUS`.
 """
 
@@ -145,7 +145,7 @@ def ball_torque(
     pitch_diameter
         d_m [m].
     loads
-        Thrust of all balls with preload [N], radial load [N], and the largest contact force over the rated one Q/Q_0.
+        Thrust of all balls with preload [N], radial load [N], and the largest contact load over the rated one Q/Q_0.
     viscous
         M_0 as (low, high) [N m], or None.
 

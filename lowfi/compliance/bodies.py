@@ -7,7 +7,7 @@ cached.
 
 A stretch of shaft between a beam's two ends (`end_response`): what its contacts and its high end do to one another beyond
 the beam. By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
-(`lowfi.compliance.tube`), fixed by the mean motions of its low end, responds to contact forces with the high end free;
+(`lowfi.compliance.tube`), fixed by the mean motions of its low end, responds to contact loads with the high end free;
 loaded there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear
 force. By reciprocity a contact that presses inward moves the high end away.
 

@@ -358,7 +358,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
     """Return a description of an inner ring motion that the force drives and no contact resists; empty for none.
 
     A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear
-    equilibrium of contact forces and load has a solution, but for signs of the contact forces.
+    equilibrium of contact loads and load has a solution, but for signs of the contact loads.
 
     Parameters
     ----------

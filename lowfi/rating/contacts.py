@@ -365,7 +365,7 @@ def roller_safety(worst: RollerContact) -> StaticSafety:
     return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
 
-#: Largest contact force over the mean radial share of a ball, radial load and no clearance (Stribeck; ISO 76).
+#: Largest contact load over the mean radial share of a ball, radial load and no clearance (Stribeck; ISO 76).
 STRIBECK = 5.0
 
 

@@ -1,7 +1,7 @@
 """Fatigue life of a load distribution: bearings by ISO 281 and ISO/TS 16281, ball screws by ISO 3408-5.
 
-Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway; it has a capacity Q_c [N], the contact force
-that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact force Q_e, the mean of its balls' forces of
+Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway; it has a capacity Q_c [N], the contact load
+that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact load Q_e, the mean of its balls' forces of
 order 3 where it turns relative to the load (screw, inner ring) and 10/3 where it is stationary (nut, outer ring):
 
     L = (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10).                                                              (1)

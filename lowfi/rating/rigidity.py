@@ -8,7 +8,7 @@ and C the Hertz constants of both contacts of a ball together, flanks that press
 closed by c_1, c_2 at zero load (preload by large balls or errors; with a lead offset each half of the nut has its own
 closures, and the sum runs over both); without preload u = C (F/(N s))^(2/3)/s.
 
-With the bodies (R_nu): the radial part F/tan(alpha) of the contact forces widens the nut and squeezes the screw, as thick
+With the bodies (R_nu): the radial part F/tan(alpha) of the contact loads widens the nut and squeezes the screw, as thick
 tubes under even pressure over the loaded length i P_h of each start (Lame), which ISO 3408-4 takes too:
 
     u = F/(2 pi i P_h tan^2(alpha)) (((D_1^2 + D_c^2)/(D_1^2 - D_c^2) + nu_n)/E_n

@@ -1,7 +1,7 @@
 """Motions of a screw that nothing resists, and whether its contacts can carry a load at all.
 
 Motions that neither a support nor a contact resists are found before anything is solved. Whether a load can be carried is
-decided by a linear program on compressive contact forces.
+decided by a linear program on compressive contact loads.
 
 By the theorem of the alternative (Farkas) either compressive forces at the nominal contacts and reactions of the supports
 balance the load, or a rigid motion of the screw, with some motion of the balls, opens every contact or leaves it unchanged
@@ -34,7 +34,7 @@ class Mechanism:
     text: str
     #: Freedoms of the first node to fix.
     pins: tuple[int, ...] = ()
-    #: Whether the track has no lead, so that no contact force twists the shaft, and no moment about the axis acts.
+    #: Whether the track has no lead, so that no contact load twists the shaft, and no moment about the axis acts.
     no_torsion: bool = False
     #: Freedoms that could be fixed instead of the pins; empty where there are none.
     others: tuple[int, ...] = ()
@@ -255,7 +255,7 @@ def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Arr
         return Status("not converged", why)
     if opened is not None:
         return Status("not held", opens(opened))
-    why = f"{body} ran away, though contact forces that push can balance the loads (linear program)"
+    why = f"{body} ran away, though contact loads that push can balance the loads (linear program)"
     return Status("not converged", why)
 
 

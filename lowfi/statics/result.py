@@ -67,7 +67,7 @@ class Status(str):
 class Equilibrium:
     """Global balance of the screw: forces [N] and moments about the origin [N m] on it.
 
-    The contact forces are summed at their contact points and the reactions come from the beam, so that the balance checks
+    The contact loads are summed at their contact points and the reactions come from the beam, so that the balance checks
     the solution independently. A free motion that nothing drives is prevented by a pin; what the pin carries, because the
     model's sections are planar, is no reaction of the scene. The residuals include the pin.
     """
@@ -80,14 +80,14 @@ class Equilibrium:
     reaction_force: Array = quantity("reaction_force_N", "sum of the supports' reactions", parts="[]")
     #: Their moment ``(3,)`` [N m].
     reaction_moment: Array = quantity("reaction_moment_Nm", "their moment", parts="[]")
-    #: Sum of the contact forces on the screw ``(3,)`` [N].
-    contact_force: Array = quantity("contact_force_N", "sum of the contact forces on the screw", parts="[]")
+    #: Sum of the contact loads on the screw ``(3,)`` [N].
+    contact_force: Array = quantity("contact_force_N", "sum of the contact loads on the screw", parts="[]")
     #: Their moment ``(3,)`` [N m].
     contact_moment: Array = quantity("contact_moment_Nm", "their moment", parts="[]")
     #: Largest component of the sum of all forces over the largest force.
     force_residual: float = quantity(
         "force_residual",
-        "sum of loads, reactions and contact forces over the largest force; does not use the solved equations",
+        "sum of loads, reactions and contact loads over the largest force; does not use the solved equations",
     )
     #: Largest component of the sum of all moments over the largest moment.
     moment_residual: float = quantity("moment_residual", "the same of moments")
@@ -102,7 +102,7 @@ class Equilibrium:
     pin_moment: Array = quantity("pin_moment_Nm", "its moment", parts="[]", default_factory=lambda: np.zeros(3))
     #: Largest component of the pin's force or moment over the largest force or moment.
     pin_share: float = quantity("pin_share", "its largest part over the largest force or moment", default=0.0)
-    #: Largest net contact force on a ball over the largest force.
+    #: Largest net contact load on a ball over the largest force.
     ball_residual: float = quantity(
         "ball_residual", "largest unbalanced force of a ball over the largest force", default=0.0
     )

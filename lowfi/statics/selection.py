@@ -228,7 +228,7 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
     elif not everything and problem.nodes.size > 1 and problem.nodes[0] > MERGE:
         notes.append("shaft before the first support, load or contact: it carries nothing")
     if mechanism.no_torsion:
-        notes.append("torsion: without lead no contact force twists the shaft, and no moment about it is applied")
+        notes.append("torsion: without lead no contact load twists the shaft, and no moment about it is applied")
     notes.extend(
         f"{FREEDOMS[k] + ' of the first node' if problem.basis is None else 'the screw'} is held at zero: {mechanism.text} "
         "is neither driven nor resisted"

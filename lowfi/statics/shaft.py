@@ -3,7 +3,7 @@
 The condensation is exact for the beam. `Squeeze` is what the shaft's section forces do to the contacts beyond a beam's
 rigid sections, and the contacts to the shaft.
 
-A stretch of shaft between its cut ends is a body on which contact forces f and the wrench F of all that lies above it act;
+A stretch of shaft between its cut ends is a body on which contact loads f and the wrench F of all that lies above it act;
 the rest is equilibrium. Fixed at its low end it has the complementary energy
 
     f . G f / 2 + f . D^T F + F . H F / 2                                                                              (1)
@@ -313,7 +313,7 @@ class Inside:
 
 @dataclass(frozen=True)
 class Squeeze:
-    """Coupling of contact forces and section forces of a shaft of n nodes with c flanks, by (2).
+    """Coupling of contact loads and section forces of a shaft of n nodes with c flanks, by (2).
 
     W = 6 wrench components for each cut that carries a wrench. Only ``moved`` and ``given`` depend on the loads (`under`).
     """

@@ -90,7 +90,7 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
     """Return the global balance of the screw and the balance of every ball.
 
-    Applied loads, support reactions, contact forces at their contact points, and what a pin carries that no support can.
+    Applied loads, support reactions, contact loads at their contact points, and what a pin carries that no support can.
 
     Parameters
     ----------
@@ -185,12 +185,12 @@ def wrench_of(loads: Sequence[Load]) -> Array:
 
 
 def net_forces(force: Array, normal: Array) -> Array:
-    """Return the net contact force on each ball ``(N,)`` [N] from forces ``(N, 4)`` [N] and normals ``(N, 4, 2)``."""
+    """Return the net contact load on each ball ``(N,)`` [N] from forces ``(N, 4)`` [N] and normals ``(N, 4, 2)``."""
     return np.asarray(np.linalg.norm((force[..., None] * normal).sum(axis=1), axis=1))
 
 
 def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[float, float], net: Array) -> Equilibrium:
-    """Return the balance of a body by its loads, reactions, contact forces and pins.
+    """Return the balance of a body by its loads, reactions, contact loads and pins.
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def ways(scene: Scene) -> dict[str, Scene]:
 
 @cache
 def stored(store: Path) -> list[dict[str, Any]]:
-    """Return the 3D results of a store by fixation: scene, held, level, status, rigidity [N/m], ball loads by side [N]."""
+    """Return the 3D results of a store by fixation: scene, held, level, status, rigidity [N/m], ball loads by flank [N]."""
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
 

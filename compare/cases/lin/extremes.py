@@ -164,7 +164,7 @@ def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = S
 
 
 def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the second ball of a pair without contact, or with contact forces (4,) [N] at the nominal angles."""
+    """Return the second ball of a pair without contact, or with contact loads (4,) [N] at the nominal angles."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:

@@ -30,7 +30,7 @@ PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
     "Support bearings of a ball screw: three angular-contact ball bearings or two tapered roller bearings at either end. "
     "Right values: exact elliptic integrals, line contacts, equilibrium of every set of rows, both ends of the axis side "
-    "by side. With the source's faults: its fits, sharing and sum in series, kept only to show what they do.",
+    "by flank. With the source's faults: its fits, sharing and sum in series, kept only to show what they do.",
     "Units are the source's: its lb are pounds-force, 4.44822 N (its own sheet takes 4.448), in-lb 0.112985 N m, lb/in "
     "175.127 N/m, psi 6894.76 Pa. Cells of the same number in two units are both entries.",
     (

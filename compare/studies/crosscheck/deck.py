@@ -41,7 +41,7 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import SocketSize, socket_coordinates
 from rollbench.meshes.solid import Dimensions, dimensions
 
-#: Half axes of the refined zone and of the slave's and master's faces, over those of the expected ellipse; the zones of the
+#: Semi-axes of the refined zone and of the slave's and master's faces, over those of the expected ellipse; the zones of the
 #: faces are also wider by some elements.
 FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
 
@@ -59,12 +59,12 @@ class Place:
     side: int
     #: Azimuth [rad], axial position [m], flank.
     at: tuple[float, float, int]
-    #: Half axes across and along the groove [m].
+    #: Semi-axes across and along the groove [m].
     half: tuple[float, float]
 
 
 def half_axes(scene: Scene, side: int) -> tuple[float, float]:
-    """Return the half axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
+    """Return the semi-axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
 
     By Hertz on the nominal geometry. The long one lies across the groove, where ball and groove conform.
     """
@@ -81,7 +81,7 @@ def half_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
-    """Return the expected contacts on ``sides``, and the short half axis of a screw contact of mean load [m]."""
+    """Return the expected contacts on ``sides``, and the minor semi-axis of a screw contact of mean load [m]."""
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: half_axes(scene, s) for s in sides}
     places = []
@@ -104,7 +104,7 @@ def groove_faces(place: Place) -> str:
 
 
 def _zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
-    """Return the half axes of the faces of a contact [m]."""
+    """Return the semi-axes of the faces of a contact [m]."""
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
 
@@ -173,7 +173,7 @@ FAR_SIZES = (2.0, 0.6)
 class DeckOptions:
     """Choices of mesh and contact of a deck."""
 
-    #: Elements across the short half axis of a contact of mean load; all contacts have this element size.
+    #: Elements across the minor semi-axis of a contact of mean load; all contacts have this element size.
     b_over_h: float = 1.5
     #: Growth of element size per distance from the contacts.
     growth: float = 0.4
@@ -457,7 +457,7 @@ def _heading(
     mean = float(load[load > 0.0].mean())
     return (
         f"Scene {scene.name}, by rollbench {__version__}. Whole bodies, {count} nodes, C3D10; z is the screw's axis.",
-        f"Elements of {1e3 * fine:.4g} mm at the contacts, {options.b_over_h:.4g} across the short half axis at mean load,",
+        f"Elements of {1e3 * fine:.4g} mm at the contacts, {options.b_over_h:.4g} across the minor semi-axis at mean load,",
         f"growing by {options.growth:.4g} per length away from them.",
         f"Contact without friction, pressure per overclosure {options.stiffness * 1e-9:.4g} N/mm3.",
         "Balls cannot turn: two pairs of their nodes move alike along three axes (couples, no force on the ball).",

@@ -11,7 +11,7 @@ relative size thus changes a load in proportion to
 
 and the compliance 1 / k of the contact law to first order (an overclosure in series with the approach of the contact):
 
-    F = F0 + A e + B / k,  c = lambda b,  b the short half axis of the contact at its load.
+    F = F0 + A e + B / k,  c = lambda b,  b the minor semi-axis of the contact at its load.
 
 B is taken from pairs of runs that differ only in k, where nothing else scatters. A and F0 differ between contacts; lambda
 and p are common to all contacts of a scene and fitted to all meshes. If h and g are refined together, h = s h1 and
@@ -62,7 +62,7 @@ class BodyMesh:
 class CrossRun:
     """One run of the other program."""
 
-    #: Elements across the short half axis at mean load.
+    #: Elements across the minor semi-axis at mean load.
     b_over_h: float
     #: Growth of element size per distance from the contacts.
     growth: float
@@ -170,7 +170,7 @@ def _run(plain: dict[str, Any]) -> CrossRun:
 #: like a root; coarse ones may show as little as first-order elements have, 2.
 ORDERS = tuple(np.arange(2.0, 4.01, 0.125).tolist())
 
-#: Lengths tried, over the short half axis: up to the long one of a slender ellipse.
+#: Lengths tried, over the minor semi-axis: up to the long one of a slender ellipse.
 LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
 
 #: Order and length of the weights.
@@ -281,7 +281,7 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     h = 1.0 / h
     loads = np.stack([np.mean([r.load.ravel() - law / r.stiffness for r in same], axis=0) for same in groups.values()])
     typical = loads.mean(axis=0)
-    half = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own half axis over that at mean load
+    half = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own semi-axis over that at mean load
     weight = 1.0 / _errors(h, g, half, *WEIGHING)
     weight = weight / weight.max(axis=0)
     fits = [_fit(loads, _errors(h, g, half, p, s), weight, p, s) for p, s in product(ORDERS, LENGTHS)]
@@ -395,7 +395,7 @@ def series(data: CrossData) -> list[CrossRun]:
 
 
 def deck_label(run: CrossRun) -> str:
-    """Return a short name of a deck in a series: elements across the short half axis, growth, half or equal balls."""
+    """Return a short name of a deck in a series: elements across the minor semi-axis, growth, half or equal balls."""
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
 

@@ -126,7 +126,7 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
 
 
 def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
-    """Return contact forces by slave set, and printed displacements by set and node, of the last time in a .dat file."""
+    """Return contact loads by slave set, and printed displacements by set and node, of the last time in a .dat file."""
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
     head = re.compile(r"(?:statistics for slave set (\S+), master|displacements .* for set (\S+) and time).*")

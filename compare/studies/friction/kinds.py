@@ -372,7 +372,7 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
             f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm turn the inner ring"
             + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
         ),
-        ("loads", f"sum of contact forces {data['load_sum_N']:.6g} N; they do not depend on friction"),
+        ("loads", f"sum of contact loads {data['load_sum_N']:.6g} N; they do not depend on friction"),
         (
             "ball",
             "orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(

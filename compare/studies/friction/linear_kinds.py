@@ -125,7 +125,7 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 
 
 def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
-    """Return another state of the chain: force on the carriage, and pairs with other contact forces."""
+    """Return another state of the chain: force on the carriage, and pairs with other contact loads."""
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]

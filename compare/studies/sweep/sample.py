@@ -72,7 +72,7 @@ Makers = dict[str, Callable[[], Any]]
 def outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of a converged result, and ``at``, ball and side of the largest load.
+    """Return the wanted `OUTPUTS` of a converged result, and ``at``, ball and flank of the largest load.
 
     Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed only for
     them; the torque needs [friction] of the scene. None if there is no such quantity.

@@ -68,7 +68,7 @@ class Places:
 
 
 def contact_forces(cell: Cell, at: Places) -> tuple[Array, Array, Array]:
-    """Return contact forces ``(N, 4)`` [N], misalignment n . t of groove and line of centres, and normals ``(N, 4, 2)``.
+    """Return contact loads ``(N, 4)`` [N], misalignment n . t of groove and line of centres, and normals ``(N, 4, 2)``.
 
     Contact conditions of Lin's chapter 2: the groove's tangent at gamma is normal to the line of centres.
     """
@@ -146,7 +146,7 @@ def rolling(groove: ScrewGroove) -> Array:
 
 
 def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
-    """Return N balls at given contact forces [N] and angles [rad], both ``(N, 4)``, in the order SL, SR, NL, NR."""
+    """Return N balls at given contact loads [N] and angles [rad], both ``(N, 4)``, in the order SL, SR, NL, NR."""
     maps, drives = groove.maps(groove.normals(angle))
     return Balls(screw_contacts(groove, force), maps, drives, neighbours(groove))
 
@@ -186,7 +186,7 @@ class SourceScrew:
 def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
     """Return N touching balls with their loads as one root, with the screw as in ``start`` (Lin 3.71, 3.75-3.77).
 
-    scale [N]: sum of a ball's contact forces, by which the equations are scaled.
+    scale [N]: sum of a ball's contact loads, by which the equations are scaled.
     """
     g, pair = cell.groove, neighbours(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed

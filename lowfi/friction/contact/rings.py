@@ -96,7 +96,7 @@ def settle_each(
     Returns
     -------
     tuple[Array, Array, Array, Array]
-        Positions, contact forces ``(N, 4)`` [N], normals ``(N, 4, 2)``, and the largest force out of balance ``(N,)`` [N].
+        Positions, contact loads ``(N, 4)`` [N], normals ``(N, 4, 2)``, and the largest force out of balance ``(N,)`` [N].
     """
     x, n = shift.copy(), len(shift)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)

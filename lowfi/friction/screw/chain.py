@@ -511,7 +511,7 @@ class CoupledChain:
     change: float
     #: Rounds of loads and friction.
     rounds: int
-    #: Whether the change is at most ``AGREED`` of the sum of contact forces, and loads and motion are in balance.
+    #: Whether the change is at most ``AGREED`` of the sum of contact loads, and loads and motion are in balance.
     converged: bool
 
 

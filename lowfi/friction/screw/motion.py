@@ -126,7 +126,7 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
 #: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
 Coupling = Literal["none", "ball", "ball and screw"]
 
-#: Change of friction [of the sum of contact forces] between rounds that counts as agreement, and most rounds.
+#: Change of friction [of the sum of contact loads] between rounds that counts as agreement, and most rounds.
 AGREED, ROUNDS = 1e-11, 100
 
 

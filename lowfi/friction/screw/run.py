@@ -91,7 +91,7 @@ class PairResult:
 
     @property
     def ball_loads(self) -> Array:
-        """Sum of the contact forces of each ball in touch ``(2,)`` [N]."""
+        """Sum of the contact loads of each ball in touch ``(2,)`` [N]."""
         return np.asarray(self.touching.load.force.sum(axis=1))
 
     @property
@@ -128,7 +128,7 @@ def sliding_speed(pair: Pair) -> float:
 
 
 def implied_load(pair: Pair, force: float, increase: float) -> float:
-    """Return the sum of contact forces of a ball that a ball-to-ball force and its friction increase imply [N].
+    """Return the sum of contact loads of a ball that a ball-to-ball force and its friction increase imply [N].
 
     mu F v over the increase is the loss at the grooves of both balls; here four equal contacts of each cause it. Of the
     pair only the kinematics enter: the sliding speed depends on its loads by per cents.

@@ -352,7 +352,7 @@ class Onset:
 
     #: Angular speeds ``(N,)`` [rad/s], of unloaded balls as assumed.
     orbit: Array
-    #: Sums of contact forces ``(N,)`` [N].
+    #: Sums of contact loads ``(N,)`` [N].
     loaded: Array
     #: Numbers of the balls, the second at the larger azimuth ``(M, 2)``.
     pair: NDArray[np.int64]

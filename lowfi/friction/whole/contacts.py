@@ -25,7 +25,7 @@ from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_radii
 
-#: Part of a ball's largest contact force below which a contact keeps the ellipse of that part.
+#: Part of a ball's largest contact load below which a contact keeps the ellipse of that part.
 FAINT = 1e-9
 
 
@@ -78,7 +78,7 @@ class StaticContacts:
 
     @property
     def axial_force(self) -> float:
-        """Force along +z with which the normal contact forces push the screw [N]."""
+        """Force along +z with which the normal contact loads push the screw [N]."""
         push = self.force[:, :2, None] * self.normals[:, :2]
         return float(np.einsum("nsi,ni->", push, self.frames[:, :, 2]))
 

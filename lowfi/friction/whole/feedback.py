@@ -1,4 +1,4 @@
-"""Effect of friction on the position of a ball: new contact forces and angles at the same axial load of every ball.
+"""Effect of friction on the position of a ball: new contact loads and angles at the same axial load of every ball.
 
 Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third
 flank (Lin 3.4.1). Each ball moves in its section and the screw along its axis by as much as keeps the axial load
@@ -24,12 +24,12 @@ from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Difference of friction and what of it is fed back, as a fraction of a ball's contact forces: aimed at, and accepted.
+#: Difference of friction and what of it is fed back, as a fraction of a ball's contact loads: aimed at, and accepted.
 AGREED, ACCEPTED = 1e-7, 1e-4
 #: Rounds after which a ball is solved by Newton's method: where a lightly loaded contact is about to slip or to stick,
 #: friction turns with the smallest change of place, and rounds go to and fro about the state.
 ROUNDS = 40
-#: Step of the differences that make its slope, and where it ends, as fractions of a ball's contact forces; trials at most.
+#: Step of the differences that make its slope, and where it ends, as fractions of a ball's contact loads; trials at most.
 DIFFERENCE, SOLVED, TRIALS = 1e-8, 1e-12, 400
 #: Displaced starts in the search for other states, and difference of states, as fractions of a ball's largest force.
 DISPLACED, ANOTHER = 3.0, 1e-3
@@ -94,7 +94,7 @@ class FedBack:
     """Contacts and friction of N balls that agree.
 
     A ball fails where the contacts and the friction returned leave it, or the axial load that it carried without friction,
-    out of balance by more than ``ACCEPTED`` of its contact forces.
+    out of balance by more than ``ACCEPTED`` of its contact loads.
     """
 
     #: The contacts.
@@ -105,7 +105,7 @@ class FedBack:
     failed: NDArray[np.bool_]
     #: Number of rounds.
     rounds: int
-    #: Largest force out of balance over the ball's contact forces.
+    #: Largest force out of balance over the ball's contact loads.
     change: float
     #: Forces of friction on balls and screw that the contacts balance ``(N, 3)`` [N], see ``settle_seats``.
     push: Array
@@ -198,7 +198,7 @@ def second_states(
 ) -> tuple[int, ...]:
     """Return the balls that settle in another state, jammed between their grooves, from one of four displaced starts.
 
-    Starts push the balls with ``DISPLACED`` times their largest contact force along x3 and z3. A search: that it finds
+    Starts push the balls with ``DISPLACED`` times their largest contact load along x3 and z3. A search: that it finds
     none is no proof that there is none. ``at``: contacts without friction, ``rolling``: the state that rolls on from them.
     """
     size, other = rolling.at.force.max(axis=1), np.zeros(at.force.shape[0], dtype=bool)

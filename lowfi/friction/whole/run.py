@@ -238,7 +238,7 @@ class Setting:
         ]
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force
-        if feeds_back(self.scene, self.friction):  # contact forces that know of friction balance its axial force
+        if feeds_back(self.scene, self.friction):  # contact loads that know of friction balance its axial force
             axial += float(np.einsum("nsi,ni->", wrench[:, ON_SCREW, :3], at.frames[:, :, 2]))
         groove, ball, closing = (sum(parts) for parts in zip(*(m.losses for m in moved), strict=True))
         return Instant(
@@ -258,7 +258,7 @@ class Setting:
 def _on_screw(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
     """Return the torque about +z that drives the screw under the external axial load [N], in N m.
 
-    Moments of contact forces and friction about the axis; an axial force of friction that the loads leave out is
+    Moments of contact loads and friction about the axis; an axial force of friction that the loads leave out is
     carried down the helix.
     """
     wrenches = wrench.copy()

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.losses import BallFriction
 
 
-#: Axial load over the sum of contact forces below which it is round-off: no efficiency is made of it.
+#: Axial load over the sum of contact loads below which it is round-off: no efficiency is made of it.
 ROUND_OFF = 1e-6
 
 
@@ -52,9 +52,9 @@ class ScrewTorque:
     #: Work of the drive of the screw, and of the nut, per angle of its helical motion [N m]: moments and forces of all
     #: contacts about the axis, normal forces included.
     helical: tuple[float, float]
-    #: Largest friction in the plane of a ball's section over its largest contact force.
+    #: Largest friction in the plane of a ball's section over its largest contact load.
     tilt: float
-    #: Sum of all contact forces [N].
+    #: Sum of all contact loads [N].
     carried: float
     #: Lost by the reversed motion [W], another one where friction feeds back on the loads.
     reverse_power: float
@@ -115,7 +115,7 @@ class ScrewTorque:
 def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False) -> ScrewTorque:
     """Return the sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
-    coupled: whether contact forces and friction together carry the axial load, or only the contact forces.
+    coupled: whether contact loads and friction together carry the axial load, or only the contact loads.
     """
     normals, frames = at.normals, at.frames
     friction = by_ball.wrench(normals)

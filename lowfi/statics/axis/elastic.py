@@ -1,6 +1,6 @@
 """Several rolling sets with elastic bodies: compliance of shaft, housings and of each set's bodies at all flanks.
 
-The shaft is a beam with its supports; beyond it the screw, nut and balls of a set respond to contact forces as in the
+The shaft is a beam with its supports; beyond it the screw, nut and balls of a set respond to contact loads as in the
 refined model of one set (`lowfi.compliance`), as long as the force is of that set: between sets act only beam and housings,
 and the beam's section forces, which squeeze the contacts (`lowfi.statics.shaft`).
 """

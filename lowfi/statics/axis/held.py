@@ -1,7 +1,7 @@
 """Motions of shaft and housings that nothing resists, and whether contacts can carry the loads of an assembly at all.
 
 Rigid motions without resistance are found before anything is solved; whether loads can be carried is decided by a linear
-program on compressive contact forces.
+program on compressive contact loads.
 
 As in `lowfi.statics.held` for one set: either compressive forces at the nominal contacts of balls and rollers, with what
 supports and springs do, balance the loads, or a motion of shaft and housings as rigid bodies opens every contact, or leaves

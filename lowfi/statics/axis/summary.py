@@ -38,7 +38,7 @@ from rollbench.meshes.axis import Assembly, RollerRow
 AXIS_ASSUMPTIONS = (
     "nuts, outer rings and housings are rigid, apart from the contacts (Lin 2.3.1); inner rings are one with the shaft",
     *MODEL_ASSUMPTIONS[1:],
-    "lever arms of contact forces are those of error-free flanks",
+    "lever arms of contact loads are those of error-free flanks",
 )
 #: And where there are rollers.
 ROLLERS = (

@@ -81,7 +81,7 @@ def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -
 def touch(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Write contact forces and stiffnesses with the ball's centre at (x, z) and the amplitude y; return the energy [J].
+    """Write contact loads and stiffnesses with the ball's centre at (x, z) and the amplitude y; return the energy [J].
 
     Lin 2.14 integrated.
     """
@@ -346,7 +346,7 @@ def settle_ball(
 
 @kernel
 def ball_mismatch(contact: Array, scale: float) -> float:
-    """Return the largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5).
+    """Return the largest net contact load on a ball over ``scale`` [N]; contact (N, 4, 5).
 
     The beam's equations do not contain it.
     """

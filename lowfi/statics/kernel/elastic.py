@@ -1,4 +1,4 @@
-"""Static equilibrium with elastic bodies: Newton on the contact forces, the bodies' compliance between all contacts given.
+"""Static equilibrium with elastic bodies: Newton on the contact loads, the bodies' compliance between all contacts given.
 
 The flanks move by v = v_0 + G phi + R a: G the compliance of the bodies, R motions that nothing but the contacts resists.
 Every ball takes the forces f(v) on its flanks; at the solution phi = f(v). With the stiffness S^T S of all balls, factored
@@ -328,7 +328,7 @@ def apart(v: Array) -> float:
 
 @kernel
 def unbalanced(state: BodyState, scale: float) -> float:
-    """Return the largest net contact force on a ball over ``scale`` [N].
+    """Return the largest net contact load on a ball over ``scale`` [N].
 
     None on balls between two opposite arcs, by closed form.
     """
@@ -337,7 +337,7 @@ def unbalanced(state: BodyState, scale: float) -> float:
 
 @kernel
 def energy_at(given: BodySystem, state: BodyState, room: BodyRoom) -> tuple[float, float]:
-    """Return the energy of bodies and balls, and the largest contact force; fill the forces on the flanks."""
+    """Return the energy of bodies and balls, and the largest contact load; fill the forces on the flanks."""
     energy, scale = evaluate_balls(room.v, given.contacts, state, room.f)
     return energy + stored(given.bodies, state, room.g), scale
 

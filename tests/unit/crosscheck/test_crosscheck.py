@@ -75,7 +75,7 @@ MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 
 
 
 def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> CrossRun:
-    """A run of loads that obey the law of the fit, with contacts of one half axis."""
+    """A run of loads that obey the law of the fit, with contacts of one semi-axis."""
     e = element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
     found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
     count = int(1000 * b_over_h / growth)
@@ -107,7 +107,7 @@ def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
 
 
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
-    """Equal loads on all contacts, so that all have one half axis."""
+    """Equal loads on all contacts, so that all have one semi-axis."""
     found = extrapolate([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
     assert (found.order, found.length) == (ORDER, LENGTH)
     np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)

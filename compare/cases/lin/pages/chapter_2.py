@@ -90,7 +90,7 @@ def choice_rows(found: Sequence[chapter_2.Choice]) -> list[Row]:
 
 
 def load_table(study: Study) -> Table:
-    """Return loads of all cases and sides, ball by ball."""
+    """Return loads of all cases and flanks, ball by ball."""
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -105,7 +105,7 @@ def load_table(study: Study) -> Table:
 
 
 def summary_table(study: Study) -> Table:
-    """Return the largest and smallest load per side, balance and residual of each case."""
+    """Return the largest and smallest load per flank, balance and residual of each case."""
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -196,7 +196,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     """Return a 3D picture of a loaded screw."""
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
-    title = "Case 3 with offset: contact forces on the balls"
+    title = "Case 3 with offset: contact loads on the balls"
     one = solve_one(scene, result.model, Options(discretisation=False))
     view = view_of(title, [one], case_json(one))
     return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
@@ -216,7 +216,7 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
             picture(
                 study.scene("lin-case3-offset"),
                 offset,
-                "Arrows are the contact forces of all four sides, balls are coloured by their largest contact load.",
+                "Arrows are the contact loads of all four flanks, balls are coloured by their largest contact load.",
             ),
             summary_table(study),
             readings_table(study),
@@ -240,7 +240,7 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
-    """Return the band from the 5th to the 95th percentile of a side's loads over the ball number."""
+    """Return the band from the 5th to the 95th percentile of a flank's loads over the ball number."""
     low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
     balls = [float(i + 1) for i in range(low.size)]
     return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
@@ -494,7 +494,7 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
                     "source's own equations (2.25) keep them as unknowns and are solved by plain Newton (2.26), dense, "
                     "with a Jacobian of their own. On the same equations both agree to round-off.",
                     "The remaining difference between the two forms is kinematic. Here the groove's arc moves rigidly "
-                    "with the section at the nominal contact, so that every contact force keeps its line of action "
+                    "with the section at the nominal contact, so that every contact load keeps its line of action "
                     "through the arc's centre. In the source's form the point of application, its lever arm and its "
                     "station follow the contact angle, and a linearised rotation stretches the arc by half the square "
                     "of the rotation. Freezing the lever arm at the nominal contact changes more than either.",

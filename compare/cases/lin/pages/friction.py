@@ -122,7 +122,7 @@ def torque_figure() -> Figure:
 
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
     panels = (
-        Panel("sum of contact forces", label, "force / N", curves(lambda s: s.load.force.sum(), "F_sum"), zero=True),
+        Panel("sum of contact loads", label, "force / N", curves(lambda s: s.load.force.sum(), "F_sum"), zero=True),
         Panel("friction torque", label, "torque / N mm", curves(lambda s: s.torque, "torque", 1e3), zero=True),
         Panel("right: friction loss of each contact", label, "loss / W", losses, zero=True),
         Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion.q[1], "omega_x")),

@@ -319,7 +319,7 @@ def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     low, high = (x / INCH_POUND for x in row.load)
     words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}; published "
     words += (
-        f"coefficients with P_0/C_0 by the largest contact force {low:.2f} to {high:.2f}; nearest reading {nearest:.2f}, "
+        f"coefficients with P_0/C_0 by the largest contact load {low:.2f} to {high:.2f}; nearest reading {nearest:.2f}, "
     )
     words += "by what the text does not say: X_0 in place of Y_0, and Palmgren's radial C_0 = 1.25 kg/mm2 Z D^2 cos(alpha)"
     e.number("M_1", loaded, words)

@@ -1,4 +1,4 @@
-"""Equations of a chain of balls: friction at the grooves and between balls, which the contact force bounds.
+"""Equations of a chain of balls: friction at the grooves and between balls, which the contact load bounds.
 
 Velocities are in units of the carriage's speed, forces in units of the largest friction bound of a ball. Unknowns of a
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y), and
@@ -74,7 +74,7 @@ def regularised(s: float, w: float, shape: Array, eps: float) -> tuple[float, fl
 
 @kernel
 def push_and_rate(z: float, smooth: float) -> tuple[float, float, float]:
-    """Return contact force, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
+    """Return contact load, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
     if smooth == 0.0:
         return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
     root = sqrt(z * z + 4.0 * smooth)

@@ -1,6 +1,6 @@
 """Motion of a chain of balls: without friction between balls, then with all of it.
 
-Solutions are followed from the one to the other, round the folds of their path. A contact force is the sum of the axial
+Solutions are followed from the one to the other, round the folds of their path. A contact load is the sum of the axial
 friction on the balls behind it, so that no force on the path can exceed the sum of their bounds, and the path begins at the
 one solution of a convex problem. It cannot run off to infinity nor come back: its other end is a solution with the whole
 friction (Leray and Schauder), whatever folds lie between.

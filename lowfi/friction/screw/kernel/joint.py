@@ -126,7 +126,7 @@ LONGEST_STEP = 0.1
 
 @kernel
 def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
-    """Add the contact force and friction between ball k and the next ball, with their derivatives."""
+    """Add the contact load and friction between ball k and the next ball, with their derivatives."""
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
     x, f = at.motion, at.ball_force
