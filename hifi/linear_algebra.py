@@ -202,7 +202,7 @@ WIDTH = 64
 class Update(NamedTuple):
     """Contribution of a front to its parent."""
 
-    #: Its rows.
+    #: Rows of the supernode.
     rows: Index
     #: Columns of B.
     border: Index

@@ -95,7 +95,7 @@ class ReferenceResult:
     seconds: float
     #: Updates of directions and gaps.
     updates: int
-    #: What further updates may still change of any load, where they did not settle [N]; else 0.
+    #: Possible remaining change of a load by further updates [N], if the loads did not settle; else 0.
     moving: float
 
 

@@ -41,7 +41,7 @@ class SetBodies:
 
     #: Scene of the set without errors, in local stations.
     bodies: Scene
-    #: The same with errors.
+    #: Parts of the set with their errors.
     parts: Scene
     #: Station of the shaft where the local stations begin [m].
     shift: float

@@ -25,7 +25,7 @@ class Job(NamedTuple):
     stage: str
     #: Function, as for `Cache.get`.
     build: Callable[..., Any]
-    #: Its arguments.
+    #: Arguments of the function.
     arguments: tuple[Any, ...]
     #: Class of the record.
     type_: type

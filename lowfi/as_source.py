@@ -48,9 +48,9 @@ class SourceSolution:
     contact_angle: Array
     #: Shifts of the balls ``(N, 2)`` [m].
     centre: Array
-    #: Of the nodes ``(n, 6)`` [m, rad].
+    #: Motion of the nodes ``(n, 6)`` [m, rad].
     motion: Array
-    #: Of the supports ``(n, 6)`` [N, N m].
+    #: Reactions of the supports ``(n, 6)`` [N, N m].
     reactions: Array
     #: Newton steps.
     iterations: int

@@ -24,13 +24,13 @@ class HertzConstants:
     over the contact ellipse; its largest value, at the centre, is 3 F/(2 pi a b).
     """
 
-    #: Of the approach, C F^(2/3) [m/N^(2/3)].
+    #: Constant of the approach, C F^(2/3) [m/N^(2/3)].
     C: Array
-    #: Of the major semi-axis, a = C_a F^(1/3) [m/N^(1/3)], a >= b.
+    #: Constant of the major semi-axis, a = C_a F^(1/3) [m/N^(1/3)], a >= b.
     C_a: Array
-    #: Of the minor semi-axis, b = C_b F^(1/3) [m/N^(1/3)].
+    #: Constant of the minor semi-axis, b = C_b F^(1/3) [m/N^(1/3)].
     C_b: Array
-    #: Of the contact ellipse, sqrt(1 - b^2/a^2).
+    #: Eccentricity of the contact ellipse, sqrt(1 - b^2/a^2).
     eccentricity: Array
 
     def pressure(self, force: Array) -> Array:
@@ -283,11 +283,11 @@ class PrintedHertz:
     e: float
     #: Correction factor of Lin B.11, 1 in the table.
     F_1: float
-    #: Of the approach [m/N^(2/3)].
+    #: Constant of the approach [m/N^(2/3)].
     C: float
-    #: Of the major semi-axis [m/N^(1/3)].
+    #: Constant of the major semi-axis [m/N^(1/3)].
     C_a: float
-    #: Of the minor semi-axis [m/N^(1/3)].
+    #: Constant of the minor semi-axis [m/N^(1/3)].
     C_b: float
 
 

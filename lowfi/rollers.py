@@ -358,7 +358,7 @@ class SliceState:
 
     #: Force of the roller [N].
     force: float
-    #: Its derivative with respect to the approach [N/m].
+    #: Derivative of the force with respect to the approach [N/m].
     stiffness: float
     #: Load per length of each slice ``(n,)`` [N/m].
     line_loads: Array

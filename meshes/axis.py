@@ -207,7 +207,7 @@ class Assembly:
     stiffness_at: float | str | None = usual(None)
     #: Thermal strain of the free shaft, the same all along it.
     thermal_strain: float = usual(0.0)
-    #: What the motor moves besides the shaft.
+    #: Parts that the motor moves in addition to the shaft.
     drive: Drive = usual(Drive())
     kind: ClassVar[str] = "axis"
 

@@ -99,11 +99,11 @@ class Drawn:
 
     #: Radii of the scene's balls ``(n,)`` [m].
     ball_radius: Array
-    #: Of each flank, terms (harmonic, sine [m], cosine [m]) of the pitch error.
+    #: Pitch of each flank, terms (harmonic, sine [m], cosine [m]) of the pitch error.
     pitch: tuple[list[tuple[float, float, float]], ...]
-    #: Of each flank, terms (harmonic, sine [m], cosine [m]) of the roundness error.
+    #: Roundness of each flank, terms (harmonic, sine [m], cosine [m]) of the roundness error.
     roundness: tuple[list[tuple[float, float, float]], ...]
-    #: Of each flank, coefficients of the inward offset [m], ascending powers of the section angle in rad.
+    #: Profile of each flank, coefficients of the inward offset [m], ascending powers of the section angle in rad.
     profile: tuple[list[float], ...]
 
     def at(self, scene: Scene, on_screw: Array, on_nut: Array, station: Array, ball_radius: Array) -> Specimen:

@@ -580,7 +580,7 @@ class Scene:
     loads: tuple[Load, ...] = usual(())
     #: Parts of the low-order model that are used.
     ingredients: Ingredients = usual(Ingredients())
-    #: What the 3D reference needs besides.
+    #: Further inputs of the 3D reference.
     solid: Solid = usual(Solid())
     #: Where the case comes from.
     source: str = usual("")
@@ -594,7 +594,7 @@ class Scene:
     motion: Motion | None = usual(None)
     #: Role in the report of a shipped scene.
     role: str = usual("", compare=False)
-    #: How the balls circulate.
+    #: Circulation of the balls.
     circulation: Circulation | None = usual(None)
     #: Run in time.
     time: Time | None = usual(None)

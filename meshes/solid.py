@@ -48,7 +48,7 @@ class Dimensions:
     groove_ends: bool
     #: All assumptions, as sentences.
     assumed: tuple[str, ...]
-    #: Those of them that only a mesh needs.
+    #: Those assumptions that only a mesh needs.
     mesh_only: tuple[str, ...] = usual(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:

@@ -163,13 +163,13 @@ EXACT = 1e-6
 class GateRow:
     """One check of the gate; a claim has no number."""
 
-    #: What is checked.
+    #: Name of the checked quantity.
     name: str
     #: Kind of the reference: printed, closed form, 3D and so on.
     kind: str
     #: Computed value.
     value: float | None
-    #: Value that it should have.
+    #: Value to compare with.
     reference: float | None
     #: Error [%].
     error_percent: float | None

@@ -167,7 +167,7 @@ class RollerAnswers:
 class Answers:
     """All answers of one solved set by a low-order model."""
 
-    #: What follows from the contact loads.
+    #: Results derived from the contact loads.
     loads: LoadAnswers
     #: Axial force of the screw on the nut [N].
     force: float
@@ -549,7 +549,7 @@ class SetAnswers:
     name: str
     #: Parts of the set.
     parts: Scene | RollerRow
-    #: What follows from its contact loads.
+    #: Results derived from the contact loads of the set.
     loads: LoadAnswers | RollerAnswers
     #: Contact loads without the loads of the scene, and its axial force on the shaft then; None if there is no equilibrium.
     preload: Preload | None
@@ -570,7 +570,7 @@ class AxisAnswers:
     motion: Array | None
     #: Share of all loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
-    #: The same for the loads on each body separately, so that a load that a frame takes is not hidden by others.
+    #: Load paths of the loads on each body separately, so that a load taken by a frame is not hidden by others.
     paths: tuple[LoadPath, ...] = ()
 
     @property

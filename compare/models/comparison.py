@@ -510,7 +510,7 @@ class Referenced:
 
     #: Parts of the set as a scene.
     scene: Scene
-    #: Its reference.
+    #: Reference of the scene or set.
     found: Reference
     #: Set on the shaft; None of a scene with one set.
     of: SetOf | None = None

@@ -174,7 +174,7 @@ class Model:
     about: str
     #: Name in tables and figures.
     label: str
-    #: How screw, nut and balls respond to a contact load.
+    #: Text on the elasticity of screw, nut and balls in the model.
     words: str
     #: Function that runs it on a scene with one set.
     run: Callable[[Scene, Options], StaticResult]

@@ -33,7 +33,7 @@ _SIZED = ("semi", "reach", "sides")
 class SetUp:
     """Set-up that equal sets share."""
 
-    #: Its bodies as a scene; of several sets in stations relative to the set.
+    #: Bodies of the set as a scene; with several sets, stations are relative to the set.
     bodies: Scene
     #: Flanks that are meshed.
     sides: tuple[int, ...]

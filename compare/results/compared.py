@@ -48,7 +48,7 @@ OURS = "stored 3D reference"
 class Beside:
     """A model, or the reference itself, in a comparison."""
 
-    #: Its loads and displacements.
+    #: Loads and displacements of the model or reference.
     answer: Loads
     #: Errors of its loads; None for the reference itself.
     error: LoadError | None

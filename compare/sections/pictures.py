@@ -150,9 +150,9 @@ class Solved:
 
     #: The scene.
     scene: Scene
-    #: Its set-up.
+    #: Set-up of the run.
     setup: Setup
-    #: Its meshes.
+    #: Meshes of the run.
     meshes: Meshes
     #: Result of the reference.
     result: ReferenceResult

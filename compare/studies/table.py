@@ -63,7 +63,7 @@ class Asked:
     scene: str
     #: Keys with their values.
     keys: tuple[Vary, ...]
-    #: The same as columns.
+    #: Columns of these keys in the table.
     over: tuple[Over, ...]
     #: Name of the model.
     model: str

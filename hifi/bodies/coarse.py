@@ -45,7 +45,7 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 class Socket:
     """One socket of a coarse body: the box around a contact that a fine patch fills."""
 
-    #: Its nodes, in the order of its flank's patch.
+    #: Nodes of the socket, in the order of the patch of its flank.
     nodes: Index
     #: Rotation of its local frame ``(3, 3)``.
     rotation: Array

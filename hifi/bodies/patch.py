@@ -35,11 +35,11 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 class Lines:
     """Cell boundaries of a patch in its local coordinates."""
 
-    #: Across the groove (gamma), from -1 to 1.
+    #: Coordinates across the groove (gamma), from -1 to 1.
     across: Array
-    #: In depth, from 0 to 1.
+    #: Coordinates in depth, from 0 to 1.
     depth: Array
-    #: Along the groove (azimuth), from -1 to 1.
+    #: Coordinates along the groove (azimuth), from -1 to 1.
     along: Array
 
 
@@ -96,7 +96,7 @@ class CondensedPatch:
     S: Array
     #: Contact nodes ``(c, 3)`` [m].
     points: Array
-    #: Their normals ``(c, 3)``.
+    #: Normals at these nodes ``(c, 3)``.
     normals: Array
     #: Areas of the pressure functions ``(c,)`` [m2].
     areas: Array

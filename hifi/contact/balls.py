@@ -159,7 +159,7 @@ def factored(matrix: Array) -> Array:
 class SideFactor(NamedTuple):
     """Factor of one side of a `BallBlock`."""
 
-    #: Its active pairs.
+    #: Active pairs of the flank.
     pairs: Indices
     #: Cholesky factor of A_aa; None where no pair is active.
     cholesky: Array | None
@@ -402,7 +402,7 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
 class Factor(NamedTuple):
     """Newton's equations of all balls, in the amplitudes that couple contacts and bodies."""
 
-    #: Of every ball in contact, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T.
+    #: Traces of every ball in contact, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T.
     traces: list[tuple[slice, Array]]
     #: Places at which each begins among all.
     starts: list[int]

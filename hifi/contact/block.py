@@ -52,7 +52,7 @@ class SurfaceCompliance:
     areas: Array
     #: Displacement into the body per force ``(m, m)`` [m/N].
     matrix: Array
-    #: The same with the cut fixed ``(m, m)`` [m/N].
+    #: Compliance with the cut fixed ``(m, m)`` [m/N].
     held: Array
     #: Largest difference of the matrix from its transpose over its largest entry, before the two were averaged.
     asymmetry: float

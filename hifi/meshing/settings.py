@@ -164,9 +164,9 @@ class _Model:
     P: Array
     #: Change of all vectors from groove to ball centre ``(8 n,)`` by all degrees of freedom.
     A: sp.csr_array
-    #: Their values at rest ``(n, 4, 2)`` [m].
+    #: Vectors in the unloaded state ``(n, 4, 2)`` [m].
     arms: Array
-    #: Their lengths at which ball and groove touch ``(n, 4)`` [m].
+    #: Lengths of these vectors at which ball and groove touch ``(n, 4)`` [m].
     touch: Array
     #: Hertz's F / approach^(3/2) ``(n, 4)``; zero on sides that cannot touch.
     constant: Array
@@ -174,7 +174,7 @@ class _Model:
     stiffness: float
     #: Soft springs in K on every degree of freedom [N/m, N m].
     soft: Array
-    #: Their arms: 1, or the pitch radius of rotations.
+    #: Lever arms of the freedoms: 1, or the pitch radius for rotations.
     arm: Array
 
 

@@ -473,7 +473,7 @@ class RigidResult:
     contact_loss: Array
     #: Losses between balls in touch [W].
     ball_loss: Array
-    #: What smoothing leaves, over the largest slip.
+    #: Slip left by the smoothing, relative to the largest slip.
     remainder: float
 
     @property

@@ -134,9 +134,9 @@ class Meeting:
 class Ball:
     """A ball."""
 
-    #: Its axes as rows in common ones ``(3, 3)``.
+    #: Axes of the ball as rows, in common coordinates ``(3, 3)``.
     frame: Array
-    #: Its contacts with grooves.
+    #: Contacts of the ball with grooves.
     touches: tuple[Touch, ...]
 
 

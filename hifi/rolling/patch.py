@@ -305,7 +305,7 @@ class Patch:
 
     #: Columns and rows of the cells on a grid ``(n, 2)``.
     cells: Index
-    #: Their centres x, y ``(n, 2)`` [m].
+    #: Centres x, y of the cells ``(n, 2)`` [m].
     at: Array
     #: Size of a cell ``(2,)`` [m].
     size: Array

@@ -319,7 +319,7 @@ class Loads:
 
     #: Contact forces ``(N, k)`` [N].
     force: Array
-    #: Their directions from the ball ``(N, k, 2)``.
+    #: Directions of the contacts from the ball ``(N, k, 2)``.
     normal: Array
     #: Displacements of the balls ``(N, 2)`` [m].
     ball: Array

@@ -43,9 +43,9 @@ MEANS = 200
 class Creep:
     """Creepages: rigid slip over the rolling speed."""
 
-    #: Along the rolling direction.
+    #: Component along the rolling direction.
     along: float
-    #: Across it.
+    #: Component across the rolling direction.
     across: float
     #: Spin over the rolling speed [1/m].
     spin: float
@@ -71,7 +71,7 @@ class Answer:
     moment: float
     #: The patch.
     patch: Patch
-    #: Its solution.
+    #: Solution of the case.
     friction: Friction
     #: Power of friction [W].
     loss: float

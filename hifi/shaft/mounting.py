@@ -42,7 +42,7 @@ class Stretch:
 
     #: Flexibility over [modes, ports, observers] ``(x, x)``.
     F: Array
-    #: Their motion with the base section ``(x, 6)``.
+    #: Motion of these nodes with the base section ``(x, 6)``.
     B: Array
     #: Station of the base [m].
     base: float

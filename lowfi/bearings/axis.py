@@ -314,13 +314,13 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 class TorqueBudget:
     """Torques on the screw of an axis [N m]."""
 
-    #: Of the ball screw's load.
+    #: Torque by the load of the ball screw.
     screw: float
     #: Friction of the nut.
     nut: float
     #: Friction of each support.
     supports: tuple[float, ...]
-    #: Of acceleration.
+    #: Torque by acceleration.
     acceleration: float
 
     @property
@@ -400,9 +400,9 @@ class BearingSet:
 
     #: The rows.
     rows: tuple[Row, ...]
-    #: Of each row, +1 if it takes thrust along +, else -1.
+    #: Directions of each row, +1 if it takes thrust along +, else -1.
     directions: tuple[int, ...]
-    #: Of each row the deflection g_j by the gaps that the locknut closes [m].
+    #: Offsets of each row the deflection g_j by the gaps that the locknut closes [m].
     offsets: tuple[float, ...]
 
     def __post_init__(self) -> None:

@@ -49,13 +49,13 @@ UNEVEN = 1.1
 class RollerTorque:
     """Friction torque of one row of tapered rollers about its axis [N m], by work and by Timken's formula."""
 
-    #: Of the lubricant film; None without lubricant or speed.
+    #: Torque of the lubricant film; None without lubricant or speed.
     film: float | None = quantity(
         "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
     )
-    #: Of elastic hysteresis.
+    #: Torque of elastic hysteresis.
     hysteresis: float = quantity("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
-    #: Of sliding and spin on the rib.
+    #: Torque of sliding and spin on the rib.
     rib: float = quantity(
         "rib_Nmm", "part of the large ends that slide and spin on the rib", error="that of the coefficient of friction"
     )
@@ -65,7 +65,7 @@ class RollerTorque:
     )
     #: Torque with the highest coefficient; None likewise.
     high: float | None = quantity("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
-    #: By Timken's formula; None where an input of it is missing.
+    #: Torque by Timken's formula; None where an input of it is missing.
     timken: float | None = quantity(
         "timken_Nmm",
         "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "

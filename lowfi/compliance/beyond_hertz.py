@@ -125,7 +125,7 @@ class Flank:
     screw: bool
     #: Half a lead, or half a ring's width [m].
     half: float
-    #: Of the body.
+    #: Material of the body.
     material: Material
 
     @property

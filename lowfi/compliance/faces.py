@@ -61,9 +61,9 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 class NearFace:
     """Compliance that ring grooves and a face add between contacts of one groove, at k distances and n harmonics."""
 
-    #: Of the face from the middle of the groove ``(k,)`` [m].
+    #: Distance of the face from the middle of the groove ``(k,)`` [m].
     distance: Array
-    #: By a face ``(2, n, 2, 2, f, 2, k)`` [m/N]: free or fixed; harmonic around the axis; motion of the flank pressed
+    #: Gain by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]: free or fixed; harmonic around the axis; motion of the flank pressed
     #: towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force
     #: on either flank (f = 2), or also on those of the groove behind it (4), along or across. Zero beyond the last
     #: distance, constant below the first. What a fixed face does across the loads, a tenth of what a free one does, is left
@@ -71,7 +71,7 @@ class NearFace:
     gain: Array
     #: Distance of the contacts from the middle of the groove [m].
     beside: float
-    #: Between contacts far from any face ``(n, 2, f)`` [m/N].
+    #: Compliance between contacts far from any face ``(n, 2, f)`` [m/N].
     far: Array
     #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     alone: float

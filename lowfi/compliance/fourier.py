@@ -392,7 +392,7 @@ def line_compliance(
 class Stretch:
     """Stretch of a body in h harmonics, condensed to the lines along r at its ends, q freedoms in all."""
 
-    #: Of these freedoms ``(h, q, q)``.
+    #: Stiffness of these freedoms ``(h, q, q)``.
     stiffness: Array
     #: On them by k unit loads between ``(h, q, k)``.
     forces: Array

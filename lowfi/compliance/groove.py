@@ -197,11 +197,11 @@ class RingCompliance:
 
     #: ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z.
     S: Array
-    #: What loads along the flank's normals in place of the nominal one add to a contact's own motion [m/N].
+    #: Part of a contact's compliance due to loads along the flank's local normals instead of the nominal one [m/N].
     normals: float
-    #: Of the patches [m].
+    #: Width of the patches [m].
     width: float
-    #: Of the contacts [m].
+    #: Radius of the contacts [m].
     radius: float
 
 

@@ -39,7 +39,7 @@ MESH = (8, 5, 8)
 class CellSection:
     """Beam section of a grooved body."""
 
-    #: Its constants.
+    #: Section constants.
     section: BeamSection
     #: Free radii [m] of plain bodies of equal axial, bending and torsional stiffness: outer radius of a shaft, bore radius
     #: of a nut.
@@ -215,7 +215,7 @@ class Tube:
     harmonics: int
     #: Element sizes in z and r [m].
     size: tuple[float, float]
-    #: Of the body.
+    #: Material of the body.
     material: Material
     #: Layer that represents grooves in its bore.
     layer: Layer | None = None
@@ -261,7 +261,7 @@ class TubeCompliance:
     line: tuple[BlockSum, ...]
     #: Motion of the line (r, t, z) by those loads ``(2, 3, k)``.
     ends: tuple[Array, ...] = ()
-    #: Those mean motions themselves ``(2, 2)``.
+    #: Mean motions of the high end by those loads ``(2, 2)``.
     corner: tuple[Array, ...] = ()
 
 

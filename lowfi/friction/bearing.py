@@ -80,7 +80,7 @@ class Solution:
     problem: Problem
     #: The motion.
     motion: Motion
-    #: On the inner ring [N m].
+    #: Torque on the inner ring [N m].
     torque: float
 
     @property
@@ -285,15 +285,15 @@ class BallRow:
 class BearingCase:
     """Bearing with a turning, loaded inner ring and a fixed outer ring."""
 
-    #: Its grooves; lead 0.
+    #: Grooves of the bearing; lead 0.
     groove: ScrewGroove
     #: Balls per row.
     count: int
     #: The rows.
     rows: tuple[BallRow, ...]
-    #: In the plane of x and z, at the angle from the axis z given to `solve_bearing` [N].
+    #: Force in the plane of x and z, at the angle from the axis z given to `solve_bearing` [N].
     force: float
-    #: Of the ball's radius at each contact [m], negative for preload.
+    #: Clearance of the ball's radius at each contact [m], negative for preload.
     clearance: float = usual(0.0)
     #: Whether the inner ring may tilt.
     tilt: bool = usual(False)
@@ -419,7 +419,7 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
 class TorqueCurve:
     """Friction torque of a bearing against the load's angle (Lin Figure 4.7)."""
 
-    #: Of the force from the axis ``(n,)`` [rad].
+    #: Angle of the force from the axis ``(n,)`` [rad].
     angle: Array
     #: ``(n,)`` [N m].
     torque: Array

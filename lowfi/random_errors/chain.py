@@ -62,7 +62,7 @@ class Chain:
     balls: int
     #: K of Q = K d^1.5, both contacts together [N/m^1.5].
     stiffness: float
-    #: Of screw and nut from a ball to the next, c [m/N].
+    #: Compliance of screw and nut from a ball to the next, c [m/N].
     compliance: float
     #: Distance A of the groove centres [m].
     groove_distance: float

@@ -272,7 +272,7 @@ class RollerContact:
 
     #: Number of the roller, from 1.
     roller: int = quantity("roller", "roller of the highest pressure")
-    #: Its race, ``"inner"`` or ``"outer"``.
+    #: Race of the contact, ``"inner"`` or ``"outer"``.
     race: str = quantity("race", "its race: inner or outer")
     #: Force of either race on the roller [N].
     force: float = quantity("force_N")

@@ -53,19 +53,19 @@ PRACTICE = 0.8
 class Rigidities:
     """Axial load over axial displacement of a nut or bearing, with three extents of what deforms [N/m]."""
 
-    #: Of the contacts only.
+    #: Rigidity of the contacts only.
     contacts: float = quantity(
         "rigidities_N_per_um.contacts_alone",
         "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
         error="leaves out bodies and unequal loads",
     )
-    #: Of the contacts with the bodies; None for bearings, which have no loaded length.
+    #: Rigidity of contacts and bodies; None for bearings, which have no loaded length.
     bodies: float | None = quantity(
         "rigidities_N_per_um.with_bodies",
         "the same with nut and screw as thick tubes, which widen and are squeezed",
         error="leaves out unequal loads",
     )
-    #: Of the model that solves for unequal contact loads; None where its displacement is not known.
+    #: Rigidity by the model with unequal contact loads; None where its displacement is not known.
     unequal: float | None = quantity(
         "rigidities_N_per_um.with_unequal_loads",
         "the model's secant, `axial.rigidity_N_per_um`",

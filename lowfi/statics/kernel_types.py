@@ -93,7 +93,7 @@ class MemberStates(NamedTuple):
 class Slopes(NamedTuple):
     """Derivatives of the energy of rows and balls."""
 
-    #: By the motions of the rows (r, 6) [N, N m].
+    #: Gradient by the motions of the rows (r, 6) [N, N m].
     gradient: Array
     #: Second derivatives of a ball's energy by the motion of its flanks [N/m]: (N, 4, 4) of the screw's, or (N, 8, 8).
     hessians: Array
@@ -310,11 +310,11 @@ class BodyState(NamedTuple):
 class ForceStep(NamedTuple):
     """Step of Newton's method on the forces."""
 
-    #: Of the forces on the flanks (N, d) [N].
+    #: Step of the forces on the flanks (N, d) [N].
     dphi: Array
-    #: Of the motions of the flanks (N, d) [m].
+    #: Step of the motions of the flanks (N, d) [m].
     dv: Array
-    #: Of the free motions (k,) [m].
+    #: Step of the free motions (k,) [m].
     da: Array
 
 
@@ -376,7 +376,7 @@ class Trial(NamedTuple):
 
     #: Where the search begins [J].
     energy: float
-    #: By the step length, where the search begins [J].
+    #: Slope by the step length, where the search begins [J].
     slope: float
     #: Largest step length.
     limit: float

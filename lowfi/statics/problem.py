@@ -35,7 +35,7 @@ class Problem:
     section: BeamSection
     #: Fixed freedoms ``(n, 6)``.
     fixed: NDArray[np.bool_]
-    #: Their values ``(n, 6)`` [m, rad].
+    #: Values of the fixed freedoms ``(n, 6)`` [m, rad].
     prescribed: Array
     #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
@@ -86,7 +86,7 @@ class SolvedState:
 
     #: The problem.
     problem: Problem
-    #: Of the nodes ``(n, 6)`` [m, rad].
+    #: Motion of the nodes ``(n, 6)`` [m, rad].
     motion: Array
     #: Shifts of the balls in their sections ``(N, 2)`` [m].
     centre: Array
@@ -385,7 +385,7 @@ class Held:
     support: int
     #: Name of the freedom.
     freedom: str
-    #: Its value [m or rad].
+    #: Prescribed value of the freedom [m or rad].
     value: float
 
 
@@ -397,7 +397,7 @@ class Contradiction:
     held: Held
     #: Value that the others give it [m or rad].
     implied: float
-    #: Those other freedoms.
+    #: Other freedoms that imply this value.
     by: tuple[Held, ...]
 
     def message(self, scene: Scene) -> str:

@@ -74,16 +74,16 @@ class Equilibrium:
 
     #: Sum of the loads ``(3,)`` [N].
     applied_force: Array = quantity("external_force_N", "sum of the loads, x, y, z", parts="[]")
-    #: Their moment ``(3,)`` [N m].
-    applied_moment: Array = quantity("external_moment_Nm", "their moment about the origin", parts="[]")
+    #: Moment of the loads about the origin ``(3,)`` [N m].
+    applied_moment: Array = quantity("external_moment_Nm", "moment of the loads about the origin", parts="[]")
     #: Sum of the supports' reactions ``(3,)`` [N].
     reaction_force: Array = quantity("reaction_force_N", "sum of the supports' reactions", parts="[]")
-    #: Their moment ``(3,)`` [N m].
-    reaction_moment: Array = quantity("reaction_moment_Nm", "their moment", parts="[]")
+    #: Moment of the reactions about the origin ``(3,)`` [N m].
+    reaction_moment: Array = quantity("reaction_moment_Nm", "moment of the reactions about the origin", parts="[]")
     #: Sum of the contact loads on the screw ``(3,)`` [N].
     contact_force: Array = quantity("contact_force_N", "sum of the contact loads on the screw", parts="[]")
-    #: Their moment ``(3,)`` [N m].
-    contact_moment: Array = quantity("contact_moment_Nm", "their moment", parts="[]")
+    #: Moment of the contact loads about the origin ``(3,)`` [N m].
+    contact_moment: Array = quantity("contact_moment_Nm", "moment of the contact loads", parts="[]")
     #: Largest component of the sum of all forces over the largest force.
     force_residual: float = quantity(
         "force_residual",
@@ -133,7 +133,7 @@ class SolverReport:
     elements: int = quantity("elements", "beam elements")
     #: ``"interpreted"`` or ``"compiled"`` kernels.
     engine: str = quantity("engine")
-    #: What is solved.
+    #: Formulation that is solved.
     formulation: str = quantity("formulation")
     #: Residual that rounding in double precision can leave.
     round_off_bound: float = quantity("round_off_bound", "bound of the residual due to rounding only", default=0.0)
@@ -146,7 +146,7 @@ class SolverReport:
     )
     #: Time before the iteration [s].
     setup_seconds: float = 0.0
-    #: What happened during the solve.
+    #: Remarks on the course of the solution.
     notes: tuple[str, ...] = quantity("notes", default=())
 
 
@@ -180,7 +180,7 @@ class Solved(Answering):
     solver: SolverReport
     #: Assumptions, of the scene and of the model.
     assumed: tuple[str, ...]
-    #: What the solution leaves out, and why.
+    #: Neglected effects, with reasons.
     left_out: tuple[str, ...]
     #: Where the solution leaves the range of validity.
     warnings: tuple[Warned, ...] = ()
@@ -209,15 +209,15 @@ class Solved(Answering):
 class StaticResult(Solved):
     """Static load distribution of one set of n balls, by ball and flank (SL, SR, NL, NR: screw and nut, left and right)."""
 
-    #: Of the balls ``(n,)`` [rad].
+    #: Azimuth of the balls ``(n,)`` [rad].
     azimuth: Array
-    #: Of the balls ``(n,)`` [m].
+    #: Axial position of the balls ``(n,)`` [m].
     z: Array
     #: Contact forces ``(n, 4)`` [N].
     load: Array
     #: ``(n, 4)`` [rad]; nan without contact.
     contact_angle: Array
-    #: In space ``(n, 4, 3)`` [m].
+    #: Contact point in space ``(n, 4, 3)`` [m].
     contact_point: Array
     #: Unit vectors of the forces on the ball ``(n, 4, 3)``.
     force_direction: Array
@@ -270,7 +270,7 @@ class SetResult(Answering):
     outer: Array = quantity("outer_motion", "displacement and rotation of its outer body", show=by_freedoms, parts=".*")
     #: Contacts, without ``equilibrium``; None for rollers.
     balls: StaticResult | None = None
-    #: Of the rollers ``(count,)`` [rad]; None for balls.
+    #: Roller azimuth of the rollers ``(count,)`` [rad]; None for balls.
     roller_azimuth: Array | None = None
     #: Force of either race on each roller ``(count,)`` [N]; None for balls.
     roller_load: Array | None = None
@@ -309,7 +309,7 @@ class SetResult(Answering):
 class HousingResult(Answering):
     """Housing of an assembly."""
 
-    #: Its name.
+    #: Name of the housing.
     name: str = quantity("name")
     #: Displacement and rotation at its station ``(6,)`` [m, rad].
     motion: Array = quantity(
@@ -333,13 +333,13 @@ class HousingResult(Answering):
 class AxisResult(Solved):
     """Static equilibrium of an assembly: a shaft with several sets of rolling elements."""
 
-    #: Its sets.
+    #: Results of the sets.
     sets: tuple[SetResult, ...] = ()
-    #: Its housings.
+    #: Results of the housings.
     housings: tuple[HousingResult, ...] = ()
     #: What ``stiffness`` refers to: a station of the shaft or a housing.
     stiffness_at: str = ""
-    #: That station [m]; None for a housing.
+    #: Station to which ``stiffness`` refers [m]; None for a housing.
     station: float | None = None
     #: Tangent stiffness of the whole assembly there ``(6, 6)`` [N/m, N, N m]; None where that is fixed.
     stiffness: Array | None = None

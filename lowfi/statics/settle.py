@@ -40,7 +40,7 @@ HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 class Scale(NamedTuple):
     """Scales of the forces and stiffnesses of a problem."""
 
-    #: Of a typical loaded contact [N], from loads, interference, or else an approach of a micrometre.
+    #: Force of a typical loaded contact [N], from loads, interference, or else an approach of a micrometre.
     force: float
     #: Secant stiffness of a contact under that force [N/m].
     stiffness: float
@@ -84,13 +84,13 @@ def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOL
 class Description(NamedTuple):
     """Description of a model for the record of its solution."""
 
-    #: What is solved.
+    #: Formulation that is solved.
     formulation: str
     #: Number of unknowns.
     unknowns: int
     #: Assumptions.
     assumed: tuple[str, ...]
-    #: What is left out.
+    #: Neglected effects.
     left_out: tuple[str, ...] = ()
 
 

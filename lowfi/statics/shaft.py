@@ -257,7 +257,7 @@ class Stretch:
 
     #: Indices of its contacts' motions among those of all ``(m,)``.
     flanks: Ints
-    #: Of the contacts ``(m,)`` [m].
+    #: Stations of the contacts ``(m,)`` [m].
     stations: Array
     #: D^T of (1) by the wrench at the cut ``(m, 6)``.
     feel: Array

@@ -215,7 +215,7 @@ class Build:
 
     #: The scene.
     scene: Scene
-    #: Its parts with their errors.
+    #: Parts of the scene with their errors.
     drawn: Specimen
     #: Positions of the balls.
     layout: BallLayout
@@ -265,13 +265,13 @@ class Solution(NamedTuple):
 
     #: The system at its last state.
     system: OneSet
-    #: Of the solver.
+    #: Outcome of the solver.
     outcome: Outcome
-    #: What built the system.
+    #: Function object that built the system.
     build: Build
     #: Free motions of the screw.
     mechanism: Mechanism
-    #: On the flanks that were left out.
+    #: Notes on the flanks that were left out.
     notes: tuple[str, ...]
     #: When the system was ready (`time.perf_counter`) [s].
     prepared_at: float

@@ -32,7 +32,7 @@ MM = 1e3
 class PlacedSet(NamedTuple):
     """Parts of one rolling set, and where they are."""
 
-    #: Its parts.
+    #: Parts of the set.
     scene: Scene
     #: Shift of its nut along z [m].
     shift: float

@@ -48,9 +48,9 @@ class NutCheck:
     key: str
     #: Number of nodes.
     nodes: int
-    #: By the reference's elements [m/N].
+    #: Compliances by the elements of the reference [m/N].
     ours: list[list[float]]
-    #: By CalculiX [m/N].
+    #: Compliances by CalculiX [m/N].
     theirs: list[list[float]]
     #: Date of the run.
     date: str

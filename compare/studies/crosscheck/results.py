@@ -190,7 +190,7 @@ class Extrapolation:
 
     #: Extrapolated contact loads, (n, 4) [N].
     load: Array
-    #: Their uncertainty, (n, 4) [N].
+    #: Uncertainty of these loads, (n, 4) [N].
     uncertainty: Array
     #: Order p.
     order: float

@@ -296,7 +296,7 @@ class Drag:
     torque: float | None
     #: Why there is none.
     reason: str = ""
-    #: How the screw was released, if its supports would press it axially.
+    #: Note on how the screw was released axially, if its supports would preload it.
     note: str = ""
 
 

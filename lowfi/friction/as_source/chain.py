@@ -63,7 +63,7 @@ class Balls:
     maps: Array
     #: Motion of the contacts without them ``(N, 4, 3)``.
     drives: Array
-    #: How neighbours act on each other.
+    #: Forces between neighbours.
     pair: Neighbours
 
     @property
@@ -117,7 +117,7 @@ class SourceMotion:
     ball_loss: Array
     #: Largest force out of balance over the friction bound.
     left: float
-    #: Of the balance.
+    #: Calls of the balance.
     calls: int
     #: ``"exact"``, ``"failed"`` (no root), or ``"overlapping"``: a root whose neighbours approach nevertheless or pull at
     #: each other, since what touches was decided before (Lin 3.31).

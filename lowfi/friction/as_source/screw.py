@@ -59,7 +59,7 @@ from rollbench.meshes.arrays import Array, Mask
 class Places:
     """Positions of N balls and the screw."""
 
-    #: Along x3, z3 ``(N, 2)`` [m].
+    #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
     #: Contact angles ``(N, 4)`` [rad].
     gamma: Array
@@ -165,7 +165,7 @@ class SourceState:
     ball_force: Array
     #: Largest residual of the scaled equations.
     left: float
-    #: Of the equations.
+    #: Calls of the equations.
     calls: int
 
 
@@ -334,7 +334,7 @@ class SourceRun:
 
     #: ``(T,)`` [rad].
     nut_angle: Array
-    #: At the end of each step ``(T, N)`` [rad], negative for overlap.
+    #: Gaps at the end of each step ``(T, N)`` [rad], negative for overlap.
     gap: Array
     #: ``(T, N)`` [N].
     ball_force: Array
@@ -344,7 +344,7 @@ class SourceRun:
     groove_torque: Array
     #: ``(T,)`` [N m].
     ball_torque: Array
-    #: Of each step's motion; ``"failed"`` also where no loads were found: then the speeds of the step before go on.
+    #: Status of each step's motion; ``"failed"`` also where no loads were found: then the speeds of the step before go on.
     status: tuple[str, ...]
 
     @property

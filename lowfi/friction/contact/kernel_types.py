@@ -26,15 +26,15 @@ class DissipationTerms(NamedTuple):
     by_speed: float
     #: Second derivative by vx and vx [s/m].
     xx: float
-    #: By vx and vz [s/m].
+    #: Second derivative by vx and vz [s/m].
     xz: float
-    #: By vz and vz [s/m].
+    #: Second derivative by vz and vz [s/m].
     zz: float
-    #: By vx and spin [s].
+    #: Second derivative by vx and spin [s].
     x_spin: float
-    #: By vz and spin [s].
+    #: Second derivative by vz and spin [s].
     z_spin: float
-    #: By spin and spin [m s].
+    #: Second derivative by spin and spin [m s].
     spin_spin: float
 
 
@@ -44,7 +44,7 @@ class CellArrays(NamedTuple):
     In the plane of each ball's section, axes x and z; contacts 0 and 1 are on the inner body, 2 and 3 on the outer one.
     """
 
-    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m], at which the contacts' interference is given.
+    #: Start from the grooves' centres to the ball (N, 4, 2) along x, z [m], at which the contacts' interference is given.
     start: Array
     #: Interference (N, 4) [m] along ``start``.
     interference: Array

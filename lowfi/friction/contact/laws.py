@@ -41,7 +41,7 @@ class Contacts:
 class Friction:
     """Friction on the moving body at n contacts."""
 
-    #: Along x and z ``(n, 2)`` [N].
+    #: Force along x and z ``(n, 2)`` [N].
     force: Array
     #: About the normal at the centre ``(n,)`` [N m].
     moment: Array
@@ -55,7 +55,7 @@ class Dissipation:
 
     #: ``(n,)`` [W].
     value: Array
-    #: By (vx, vz, spin) ``(n, 3)``.
+    #: Gradient by (vx, vz, spin) ``(n, 3)``.
     gradient: Array
     #: ``(n, 3, 3)``.
     hessian: Array

@@ -61,9 +61,9 @@ class Motion:
 
     #: The unknowns ``(n,)``.
     q: Array
-    #: Of the contacts ``(m, 3)``.
+    #: Motion of the contacts ``(m, 3)``.
     motion: Array
-    #: On the body, reactions of contacts at rest included.
+    #: Friction on the body, reactions of contacts at rest included.
     friction: Friction
     #: Which contacts are at rest ``(m,)``.
     rest: NDArray[np.bool_]

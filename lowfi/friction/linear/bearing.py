@@ -48,7 +48,7 @@ class LinearBearing:
     conformity: float
     #: Nominal contact angle beta_0 [rad].
     contact_angle: float
-    #: Of the carriage along z, of either sign [m/s].
+    #: Speed of the carriage along z, of either sign [m/s].
     speed: float
     #: Coefficient of friction of the grooves.
     mu: float

@@ -77,25 +77,25 @@ NARROWEST = 1e-3
 class ChainResult:
     """Motion, forces and losses of N balls in a linear bearing."""
 
-    #: Along the track ``(N,)`` [m/s].
+    #: Velocity along the track ``(N,)`` [m/s].
     velocity: Array
     #: omega_x, omega_y ``(N, 2)`` [rad/s].
     rotation: Array
-    #: At the contacts ``(N, 4)`` [m/s].
+    #: Sliding at the contacts ``(N, 4)`` [m/s].
     sliding: Array
-    #: At the contacts ``(N, 4)`` [rad/s].
+    #: Spin at the contacts ``(N, 4)`` [rad/s].
     spin: Array
     #: Axial force on the ball at the contacts ``(N, 4)`` [N].
     friction: Array
     #: ``(N, 4)`` [W].
     groove_loss: Array
-    #: Between neighbours ``(N-1,)`` [N].
+    #: Ball force between neighbours ``(N-1,)`` [N].
     ball_force: Array
-    #: Between neighbours ``(N-1,)`` [W].
+    #: Ball loss between neighbours ``(N-1,)`` [W].
     ball_loss: Array
     #: Force on the carriage [N].
     drive: float
-    #: Of the carriage [m/s].
+    #: Speed of the carriage [m/s].
     speed: float
     #: Newton steps.
     iterations: int

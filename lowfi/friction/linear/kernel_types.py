@@ -63,7 +63,7 @@ class Work(NamedTuple):
 
     #: Banded matrix (4 N, 11).
     K: Array
-    #: The same with columns for exchanged rows (4 N, 16).
+    #: Factors, with columns for exchanged rows (4 N, 16).
     factors: Array
     #: Residual (4 N,).
     g: Array

@@ -70,7 +70,7 @@ class Rubs:
     shape: Array
     #: Maps of vx, vz [m/s], spin [rad/s] by the ball's motion ``(N, 4, 3, 4)``.
     maps: Array
-    #: Those motions of a ball at rest ``(N, 4, 3)``.
+    #: Contact motions for a ball at rest ``(N, 4, 3)``.
     drives: Array
 
 
@@ -154,9 +154,9 @@ class ChainMotion:
     ball_push: Array
     #: ``(N, 4)`` [W].
     groove_loss: Array
-    #: By sliding of balls on each other ``(N,)`` [W].
+    #: Ball loss by sliding of balls on each other ``(N,)`` [W].
     ball_loss: Array
-    #: By gaps that close under force ``(N,)`` [W].
+    #: Closing loss by gaps that close under force ``(N,)`` [W].
     closing_loss: Array
     #: [W].
     input_power: float
@@ -525,7 +525,7 @@ class Guess:
     drag: Array
     #: Motions ``(N, 4)`` [rad/s].
     q: Array
-    #: Between neighbours ``(N,)`` [N].
+    #: Ball force between neighbours ``(N,)`` [N].
     ball_force: Array
 
 

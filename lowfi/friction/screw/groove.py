@@ -42,7 +42,7 @@ class HelicalMotion:
     pitch_radius: float
     #: Nominal contact angle [rad].
     contact_angle: float
-    #: Of a right-hand helix [m]; negative: left-hand, zero: bearing.
+    #: Lead of a right-hand helix [m]; negative: left-hand, zero: bearing.
     lead: float
     #: [rad/s].
     nut_speed: float
@@ -138,11 +138,11 @@ def contact_axes(normals: Array) -> Array:
 class Constants:
     """Hertz constants of the four contacts of a ball."""
 
-    #: Of the approach, C F^(2/3) ``(4,)``.
+    #: Constants of the approach, C F^(2/3) ``(4,)``.
     C: Array
-    #: Of the semi-axis across the groove, C_a F^(1/3) ``(4,)``.
+    #: Constants of the semi-axis across the groove, C_a F^(1/3) ``(4,)``.
     C_a: Array
-    #: Of the semi-axis along the groove, C_b F^(1/3) ``(4,)``.
+    #: Constants of the semi-axis along the groove, C_b F^(1/3) ``(4,)``.
     C_b: Array
 
 
@@ -177,7 +177,7 @@ class ScrewGroove(Grooved):
     groove_radius: float
     #: [m].
     pitch_radius: float
-    #: Of a right-hand helix [m]; negative: left-hand, zero: bearing.
+    #: Lead of a right-hand helix [m]; negative: left-hand, zero: bearing.
     lead: float
     #: Nominal contact angle [rad].
     contact_angle: float

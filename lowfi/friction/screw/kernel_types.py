@@ -57,7 +57,7 @@ class BallArrays(NamedTuple):
     shape: Array
     #: Motion (vx, vz, spin) of the contacts as fractions of ``speed``, maps @ x + drives: (N, 4, 3, 4).
     maps: Array
-    #: The same without motion of the ball (N, 4, 3).
+    #: Contact motions without motion of the ball (N, 4, 3).
     drives: Array
 
 
@@ -68,7 +68,7 @@ class BalanceParts(NamedTuple):
     balance: Array
     #: Fischer-Burmeister function of ball-to-ball force and gap (N,).
     complementarity: Array
-    #: Its slopes by force and gap (N, 2).
+    #: Derivatives of this function by force and gap (N, 2).
     slopes: Array
     #: Hessian (N, 4, 4) of the grooves' dissipation.
     hessian: Array
@@ -121,5 +121,5 @@ class JointMatrix(NamedTuple):
     columns: Array
     #: Rows (m, 7 N) of the screw.
     lines: Array
-    #: Their corner (m, m).
+    #: Corner of the border (m, m).
     corner: Array

@@ -39,11 +39,11 @@ class Cell:
     groove: ScrewGroove
     #: Groove angles ``(N, 4)`` [rad].
     angle: Array
-    #: Along each contact ``(N, 4)`` [m].
+    #: Interference along each contact ``(N, 4)`` [m].
     interference: Array
     #: Motion of the screw along x3, y3, z3 per u ``(N, 3, m)``.
     rows: Array
-    #: On the screw along u ``(m,)`` [N].
+    #: Force on the screw along u ``(m,)`` [N].
     force: Array
     #: Further displacement of the screw along x3, z3 ``(N, 2)`` [m].
     offset: Array
@@ -136,7 +136,7 @@ class BallMotion:
 
     #: The grooves.
     groove: ScrewGroove
-    #: Its contacts ``(4,)``.
+    #: Contacts of the ball ``(4,)``.
     at: Contacts
     #: Directions to them ``(4, 3)``.
     normals: Array

@@ -37,13 +37,13 @@ class Pair:
     theta: tuple[float, float]
     #: Factors of it at the contacts of each ball (SL, SR, NL, NR).
     pattern: tuple[tuple[float, ...], tuple[float, ...]] = usual((BOTH, BOTH))
-    #: Of the ball radii [m], negative for clearance.
+    #: Oversize of the ball radii [m], negative for clearance.
     oversize: float = usual(0.0)
     #: Free translations of the screw, see `screw_rows`.
     free: str = usual("z")
-    #: On the screw along each of them [N].
+    #: Force on the screw along each of them [N].
     force: tuple[float, ...] = usual((0.0,))
-    #: Of loads and friction.
+    #: Coupling of loads and friction.
     coupling: Coupling = usual("none")
 
     def cell(self) -> Cell:
@@ -63,9 +63,9 @@ class Pair:
 class PairResult:
     """Two balls of a screw."""
 
-    #: Without contact.
+    #: State without ball-to-ball contact.
     free: CoupledChain
-    #: In contact.
+    #: State with ball-to-ball contact.
     touching: CoupledChain
 
     @property
@@ -204,21 +204,21 @@ class Run:
     count: int
     #: Loaded turns.
     turns: float
-    #: On the screw along its free translations [N].
+    #: Force on the screw along its free translations [N].
     force: tuple[float, ...]
-    #: Those translations, see `screw_rows`.
+    #: Free translations of the screw, see `screw_rows`.
     free: str
     #: [s].
     duration: float
     #: Number of steps, by the scheme "equal".
     steps: int
-    #: Of the ball radii [m].
+    #: Oversize of the ball radii [m].
     oversize: float = usual(0.0)
-    #: Of the deviation theta of the contact angles over the azimuth [rad].
+    #: Amplitude of the deviation theta of the contact angles over the azimuth [rad].
     amplitude: float = usual(0.0)
     #: Cycles of theta per turn.
     cycles: float = usual(2.0)
-    #: Of theta [rad].
+    #: Phase of theta [rad].
     phase: float = usual(0.0)
     #: Factors of theta at the contacts (SL, SR, NL, NR).
     pattern: tuple[float, ...] = usual(BOTH)
@@ -226,9 +226,9 @@ class Run:
     tube: float = usual(0.0)
     #: Position of the first ball at the start as a fraction of the distance between balls.
     first: float = usual(0.5)
-    #: Of loads and friction.
+    #: Coupling of loads and friction.
     coupling: Coupling = usual("none")
-    #: Of load and friction per step (one: friction of the step before).
+    #: Rounds of load and friction per step (one: friction of the step before).
     rounds: int = usual(1)
     #: Whether the screw or the nut carries the deviation.
     follows: Literal["screw", "nut"] = usual("screw")

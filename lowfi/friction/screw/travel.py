@@ -78,11 +78,11 @@ class Place(NamedTuple):
 
     #: ``(N,)`` [rad].
     azimuth: Array
-    #: To the next ball of the track ``(N,)`` [rad].
+    #: Gap to the next ball of the track ``(N,)`` [rad].
     gap: Array
     #: Speeds ``(N,)`` [rad/s].
     omega: Array
-    #: What the setting begins its next solution from.
+    #: Start of the next solution.
     memory: Any
 
 
@@ -92,21 +92,21 @@ class Instant:
 
     #: Speeds in the frame of the azimuths ``(N,)`` [rad/s].
     omega: Array
-    #: Of each ball on the next one ``(N,)`` [N].
+    #: Ball force of each ball on the next one ``(N,)`` [N].
     ball_force: Array
     #: Contact forces ``(N, 4)`` [N].
     load: Array
     #: Which balls are on a loaded arc ``(N,)``.
     loaded: Mask
-    #: In the grooves, by ball-to-ball sliding, and by closing gaps [W].
+    #: Losses in the grooves, by ball-to-ball sliding, and by closing gaps [W].
     losses: tuple[float, float, float]
     #: [W].
     input_power: float
     #: Whether loads and motions converged.
     converged: bool
-    #: What the next solution begins from.
+    #: Start of the next solution.
     memory: Any
-    #: Of friction fed back to loads [N].
+    #: Change of friction fed back to loads [N].
     change: float = 0.0
     #: External axial load on the screw [N].
     axial: float = float("nan")
@@ -162,11 +162,11 @@ class History:
     lasts: Array
     #: Number of its step ``(T,)``.
     step: NDArray[np.int64]
-    #: At that time, unwrapped ``(T, N)`` [rad].
+    #: Azimuth at that time, unwrapped ``(T, N)`` [rad].
     azimuth: Array
     #: Which balls are on a loaded arc ``(T, N)``.
     loaded: Mask
-    #: At the end of the piece ``(T, N)`` [rad].
+    #: Gaps at the end of the step ``(T, N)`` [rad].
     gap: Array
     #: ``(T, N)`` [N].
     ball_force: Array
@@ -186,11 +186,11 @@ class History:
     on_screw: Array
     #: Power taken in less losses, over the losses ``(T,)``.
     imbalance: Array
-    #: Of friction fed back to loads ``(T,)`` [N].
+    #: Change of friction fed back to loads ``(T,)`` [N].
     change: Array
     #: ``(T,)``.
     converged: Mask
-    #: How the whole run ended.
+    #: Status of the whole run.
     status: str
 
     @cached_property
@@ -474,7 +474,7 @@ class Observed:
 class StepError:
     """Estimated errors by finite steps."""
 
-    #: Of ``torque`` over the angle, of torques by name and of ``share``.
+    #: Quantities of ``torque`` over the angle, of torques by name and of ``share``.
     quantities: dict[str, Observed]
     #: Numbers of steps of the levels.
     steps: tuple[int, ...]

@@ -47,9 +47,9 @@ class Circuit(NamedTuple):
 
     #: The track.
     track: ClosedTrack
-    #: Of the balls at the beginning, in order, those of the return last ``(n,)`` [rad].
+    #: Azimuth of the balls at the beginning, in order, those of the return last ``(n,)`` [rad].
     azimuth: Array
-    #: Their numbers in the scene ``(n,)``, -1 in the return.
+    #: Numbers of these balls in the scene ``(n,)``, -1 in the return.
     ball: NDArray[np.int64]
 
 
@@ -176,7 +176,7 @@ def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
 class SceneChain(AnyChain):
     """Balls of different sizes and coefficients."""
 
-    #: Their contacts.
+    #: Contacts of the balls.
     at: StaticContacts
     #: The contacts as friction needs them.
     contacts: Rubs
@@ -258,13 +258,13 @@ FULL = 1e-9
 class Balls:
     """All N balls of a scene, circuit after circuit."""
 
-    #: Of the circuits.
+    #: Tracks of the circuits.
     tracks: tuple[ClosedTrack, ...]
     #: ``(N,)`` [m].
     radius: Array
-    #: In the scene ``(N,)``, -1 in the return.
+    #: Number of the ball in the scene ``(N,)``, -1 in the return.
     number: NDArray[np.int64]
-    #: In the nut's frame at the start ``(N,)`` [rad].
+    #: Azimuth in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
     #: Azimuth by which the next ball of a circuit is ahead where they touch ``(N,)`` [rad].
     spacing: Array
@@ -356,7 +356,7 @@ class Onset:
     loaded: Array
     #: Numbers of the balls, the second at the larger azimuth ``(M, 2)``.
     pair: NDArray[np.int64]
-    #: Between them ``(M,)`` [rad].
+    #: Gap between the two balls of a pair ``(M,)`` [rad].
     gap: Array
     #: Angle of the rotating part at which they meet at these speeds ``(M,)`` [rad]; inf: never.
     meeting: Array

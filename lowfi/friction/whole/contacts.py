@@ -33,7 +33,7 @@ FAINT = 1e-9
 class StaticContacts:
     """Contacts of N balls (order SL, SR, NL, NR) by a static model."""
 
-    #: With errors ``(N,)`` [m].
+    #: Radius of the balls with errors ``(N,)`` [m].
     ball_radius: Array
     #: ``(N, 4)`` [N], zero without contact.
     force: Array

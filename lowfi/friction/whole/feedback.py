@@ -41,9 +41,9 @@ JAMMED = 0.3
 class Seats:
     """N balls between their grooves at the static state."""
 
-    #: From the centre of each groove's profile to the ball's centre along x3, z3 ``(N, 4, 2)`` [m].
+    #: Vector from the centre of each groove's profile to the ball's centre along x3, z3 ``(N, 4, 2)`` [m].
     away: Array
-    #: Its length where ball and groove just touch ``(N, 4)`` [m].
+    #: Length of this vector where ball and groove just touch ``(N, 4)`` [m].
     reach: Array
     #: Hertz constants ``(N, 4)``.
     C: Array

@@ -74,15 +74,15 @@ class BallFriction:
     #: Of the ball against the groove: sliding of the contact's centre across (x) and along (z) the groove, and spin about
     #: the normal ``(N, 4, 3)`` [m/s, rad/s].
     motion: Array
-    #: Of friction on the ball along x and z ``(N, 4, 2)`` [N].
+    #: Force of friction on the ball along x and z ``(N, 4, 2)`` [N].
     force: Array
-    #: Of friction on the ball about the normal ``(N, 4)`` [N m].
+    #: Moment of friction on the ball about the normal ``(N, 4)`` [N m].
     moment: Array
-    #: By ``CAUSES`` ``(N, 4, 3)`` [W].
+    #: Loss by ``CAUSES`` ``(N, 4, 3)`` [W].
     loss: Array
     #: Which contacts stick ``(N, 4)``.
     rest: NDArray[np.bool_]
-    #: Of each ball; ``"no load"`` for one that nothing presses.
+    #: Status of each ball; ``"no load"`` for one that nothing presses.
     status: tuple[str, ...]
     #: Largest force out of balance, as a fraction of the ball's sum of mu F.
     left: float

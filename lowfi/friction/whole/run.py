@@ -37,9 +37,9 @@ WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 class Window(NamedTuple):
     """Compliance of a body at three positions of its balls: at the start, half a length and a length on."""
 
-    #: Of the balls at the start [rad].
+    #: Azimuth of the balls at the start [rad].
     azimuth: Array
-    #: Of the balls at the start [m].
+    #: Axial position of the balls at the start [m].
     z: Array
     #: [rad].
     length: float
@@ -133,13 +133,13 @@ class Setting:
 
     #: The scene.
     scene: Scene
-    #: Its coefficients.
+    #: Coefficients of friction.
     friction: Friction
     #: Motion of screw or nut.
     drive: Drive
     #: Parts with their errors.
     drawn: Drawn
-    #: Its balls in their circuits.
+    #: Balls in their circuits.
     balls: Balls
     #: Computes the contact loads.
     solve: Solve

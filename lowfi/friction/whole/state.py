@@ -32,7 +32,7 @@ class Neighbours:
 
     #: Motion and friction of the balls.
     balls: BallFriction
-    #: Of a ball on the next one at the larger azimuth ``(N,)`` [N].
+    #: Force of a ball on the next one at the larger azimuth ``(N,)`` [N].
     force: Array
     #: Lost between balls [W].
     power: float
@@ -111,7 +111,7 @@ class FrictionState:
     change: float
     #: Whether friction feeds back.
     coupled: bool
-    #: What balls that touch do to each other; None where not requested.
+    #: Forces and losses between touching balls; None if not requested.
     neighbours: Neighbours | None = None
     #: Indices of balls for which a second, jammed state was found; None where none was looked for.
     second: tuple[int, ...] | None = None

@@ -39,7 +39,7 @@ ROUND_OFF = 1e-6
 class ScrewTorque:
     """Sums of the friction of all balls; everything along +z."""
 
-    #: Of the screw against the nut [rad/s].
+    #: Speed of the screw against the nut [rad/s].
     speed: float
     #: Advance per angle, lead/(2 pi), signed by the hand [m/rad].
     ratio: float

@@ -302,11 +302,11 @@ def prepare(system: System, engine: ModuleType) -> RigidSets:
 class Model(NamedTuple):
     """Model of an assembly."""
 
-    #: Its name.
+    #: Name of the model.
     name: str
-    #: Its assumptions.
+    #: Assumptions of the model.
     assumed: tuple[str, ...]
-    #: What it leaves out.
+    #: Effects that the model neglects.
     left_out: tuple[str, ...]
     #: Makes a system ready for the kernels.
     ready: Callable[[System, ModuleType], Sets]

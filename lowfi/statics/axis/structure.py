@@ -29,7 +29,7 @@ class Structure:
     sections: tuple[BeamSection, ...]
     #: Fixed freedoms ``(r, 6)``.
     fixed: NDArray[np.bool_]
-    #: Their values ``(r, 6)`` [m, rad].
+    #: Values of the fixed freedoms ``(r, 6)`` [m, rad].
     prescribed: Array
     #: Loads ``(r, 6)`` [N, N m].
     load: Array

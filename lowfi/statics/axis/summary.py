@@ -68,9 +68,9 @@ class Ending:
     whole: Array | None
     #: Name of the model.
     model: str
-    #: Its assumptions.
+    #: Assumptions of the model.
     assumed: tuple[str, ...]
-    #: What it leaves out.
+    #: Effects that the model neglects.
     left_out: tuple[str, ...]
     #: Motions of the flanks of each set of balls ``(N, 4, 2)`` [m].
     shifts: Sequence[Array]

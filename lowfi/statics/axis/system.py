@@ -49,7 +49,7 @@ class BallSet:
 
     #: The set.
     of: RollingSet
-    #: Its problem, with the nodes of the whole shaft.
+    #: Problem of the set, with the nodes of the whole shaft.
     problem: Problem
     #: Indices of its balls among those of all sets.
     balls: slice
@@ -85,9 +85,9 @@ class RollerSet:
     row: RollerRow
     #: Indices of its slices among those of all rows.
     slices: slice
-    #: Of its rollers ``(count,)`` [rad].
+    #: Azimuths of its rollers ``(count,)`` [rad].
     azimuths: Array
-    #: Its slices as the kernels take them.
+    #: Slices of the rollers as the kernels take them.
     arrays: AxisRollers
 
 
@@ -99,9 +99,9 @@ class System:
     assembly: Assembly
     #: Shaft, housings and springs.
     structure: Structure
-    #: Its sets of balls.
+    #: Sets of balls.
     balls: list[BallSet]
-    #: Its rows of rollers.
+    #: Rows of rollers.
     rollers: list[RollerSet]
     #: Largest pitch radius [m], which makes forces of moments.
     arm: float
@@ -467,7 +467,7 @@ class RollerElements:
     #: Normal motion of cone and cup at the roller's middle, and its slope along the roller times the length, by those rows
     #: ``(M, 2, 2, 6)``.
     B: Array
-    #: Their slices.
+    #: Slices of the rollers.
     contacts: RollerContacts
 
     @property

@@ -331,7 +331,7 @@ class RatioBand:
 
     #: The input.
     changed: str
-    #: Its stated range.
+    #: Stated range of the input.
     values: str
     #: Smallest and largest ratio of the ball screw.
     screw: tuple[float, float]

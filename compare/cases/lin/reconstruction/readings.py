@@ -111,9 +111,9 @@ class Reading:
 
     #: Key.
     key: str
-    #: What is open.
+    #: Choice that the source leaves open.
     choice: str
-    #: How it is read.
+    #: Interpretation of the choice.
     label: str
     #: Ingredients of the low-order model.
     ingredients: dict[str, Any] = field(default_factory=dict, hash=False)
