@@ -223,7 +223,7 @@ class Assembly:
         return sum(s.parts.ball_count for s in self.sets if isinstance(s.parts, Scene))
 
 
-def diagonal(values: tuple[float, float, float, float, float, float]) -> Stiffness:
+def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) -> Stiffness:
     """Stiffness of six uncoupled springs.
 
     Parameters
@@ -246,10 +246,10 @@ def diagonal(values: tuple[float, float, float, float, float, float]) -> Stiffne
     >>> diagonal((1.0, 1.0, 2.0, 0.0, 0.0, 0.0))[2]
     (0.0, 0.0, 2.0, 0.0, 0.0, 0.0)
     """
-    return full(np.diag(np.asarray(values)))
+    return full_stiffness(np.diag(np.asarray(values)))
 
 
-def full(matrix: NDArray[np.float64]) -> Stiffness:
+def full_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
     """Stiffness record of a matrix.
 
     Parameters

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, Quality, mended
+from rollbench.meshes.fem import Meshed, Quality, improve_cells
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.shell import BEND, POOREST, Shell, best_of, fill, graded
@@ -217,7 +217,7 @@ def _meshed(
         filled = fill(shell, volume)
         box_nodes = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         kept = np.concatenate(box_nodes)
-        mesh, moved, quality = mended(filled.named(shell), "ball", filled.on(shell.tris()), kept)
+        mesh, moved, quality = improve_cells(filled.named(shell), "ball", filled.on(shell.tris()), kept)
         nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
         body = BallBody(mesh, nodes, meshes, quality)

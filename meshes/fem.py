@@ -554,7 +554,7 @@ def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
     return moved(mesh, points), int(changed.sum())
 
 
-def mended(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
+def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
     """Improve the cells of a body's mesh: `untangle`, then `straighten`.
 
     Parameters

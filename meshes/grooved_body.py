@@ -17,7 +17,7 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, Quality, arc_deviation, mended, nodes_on, points_of
+from rollbench.meshes.fem import Meshed, Quality, arc_deviation, improve_cells, nodes_on, points_of
 from rollbench.meshes.groove import (
     BodySpec,
     Groove,
@@ -385,7 +385,7 @@ def _collected(surface: Surface, filled: Filled) -> GroovedBody:
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
     sockets = np.array(rows, dtype=np.int64).reshape(len(rows), -1 if rows else 0)
     name = "screw" if spec.outer else "nut"
-    mesh, _, quality = mended(filled.named(shell), name, filled.on(shell.tris()), sockets)
+    mesh, _, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), sockets)
     flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
     ends = surface.groove.ends
     deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.in_whole(x)]) for s, x in flanks.items())

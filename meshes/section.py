@@ -398,10 +398,10 @@ def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tu
         nodes = merge(np.concatenate([needed, ends]), held)
     else:
         nodes = merge(np.concatenate([fixed_partition(scene), needed_stations(scene)]), held)
-    return (nodes, 0) if everything else between(nodes, needed)
+    return (nodes, 0) if everything else enclosing_nodes(nodes, needed)
 
 
-def between(nodes: Array, needed: Array) -> tuple[Array, int]:
+def enclosing_nodes(nodes: Array, needed: Array) -> tuple[Array, int]:
     """Return the nodes that enclose some stations, at least two.
 
     Parameters

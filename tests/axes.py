@@ -7,7 +7,7 @@ import numpy as np
 from tests.helpers import ALL_BUT_AXIAL, STEEL, small_screw
 
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Support, Track
 
 #: A shaft on a pair of bearings and a sliding one, and load cases for it.
@@ -73,7 +73,7 @@ def double_nut(offset=3e-6, force=800.0, **options):
     """Two nuts in one housing on springs, the shaft held but for its axis."""
     places = (("nut 1", 0.13, -offset), ("nut 2", 0.17, offset))
     sets = (nut(name, z, housing="h", offset=by, **options) for name, z, by in places)
-    springs, support = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5)), Support(0.0, ALL_BUT_AXIAL)
+    springs, support = diagonal_stiffness((4e8, 5e8, 6e8, 2e5, 3e5, 4e5)), Support(0.0, ALL_BUT_AXIAL)
     loads = (Load(0.0, (0.0, 0.0, force)),)
     return assembly(*sets, housings=(Housing("h", 0.14, (), springs),), supports=(support,), loads=loads)
 

@@ -12,8 +12,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from rollbench.compare.cases.external.evidence import scene_name
-from rollbench.compare.cases.external.holding import FILE, ways
-from rollbench.compare.models.model_form import pull
+from rollbench.compare.cases.external.holding import FILE, fixations
+from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import catalogue
@@ -41,7 +41,7 @@ def solved(scene: Scene, first: Scene, level: int, cells: float, cache: Path) ->
     return {
         "level": level,
         "status": found.status,
-        "rigidity": round(pull(scene, found.load, found.contact_angle) / moved),
+        "rigidity": round(axial_contact_force(scene, found.load, found.contact_angle) / moved),
         "load": {SIDES[s]: found.load[:, s].round(3).tolist() for s in sides},
     }
 
@@ -53,7 +53,7 @@ def main() -> None:
     with TemporaryDirectory() as cache:
         for size, level, cells in CASES:
             shipped = catalogue.scene(scene_name(size))
-            scenes = ways(shipped)
+            scenes = fixations(shipped)
             known = {row["held"] for row in rows if (row["scene"], row["level"]) == (shipped.name, level)}
             for held in [x for x in scenes if x not in known]:
                 print(shipped.name, held, flush=True)

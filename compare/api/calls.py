@@ -589,13 +589,13 @@ def check(
     >>> verdict.word, round(verdict.worst.error, 1), verdict.worst.limit
     ('fail', 7.3, 7.0)
     """
-    from rollbench.compare.gate.user import asked
+    from rollbench.compare.gate.user import gate_request
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.results.verdict import verdict_of
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    request = asked(
+    request = gate_request(
         model=model,
         loads=None if loads is None else Path(loads),
         values=None if values is None else Path(values),

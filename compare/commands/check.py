@@ -263,11 +263,11 @@ def check(
 
         return print_answer(run_printed(source or (), only or ()), as_json)
     refuse_given({"source": source, "only": only}, "with --printed", "add it")
-    from rollbench.compare.gate.user import asked
+    from rollbench.compare.gate.user import gate_request
     from rollbench.compare.reference.jobs import Engine
 
     files = Files(junit, markdown, csv, baseline)
-    request = asked(
+    request = gate_request(
         model=model,
         loads=loads,
         values=values,

@@ -16,7 +16,7 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import load_answers, unloaded_place
 from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
 from rollbench.compare.models.loading import solve_scaled
-from rollbench.compare.models.model_form import pull
+from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.compare.reference.convergence import observe
@@ -178,7 +178,7 @@ class Whole:
         moved = float(np.interp(at, answer.stations, answer.line[:, 2])) - self.start
         if quantity is DISPLACEMENT:
             return moved
-        force = pull(self.scene, answer.load, angle)
+        force = axial_contact_force(self.scene, answer.load, angle)
         return force / moved if moved * force > 0.0 else None
 
     def reference(

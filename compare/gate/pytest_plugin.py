@@ -60,13 +60,13 @@ class Rollbench:
             The verdicts.
         """
         from rollbench.compare.errors import InputError
-        from rollbench.compare.gate.user import asked, check_scenes
+        from rollbench.compare.gate.user import check_scenes, gate_request
         from rollbench.compare.reference.jobs import Engine
         from rollbench.compare.scenes import catalogue
         from rollbench.meshes.cache import default_root
 
         try:
-            request = asked(
+            request = gate_request(
                 model=model,
                 loads=None if loads is None else self.root / loads,
                 values=None if values is None else self.root / values,

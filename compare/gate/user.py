@@ -24,7 +24,7 @@ from rollbench.compare.gate.verdict import (
     contact_verdicts,
     contacts_by,
     judge,
-    looks,
+    suspected_causes,
     value_verdict,
     values_by,
 )
@@ -223,7 +223,7 @@ class Asked:
     strict: bool = False
 
 
-def asked(
+def gate_request(
     *,
     model: str = "",
     loads: Path | None = None,
@@ -551,7 +551,7 @@ def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[s
     yield f"not judged, because not given: {', '.join(left)}" if left else ""
     if given.renumbered:
         yield f"{given.renumbered} balls are numbered otherwise in the file, and were matched by azimuth and z"
-    yield looks(given.load, reference.load, given.flanks, limits.largest)
+    yield suspected_causes(given.load, reference.load, given.flanks, limits.largest)
 
 
 def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:

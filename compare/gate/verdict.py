@@ -243,7 +243,9 @@ def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
     return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
 
 
-def blank(reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%") -> Verdict:
+def verdict_without_reference(
+    reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
+) -> Verdict:
     """Return the verdict on a quantity that the reference does not have."""
     return Verdict(
         reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
@@ -283,12 +285,16 @@ def judge(
         if p.side in flanks
     ]
     if not points:
-        return [blank(reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
+        return [
+            verdict_without_reference(
+                reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}"
+            )
+        ]
     reached = bearing(reference.load)
     contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
     kind, at = decisive(points, limits.largest)
-    words = "; ".join(filter(None, (detail, about(reference))))
+    words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
     first = Verdict(reference.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
     out = [replace(first, of_mean=of_mean, near=_near(load, reference, at))]
@@ -304,7 +310,7 @@ def _near(load: Array, reference: Reference, at: At) -> tuple[tuple[int, float, 
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
 
-def about(reference: Reference) -> str:
+def reference_notes(reference: Reference) -> str:
     """Return the notes on a reference: its origin, loads that did not converge, a single mesh level."""
     single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
@@ -315,7 +321,7 @@ def worst_of(words: Sequence[Word]) -> Word:
     return next((w for w in CODES if w in words), "pass")
 
 
-def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
+def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
     """Return why loads beyond the limit may be in another unit or on other balls; empty if neither fits.
 
     Parameters
@@ -417,7 +423,9 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
         scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
         errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
     if not judge.any():
-        return blank(ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit)
+        return verdict_without_reference(
+            ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit
+        )
     points = [
         At(float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]])
         for k in zip(*np.nonzero(judge), strict=True)
@@ -425,7 +433,11 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
     kind, at = decisive(points, limit)
     k = at.ball - 1, SIDES.index(at.side)
     pair = (q.key, q.factor * float(value[k]), q.factor * float(reference[k]))
-    detail = about(ref) if q is ANGLE or q.name in ref.further else "; ".join(filter(None, [BY_HERTZ, about(ref)]))
+    detail = (
+        reference_notes(ref)
+        if q is ANGLE or q.name in ref.further
+        else "; ".join(filter(None, [BY_HERTZ, reference_notes(ref)]))
+    )
     where = (at.ball, at.side, ref.levels, len(points), detail)
     return Verdict(ref.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
 
@@ -436,10 +448,10 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
     limit = limit_of(q, limits.others, limits.largest)
     reference, bar = whole.reference(q, ref, given.station)
     if not reference:
-        return blank(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
+        return verdict_without_reference(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    detail = "; ".join(filter(None, (whole.note_on(q), about(ref))))
+    detail = "; ".join(filter(None, (whole.note_on(q), reference_notes(ref))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
     kind = decide(error, share, limit)
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)

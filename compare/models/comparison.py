@@ -24,7 +24,7 @@ from rollbench.compare.printed import entry
 from rollbench.compare.reference.convergence import pool
 from rollbench.compare.reference.estimate import FITTED, Reference, reference_of, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, bodies_path, here, load_run, shipped_store
+from rollbench.compare.reference.store import Run, bodies_path, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, balls_of
 from rollbench.compare.scenes.catalogue import with_role
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
@@ -46,7 +46,7 @@ PRINTED = {
 }
 
 
-def suited(scene: Scene | Assembly) -> list[Model]:
+def suitable_models(scene: Scene | Assembly) -> list[Model]:
     """Return the compared models that can describe a scene.
 
     Parameters
@@ -258,7 +258,7 @@ def from_run(run: Run, name: str) -> Loads:
     Loads
         The record.
     """
-    line, measured = run.centreline, "" if run.measured == here() else str(run.measured)
+    line, measured = run.centreline, "" if run.measured == measuring_conditions() else str(run.measured)
     return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured)
 
 

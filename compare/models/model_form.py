@@ -433,7 +433,7 @@ def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
     """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
-    return SectionAnswer(moved, pull(scene, answer.load, np.radians(answer.angle)))
+    return SectionAnswer(moved, axial_contact_force(scene, answer.load, np.radians(answer.angle)))
 
 
 def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
@@ -443,7 +443,7 @@ def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
     return (second.force - first.force) / step if step != 0.0 else None
 
 
-def pull(scene: Scene, load: Array, angle: Array) -> float:
+def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
     """Return the axial force [N] of the screw on the nut from loads [N] and contact angles [rad], both (n, 4)."""
     along = np.where(load > 0.0, load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     return float(along[0] - along[1])
@@ -488,13 +488,13 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
         round(error.max_percent, 4),
         round(error.rms_percent, 4),
         {name: round(value, 4) for name, value in features(scene, result).items()},
-        off(answer.moved, reference.moved),
-        off(*stiff),
-        off(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
+        error_of_value(answer.moved, reference.moved),
+        error_of_value(*stiff),
+        error_of_value(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
         gate_percent=round(error.gate_percent, 4),
     )
 
 
-def off(value: float | None, reference: float | None) -> float | None:
+def error_of_value(value: float | None, reference: float | None) -> float | None:
     """Return the error of a value [%]; None if value or reference is missing."""
     return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -193,7 +193,7 @@ class Rung:
     seconds: float
 
 
-def climb(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
+def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
     """Solve a scene with every model of the ladder that its stored data allow."""
     rungs = []
     for model in RUNGS:
@@ -257,7 +257,7 @@ def shares(study: Study) -> list[Share]:
 def ladder(study: Study) -> list[Rung]:
     """Solve every scene with a stored reference by every model of the ladder; the study keeps the results."""
     references = study.references((*REFERENCED, *UNSEEN))
-    rungs = [rung for name, ref in references.items() for rung in climb(study.scene(name), ref, study.stores)]
+    rungs = [rung for name, ref in references.items() for rung in solve_ladder(study.scene(name), ref, study.stores)]
     for rung in rungs:
         if rung.model != "condensed":  # that one depends on a file too
             study.results[study.scene(rung.scene), rung.model, 0] = rung.result

@@ -309,11 +309,11 @@ def scene_json(scene: Scene) -> str:
         nominal position [m] (positive: pressed), and the Hertz constants C [m/N^(2/3)] of its contacts.
     """
     from rollbench.lowfi.statics.contacts import error_free, hertz_C
-    from rollbench.lowfi.statics.problem import distances
+    from rollbench.lowfi.statics.problem import centre_distances
 
     layout = ball_layout(scene)
     drawn = specimen(scene, layout)
-    _, closure = distances(scene, drawn)
+    _, closure = centre_distances(scene, drawn)
     C = hertz_C(error_free(scene), drawn)
     balls = [
         {"ball": i + 1, "azimuth": float(layout.azimuth[i]), "z": float(layout.z[i])}

@@ -504,7 +504,7 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
     return Total(
         uncertainty_percent(reference),
         reference.parts.by_experience,
-        spoken_for(replace(scene, name=reference.best.scene), read_choices(shipped_store())),
+        choices_for(replace(scene, name=reference.best.scene), read_choices(shipped_store())),
         share,
         name,
         second_order(scene, reference),
@@ -550,7 +550,7 @@ def recorded(varied: Modelling) -> Choices:
     return Choices(varied.scene, varied.largest, first, varied.choices[first])
 
 
-def spoken_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
+def choices_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
     """Return the modelling choices for a scene: those studied on its parts, else those with the largest effect."""
     if outside(scene):
         return None

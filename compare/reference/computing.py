@@ -11,7 +11,7 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, here, versions
+from rollbench.compare.reference.store import Run, measuring_conditions, versions
 from rollbench.compare.reference.tasks import (
     SetUp,
     Solvable,
@@ -196,8 +196,8 @@ def _run(
         settings=settings,
         assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
         versions={"rollbench": __version__, **versions()},
-        sources=here().sources,
-        machine=here().machine,
+        sources=measuring_conditions().sources,
+        machine=measuring_conditions().machine,
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
     )
 

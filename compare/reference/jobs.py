@@ -66,7 +66,7 @@ class Expected:
         return sum(self.stages.values())
 
 
-def expected(task: Task) -> Expected:
+def expected_cost(task: Task) -> Expected:
     """Estimate time and memory of a task."""
     by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
     contacts = sum(by_bodies)
@@ -101,10 +101,10 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
     InputError
         If this machine has less.
     """
-    each = sorted((expected(task).memory_GB for task in tasks), reverse=True)
+    each = sorted((expected_cost(task).memory_GB for task in tasks), reverse=True)
     peak, free = sum(each[:workers]), available_GB()
     if free is not None and peak > free:
-        largest = max(tasks, key=lambda task: expected(task).memory_GB)
+        largest = max(tasks, key=lambda task: expected_cost(task).memory_GB)
         fewer = f"`workers={workers - 1}`, " if workers > 1 else ""
         raise InputError(
             "this machine",
@@ -122,7 +122,7 @@ class Progress:
     def __init__(self, task: Task, after: float = 0.0) -> None:
         """Start a task; ``after``: expected seconds of the tasks that follow."""
         self.label, self.after = task.label, after
-        stages, scenes = expected(task).stages, len(task.scenes)
+        stages, scenes = expected_cost(task).stages, len(task.scenes)
         loads = stages.pop("contact loads")
         self.stages = [*stages.items(), *[("contact loads", loads / scenes)] * scenes]
         self.done = self.computed = 0.0
@@ -250,10 +250,10 @@ def plan(
         if any(VARIANTS[variant].refined for variant in variants):
             tasks.append(Task(cases[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
     coarsest = min(levels, default=None)
-    return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected(task).seconds))
+    return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected_cost(task).seconds))
 
 
-def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
+def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     """Return the runs that no store holds yet, by task."""
     left = []
     for task in tasks:
@@ -271,7 +271,7 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     return left
 
 
-def perform(
+def compute_and_store(
     task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
 ) -> tuple[list[Run], CondensedBodies | None]:
     """Compute a task and store its results at once, so that an interrupted study loses only the current one.
@@ -355,7 +355,7 @@ def ensure(
     InputError
         If this machine has too little memory.
     """
-    wanted = tasks if fresh else missing(tasks, (store, *stores))
+    wanted = tasks if fresh else missing_runs(tasks, (store, *stores))
     local = engine.backend == "joblib"
     left = [replace(task, cache=engine.cache, processes=engine.processes) for task in wanted]
     failed: list[Run] = []
@@ -364,9 +364,12 @@ def ensure(
     start, done = perf_counter(), 0.0
     alone = local and (engine.workers or 1) == 1
     step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=local))
-    seconds = [expected(task).seconds for task in left]
+    seconds = [expected_cost(task).seconds for task in left]
     progress = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
-    jobs = [(perform, (task, store, step, p) if alone else (task, store)) for task, p in zip(left, progress, strict=True)]
+    jobs = [
+        (compute_and_store, (task, store, step, p) if alone else (task, store))
+        for task, p in zip(left, progress, strict=True)
+    ]
     finished = 0
 
     def reached(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
@@ -423,7 +426,7 @@ def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, 
     if not here:
         return f"{head}; stored in {store}"
     memory = need_memory(left, workers)
-    time = duration(sum(expected(task).seconds for task in left) / workers)
+    time = duration(sum(expected_cost(task).seconds for task in left) / workers)
     return f"{head}; expected: about {time}, up to {memory:.1f} GB of memory; stored in {store}"
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from rollbench.compare import __version__, files
 from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
-from rollbench.compare.reference.tasks import Solvable, meant, plain, serves
+from rollbench.compare.reference.tasks import Solvable, meshes_suit, plain, relevant_to_statics
 from rollbench.compare.running import machine
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
@@ -111,7 +111,7 @@ class Measured:
 
 
 @cache
-def here() -> Measured:
+def measuring_conditions() -> Measured:
     """Return the conditions of times measured by this process."""
     return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
 
@@ -285,7 +285,7 @@ def key_of(
     if isinstance(scene, Assembly):
         each = zip(scene.sets, settings["sets"], strict=True)
         meshed = [_meshed(s.parts, mesh, mesh["sides"], programs) for s, mesh in each if isinstance(s.parts, Scene)]
-        return digest(SCHEMA, SETS, SECTIONS, meant(scene, UNSAID), variant, *meshed)[:16]
+        return digest(SCHEMA, SETS, SECTIONS, relevant_to_statics(scene, UNSAID), variant, *meshed)[:16]
     return digest(SCHEMA, replace(scene, **UNSAID), variant, *_meshed(scene, settings, sides, programs))[:16]
 
 
@@ -378,7 +378,7 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
         runs = []
         for path in files_of(store, scene, level, variant):
             run = read_run(path, scene, level, variant)
-            if run is not None and serves(scene, level, variant, run.settings, run.sides):
+            if run is not None and meshes_suit(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
             return min(runs, key=partial(_order, installed))

@@ -157,7 +157,7 @@ def recorded(ups: Sequence[SetUp]) -> dict[str, Any]:
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
-def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
+def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
     """Return whether the meshes of a run suit a scene: cells as fine, patches as large, all flanks that may touch."""
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
@@ -183,7 +183,7 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     )
 
 
-def meant(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
+def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
     """Return the assembly without fields that have no effect on static loads."""
     bare = [
         replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets

@@ -73,7 +73,7 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
     """Compute the runs that the report needs and no store of the study holds; ``fresh``: all of them."""
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
-    from rollbench.compare.reference.jobs import all_variants, ensure, expected, plan, refinements
+    from rollbench.compare.reference.jobs import all_variants, ensure, expected_cost, plan, refinements
     from rollbench.compare.reference.levels import LEVELS, STUDIED
 
     if study.stores is None:
@@ -93,7 +93,7 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
         for names, levels in (*checked_references(fresh), *bodies_references(fresh)):
             tasks += plan([study.scene(name) for name in names], levels)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
-        tasks.sort(key=lambda task: -expected(task).seconds)
+        tasks.sort(key=lambda task: -expected_cost(task).seconds)
     ensure(tasks, study.stores[0], engine, step, study.stores[1:], fresh=fresh)
     if not study.quick:
         keep_experience(study.stores)

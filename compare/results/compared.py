@@ -79,7 +79,9 @@ class Beside:
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
-def beside(scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
+def model_errors(
+    scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None
+) -> Beside:
     """Compute the errors of loads against a reference, and what follows from the loads.
 
     Parameters
@@ -181,8 +183,8 @@ def compared(
     answers += [] if ours is None else [from_run(ours.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
     count = None if of is None else reference.contacts
-    each = tuple(beside(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
-    itself = beside(scene, from_run(reference.best, reference.label), None, shared, count)
+    each = tuple(model_errors(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
+    itself = model_errors(scene, from_run(reference.best, reference.label), None, shared, count)
     whole = Compared(each, itself, None, total(scene, reference, inputs=of is None), shared)
     return replace(whole, expected=expected.get(whole.spoken.label))
 

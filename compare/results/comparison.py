@@ -12,7 +12,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.gate.user import judged_by, stored_beside
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import Referenced, referenced, suited
+from rollbench.compare.models.comparison import Referenced, referenced, suitable_models
 from rollbench.compare.models.load_cases import cycle_life
 from rollbench.compare.models.registry import Model
 from rollbench.compare.quantities import as_json, number
@@ -431,7 +431,7 @@ def comparing(
             """Report the errors by the coarsest level while finer ones are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in referenced(scene, (store,), (task.level,)):
-                    whole = compared(one.scene, (models or suited(scene))[:1], one.found, stores, one.of)
+                    whole = compared(one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of)
                     step(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
 
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
@@ -502,7 +502,7 @@ def each_compared(
             raise unconverged(scene.name, failed)
         for one in sets:
             ours = stored_beside(one, stores) if own else None
-            yield one, compared(one.scene, models or suited(scene), one.found, stores, one.of, ours)
+            yield one, compared(one.scene, models or suitable_models(scene), one.found, stores, one.of, ours)
 
 
 def own_references(

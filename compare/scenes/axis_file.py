@@ -44,8 +44,8 @@ from rollbench.meshes.axis import (
     RollerRow,
     RollingSet,
     Stiffness,
-    diagonal,
-    full,
+    diagonal_stiffness,
+    full_stiffness,
 )
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
@@ -56,7 +56,7 @@ ONE_WAY = ("+z", "-z")
 #: Start value of a conformity that follows from a rigidity.
 USUAL = 0.52
 #: Springs of zero stiffness.
-NONE = diagonal((0.0,) * 6)
+NONE = diagonal_stiffness((0.0,) * 6)
 
 
 def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
@@ -282,15 +282,15 @@ def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
         yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one out", "both")
     if keys.matrix is not None:
         try:
-            full(np.array(keys.matrix))
+            full_stiffness(np.array(keys.matrix))
         except ValueError as error:
             yield Fault((f"{where}.matrix",), "symmetric, without negative eigenvalues", str(error), "another matrix")
 
 
 def _stiffness(keys: StiffKeys) -> Stiffness | None:
     if keys.matrix is not None:
-        return full(np.array(keys.matrix))
-    return None if keys.springs is None else diagonal(tuple(keys.springs.model_dump().values()))
+        return full_stiffness(np.array(keys.matrix))
+    return None if keys.springs is None else diagonal_stiffness(tuple(keys.springs.model_dump().values()))
 
 
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:

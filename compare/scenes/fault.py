@@ -73,10 +73,10 @@ def refusal(origin: str, said: Sequence[Said]) -> SceneError:
 def refuse(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
     """Raise all faults as one error, if there are any."""
     if faults:
-        raise refusal(origin, spoken(raw, faults))
+        raise refusal(origin, fault_texts(raw, faults))
 
 
-def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
+def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
     """Return faults in words, each for the first of its keys that the file has, with its name there."""
     out = []
     for fault in faults:
@@ -138,7 +138,7 @@ class Broken:
         return not any(key.split(".")[0].split("[")[0] in self.mended for key in keys)
 
 
-def sound(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
+def validated_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
     """Return the validated keys of a file; SceneError with all faults."""
     try:
         return keys.model_validate(raw)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rollbench.compare.errors import SceneError, escaped
 from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
-from rollbench.compare.scenes.fault import Fault, refusal, refuse, sound, spoken, validated
+from rollbench.compare.scenes.fault import Fault, fault_texts, refusal, refuse, validated, validated_or_raise
 from rollbench.compare.scenes.from_keys import case_faults, in_cases, preloaded, scene_of
 from rollbench.compare.scenes.key_checks import choice_faults
 from rollbench.compare.scenes.schema import SceneKeys
@@ -46,20 +46,20 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     from rollbench.compare.scenes.friction_kinds.table import kind_named
 
     of = kind_named(kind)
-    keys = sound(raw, of.keys, origin)
+    keys = validated_or_raise(raw, of.keys, origin)
     refuse(origin, raw, list(of.faults(keys)))
     return of.record(keys, escaped(Path(origin).stem))
 
 
 def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
     """Return the validated keys of a ball screw, a bearing, or several sets on one shaft; SceneError for faults."""
-    return _axis_keys(raw, origin) if _is_axis(raw) else sound(raw, SceneKeys, origin)
+    return _axis_keys(raw, origin) if _is_axis(raw) else validated_or_raise(raw, SceneKeys, origin)
 
 
 def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
     from rollbench.compare.scenes.schema import AxisKeys
 
-    return sound(raw, AxisKeys, origin)
+    return validated_or_raise(raw, AxisKeys, origin)
 
 
 def _is_axis(raw: dict[str, Any]) -> bool:
@@ -75,11 +75,11 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     said = list(broken.said)
     if keys is not None:
         faults = (*choice_faults(keys), *case_faults(keys))
-        said += spoken(raw, [fault for fault in faults if broken.leaves(fault.keys)])
+        said += fault_texts(raw, [fault for fault in faults if broken.leaves(fault.keys)])
     if keys is None or not broken.bodies or len(said) > len(broken.said):
         raise refusal(origin, said)
     scene = scene_of(keys, escaped(Path(origin).stem))
-    said += spoken(raw, _body_faults(scene))
+    said += fault_texts(raw, _body_faults(scene))
     if said:
         raise refusal(origin, said)
     if keys.preload is not None:

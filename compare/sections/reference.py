@@ -19,7 +19,7 @@ from rollbench.compare.models.comparison import (
     known_exceedances,
     load_ratio,
     reference_answers,
-    suited,
+    suitable_models,
 )
 from rollbench.compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
 from rollbench.compare.models.registry import MODELS
@@ -64,7 +64,7 @@ def error_table(study: Study, found: References) -> Table:
     for name, ref in found.items():
         scene, bars = study.scene(name), (uncertainty_percent(ref), modelling_percent(name, modelled))
         keys = PRINTED.get(name)
-        for model in suited(scene):
+        for model in suitable_models(scene):
             result = study.solve(name, model.name)
             e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
@@ -119,7 +119,7 @@ def load_tables(study: Study, found: References) -> list[Table]:
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = [answer(study, name, m.name) for m in suited(scene)]
+        answers = [answer(study, name, m.name) for m in suitable_models(scene)]
         answers += reference_answers(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
         heads = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(heads)]
@@ -171,7 +171,7 @@ def load_figures(study: Study, found: References) -> list[Figure]:
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = {m: answer(study, name, m.name) for m in suited(scene) if m.name != "lin-source-partition"}
+        answers = {m: answer(study, name, m.name) for m in suitable_models(scene) if m.name != "lin-source-partition"}
         panels = []
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):

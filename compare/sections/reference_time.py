@@ -12,14 +12,14 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from rollbench.compare.measure import error_percent, gate_scale, load_error
-from rollbench.compare.models.comparison import REFERENCED, finest_bodies, suited
+from rollbench.compare.models.comparison import REFERENCED, finest_bodies, suitable_models
 from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
 from rollbench.compare.models.registry import MODELS, Model, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import Measured, Run, here, load_run, one_run, shipped_store
+from rollbench.compare.reference.store import Measured, Run, load_run, measuring_conditions, one_run, shipped_store
 from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
@@ -173,7 +173,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     for command in COMMANDS if levels else ():
         step(f"{command}, from an empty home")
         commands.append(typed(command))
-    return Kept(here(), today(), times, first, cold_levels, commands)
+    return Kept(measuring_conditions(), today(), times, first, cold_levels, commands)
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
@@ -199,7 +199,7 @@ def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Pa
     """Return the models of a scene, each with the file of its condensed bodies, if it takes them."""
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
-    every = [(m, bodies if m.name == "condensed" else None) for m in (*suited(scene), *further)]
+    every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
     return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
 
 

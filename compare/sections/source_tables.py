@@ -282,7 +282,7 @@ def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
     return Table.of(layout.stem(), layout.title, rows, unfolded=True)
 
 
-def how(tables: Iterable[str]) -> Iterator[Table]:
+def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
     """Yield, for each printed table, how its numbers are computed: scenes, function, test, command."""
     for name in tables:
         one = computations()[name]

@@ -22,7 +22,7 @@ from rollbench.compare.running import need_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, refuse
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, deck_text
-from rollbench.meshes.exchange.mesh_files import only
+from rollbench.meshes.exchange.mesh_files import keep_boundaries
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene, Support
 
@@ -106,7 +106,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         from rollbench.meshes.block import Influence, tetrahedra
 
         influence = Influence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
-        return only(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
+        return keep_boundaries(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
         return _whole(scene, part, level)
     from rollbench.hifi.bodies.coarse import of_order
@@ -123,14 +123,14 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-        return only(of_order(mesh, body_kind(settings)), *names)
+        return keep_boundaries(of_order(mesh, body_kind(settings)), *names)
     kind, _, name = part.rpartition("-")
     side = SIDES.index(name)
     body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
     place: Any = partial(local_points, m, meshes.size, side)
     if kind == "ball-patch":
         place = ball_place(m, meshes.size, side, meshes.zone)[1]
-    return only(patch_mesh(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
+    return keep_boundaries(patch_mesh(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
 
 
 def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
@@ -221,7 +221,7 @@ def _whole(scene: Scene, part: str, level: int) -> Mesh:
         near = np.concatenate([groove_points(m, place, middle) for place in places])
         body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
     mesh = of_order(body.mesh, body_kind(settings))
-    return only(mesh, *sorted(mesh.boundaries))
+    return keep_boundaries(mesh, *sorted(mesh.boundaries))
 
 
 #: Programs for which decks are written; Abaqus reads CalculiX's.

@@ -19,7 +19,7 @@ from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
 from rollbench.compare.reference.grid_parts import parts, read_experience
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
-from rollbench.compare.reference.store import Run, here, load_run, shipped_store
+from rollbench.compare.reference.store import Run, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.results.comparison import named, unconverged
@@ -137,7 +137,7 @@ def closing(reference: Reference) -> str:
     rest = "".join(f", {text}" for text, _ in others)
     tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
     stamp = reference.best.measured
-    older = f" Times measured with {stamp}." if stamps == {stamp} != {here()} else ""
+    older = f" Times measured with {stamp}." if stamps == {stamp} != {measuring_conditions()} else ""
     return f"Enough: {first}{rest}.{tail}{older}"
 
 

@@ -28,7 +28,7 @@ from typing import Any, TypeVar
 
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.store import Measured, here, shipped_store
+from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.members.ensemble import run_ensemble
 from rollbench.meshes.processes import VARIABLES
@@ -339,7 +339,11 @@ class Kept:
 
     def __str__(self) -> str:
         """Return the conditions of the measurement in words."""
-        older = "" if self.measured == here() else f", not with the {here().version} of this report"
+        older = (
+            ""
+            if self.measured == measuring_conditions()
+            else f", not with the {measuring_conditions().version} of this report"
+        )
         return f"Run times are of one measuring run: measured with {self.measured}, {self.date}{older}."
 
 

@@ -458,7 +458,7 @@ _KEPT: dict[tuple[object, ...], Any] = {}
 MOST = 32
 
 
-def kept(make: Callable[P, T]) -> Callable[P, T]:
+def cached_result(make: Callable[P, T]) -> Callable[P, T]:
     """Decorate a function to cache its results by its hashed arguments."""
 
     @wraps(make)
@@ -482,7 +482,7 @@ def _keep(key: tuple[object, ...], value: Any) -> None:
         del _KEPT[next(iter(_KEPT))]
 
 
-@kept
+@cached_result
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
@@ -492,7 +492,7 @@ def ball_kernel(
     return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
-@kept
+@cached_result
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
@@ -502,7 +502,7 @@ def bar_kernel(
     return of_groove(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
-@kept
+@cached_result
 def patch_kernels(
     curve: Curve,
     radii: tuple[float, float],

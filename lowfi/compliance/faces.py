@@ -12,12 +12,12 @@ from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
 from rollbench.lowfi.compliance.groove import (
     every_harmonic,
-    finer,
     flank_normals,
     flank_weights,
     harmonics_to,
     patch_shares,
     spline,
+    unresolved_motion,
 )
 from rollbench.lowfi.compliance.tube import Tube, clamped, groove_line, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
@@ -156,7 +156,7 @@ def near_face(
 
     gain, grid, distance = gains(FAR, slice(-1, None), 1, WHOLE)
     far = both_ways(gain[1, :, :, 0, :, 0, -1])
-    alone = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
+    alone = float(far[:, 0, 0].sum()) + unresolved_motion(flank, half_lead(flank, grid), len(far) - 1)
     alone -= half_space(NARROW * flank.map.ball, flank.material)
     if near:
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)

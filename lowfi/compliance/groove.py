@@ -173,7 +173,7 @@ def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
     return force, force
 
 
-def finer(flank: Flank, coarse: Grid, last: int) -> float:
+def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
     """Return the motion of a narrow patch under a unit load on it that a coarse grid does not resolve [m/N]."""
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)

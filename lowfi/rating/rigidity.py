@@ -34,7 +34,7 @@ import numpy as np
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.contacts import error_free_hertz
-from rollbench.lowfi.statics.problem import distances
+from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
@@ -113,7 +113,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
         equilibrium without load.
     """
     layout = ball_layout(scene)
-    of_balls = distances(scene, specimen(scene, layout))[1]
+    of_balls = centre_distances(scene, specimen(scene, layout))[1]
     beyond = beyond_step(scene, layout.z)
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])

@@ -24,7 +24,7 @@ from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodyState, BodySystem, Outcome
-from rollbench.lowfi.statics.problem import Problem, SolvedState, distances
+from rollbench.lowfi.statics.problem import Problem, SolvedState, centre_distances
 from rollbench.lowfi.statics.response import LARGEST, Flanks, flanks_of, one_pair, pair_data, response_of, spring_rows
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
@@ -305,7 +305,7 @@ class ElasticMembers:
             motions of their stations; nan for members that need a separate solve.
         """
         drawn = specimens(self.scene, self.layout, first, count)
-        offset, closure = distances(self.scene, drawn)
+        offset, closure = centre_distances(self.scene, drawn)
         nominal = specimen(without_draws(self.scene), self.layout)
         C = hertz_C(self.scene, nominal, drawn.ball_radius)
         loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)

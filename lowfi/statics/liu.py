@@ -17,7 +17,7 @@ from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.random_errors.chain import Chain, ChainState, Law, solve_chain
 from rollbench.lowfi.statics.contacts import error_free, error_free_hertz, hertz_C, own_hertz
 from rollbench.lowfi.statics.mei import nut_bar
-from rollbench.lowfi.statics.problem import SIGNS, distances
+from rollbench.lowfi.statics.problem import SIGNS, centre_distances
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.meshes.arrays import Array
@@ -117,7 +117,7 @@ def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
         law,
         tuple(float(x) for x in gaps / mean) if mean > 0.0 else (),
     )
-    errors = distances(scene, specimen(scene, layout, member))[1][order, pair]
+    errors = centre_distances(scene, specimen(scene, layout, member))[1][order, pair]
     forward = 1 if force >= 0.0 else -1
     bar = np.inf if rigid else 1.0 / screw
     return Row(chain, order, errors, force, forward, float(layout.z[order[0]]), beyond, screw / (screw + nut), bar)

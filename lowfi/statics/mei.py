@@ -16,7 +16,7 @@ from scipy.linalg import solveh_banded
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.contacts import error_free, hertz_C
-from rollbench.lowfi.statics.problem import SIGNS, distances
+from rollbench.lowfi.statics.problem import SIGNS, centre_distances
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
@@ -66,7 +66,7 @@ def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float)
 
 def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _Chain:
     drawn = specimen(scene, layout, member)
-    _, closure = distances(scene, drawn)
+    _, closure = centre_distances(scene, drawn)
     constants = hertz_C(error_free(scene), drawn)
     pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
     held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}

@@ -16,7 +16,7 @@ import numpy as np
 from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import ElasticBuild
-from rollbench.lowfi.statics.problem import distances
+from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import contact_angles
@@ -48,7 +48,7 @@ class ContactLoads:
 
 def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto") -> ContactLoads:
     """Return the contact loads of balls with errors ``drawn`` at positions ``layout`` by `solve_static`'s model."""
-    known = distances(scene, drawn)
+    known = centre_distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
     return _loads(solve_sides(Build(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known)))
 

@@ -118,7 +118,7 @@ def pack_geometry(
     known
         `distances` of the parts, where they have been computed.
     """
-    offset, closure = known or distances(scene, drawn)
+    offset, closure = known or centre_distances(scene, drawn)
     n = offset.shape[0]
     rows = np.empty((n, 4, 9))
     rows[..., :4] = offset
@@ -129,7 +129,7 @@ def pack_geometry(
     return rows, closure
 
 
-def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
+def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
     """Return the distances of ball centres and groove centres, and the interference of diagonal pairs of flanks.
 
     Built from differences, so that a nominal contact has an approach of zero to round-off of its errors.
@@ -160,7 +160,7 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
     return offset, closure
 
 
-def tightest(problem: Problem) -> float:
+def largest_interference(problem: Problem) -> float:
     """Return the interference of the tightest ball [m]; zero where it is below the round-off of the lengths."""
     closed = float(problem.closure.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0

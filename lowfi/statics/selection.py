@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.held import Mechanism
 from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import Problem, distances
+from rollbench.lowfi.statics.problem import Problem, centre_distances
 from rollbench.lowfi.statics.shape import motions_at
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
@@ -54,7 +54,7 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
     if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
-    _, closure = known or distances(scene, drawn)
+    _, closure = known or centre_distances(scene, drawn)
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use

@@ -167,7 +167,7 @@ def contact_angles(normal: Array) -> Array:
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
-def lost(outcome: Outcome) -> bool:
+def no_state_found(outcome: Outcome) -> bool:
     """Return whether a run found no state from which changed constants or lever arms could start."""
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
@@ -278,7 +278,7 @@ def report_of(
 def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
     """Solve again with Hertz constants at the actual contact angles until they settle."""
     for _ in range(HERTZ_RUNS):
-        if lost(outcome):
+        if no_state_found(outcome):
             break
         change = 0.0
         for problem, contact, _, _ in system.flanks():
@@ -287,7 +287,7 @@ def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
             updated = actual_hertz(problem.scene, problem.drawn, gamma).C
             change = max(change, float(np.abs(updated / problem.C - 1.0).max()))
             problem.C[:] = updated
-        outcome = after(outcome, system.iterate(False))
+        outcome = with_counts_of(outcome, system.iterate(False))
         if change < SETTLED:
             break
     return outcome
@@ -300,12 +300,12 @@ def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
     """
     before = [np.zeros((*p.C.shape, 2)) for p in system.problems]
     for _ in range(ARM_RUNS):
-        if lost(outcome):
+        if no_state_found(outcome):
             break
         arms = [centre_shift(s) for s in system.flanks()]
         change = max(float(np.abs(x - y).max()) for x, y in zip(arms, before, strict=True))
         before, system = arms, system.with_arms(arms)
-        outcome = after(outcome, system.iterate(False))
+        outcome = with_counts_of(outcome, system.iterate(False))
         if change < SETTLED:
             break
     return system, outcome
@@ -333,6 +333,6 @@ def centre_shift(s: SetFlanks) -> Array:
     return np.where(force[..., None] > 0.0, w - normal * radius[..., None], 0.0)
 
 
-def after(first: Outcome, then: Outcome) -> Outcome:
+def with_counts_of(first: Outcome, then: Outcome) -> Outcome:
     """Return the later outcome with the iterations and evaluations of both."""
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

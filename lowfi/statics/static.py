@@ -17,7 +17,7 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
 from rollbench.lowfi.statics.held import Mechanism, free_motions
 from rollbench.lowfi.statics.kernel_types import BeamArrays, BeamContacts, BeamSystem, Outcome, RowState, Slopes
-from rollbench.lowfi.statics.problem import Problem, SolvedState, build, distances, tightest
+from rollbench.lowfi.statics.problem import Problem, SolvedState, build, centre_distances, largest_interference
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
     all_sides,
@@ -35,7 +35,7 @@ from rollbench.lowfi.statics.settle import (
     Scale,
     SetFlanks,
     least_residual,
-    lost,
+    no_state_found,
     options_of,
     report_of,
     settled,
@@ -90,7 +90,7 @@ def scale_of(problem: Problem) -> Scale:
     """
     arm, load = problem.scene.track.pitch_radius, np.abs(problem.load)
     pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
-    squeeze = float(contact_force(tightest(problem), pair))
+    squeeze = float(contact_force(largest_interference(problem), pair))
     (applied, turning), (largest, most) = ((x[:3], x[3:]) for x in (load.sum(axis=0), load.max(axis=0)))
     force = max(float(applied.sum() + turning.sum() / arm) / max(1, problem.C.shape[0]), squeeze)
     if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
@@ -368,7 +368,7 @@ def solve_static(
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
-    known = distances(scene, drawn)
+    known = centre_distances(scene, drawn)
     use = all_sides(scene) if everything else choose_sides(scene, drawn, known)
     build = Build(scene, drawn, layout, use, kernels, everything, refine, known)
     result = solve_built(build, "lin", start)
@@ -404,7 +404,7 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     def otherwise() -> Array | None:
         again = pin(solved.build.problem(), mechanism, True)
         other, found = settled(solved.build.holding(again).ready(again), profile=False)
-        return None if lost(found) else other.flanks()[0].contact[..., 0]
+        return None if no_state_found(found) else other.flanks()[0].contact[..., 0]
 
     return with_other_pin(result, mechanism, otherwise)
 

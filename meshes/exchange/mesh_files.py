@@ -103,7 +103,7 @@ def reduced(mesh: Mesh, form: str) -> bool:
     return kind_of(mesh) == "Q2" and form in ("inp", "med")
 
 
-def only(mesh: Mesh, *names: str) -> Mesh:
+def keep_boundaries(mesh: Mesh, *names: str) -> Mesh:
     """Keep only some boundaries of a mesh.
 
     Parameters

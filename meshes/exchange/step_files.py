@@ -246,10 +246,10 @@ def distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: 
     (u0, v0), (u1, v1) = gmsh.model.getParametrizationBounds(2, tag)
     u, v = np.meshgrid(np.linspace(u0, u1, along), np.linspace(v0, v1, along))
     p = np.reshape(gmsh.model.getValue(2, tag, np.column_stack([u.ravel(), v.ravel()]).ravel()), (-1, 3)) / MM
-    return float(np.abs(off(scene, side, p, shift)).max())
+    return float(np.abs(distances_from_flank(scene, side, p, shift)).max())
 
 
-def off(scene: Scene, side: int, points: Array, shift: float) -> Array:
+def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -> Array:
     """Distances of points from a flank, each measured in its section normal to the helix.
 
     Parameters

@@ -18,7 +18,7 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, sphere
-from rollbench.meshes.fem import Meshed, Quality, mended, nodes_on
+from rollbench.meshes.fem import Meshed, Quality, improve_cells, nodes_on
 from rollbench.meshes.groove import BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import FLANK, Surface
@@ -463,7 +463,7 @@ def _meshed(name: str, surface: Callable[[Shell, float], object], refinement: Re
         surface(shell, share)
         filled = fill(shell, volume)
         free = np.zeros(0, dtype=np.int64)
-        mesh, moved, quality = mended(filled.named(shell), name, filled.on(shell.tris()), free)
+        mesh, moved, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), free)
         return WholeBody(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
 
     return best_of(name, attempt)

@@ -30,7 +30,7 @@ from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import forget_nominal
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.axis import Housing, RollingSet, diagonal
+from rollbench.meshes.axis import Housing, RollingSet, diagonal_stiffness
 from rollbench.meshes.kept import no_cache
 from rollbench.meshes.parts import Friction
 
@@ -98,7 +98,7 @@ def row_of_nuts(number):
         own = replace(first.parts.screw, length=screw.length)
         parts = replace(first.parts, screw=own, nut=replace(first.parts.nut, position=z))
         sets.append(RollingSet(f"nut {i}", "ball nut", parts, z, name))
-        housings.append(Housing(name, z, (), diagonal((1e9, 1e9, 1e9, 1e6, 1e6, 1e6))))
+        housings.append(Housing(name, z, (), diagonal_stiffness((1e9, 1e9, 1e9, 1e6, 1e6, 1e6))))
     return replace(base, screw=screw, sets=tuple(sets), housings=tuple(housings))
 
 

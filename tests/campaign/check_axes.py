@@ -18,7 +18,7 @@ from tests.campaign import check
 from rollbench.lowfi.rollers import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
+from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
@@ -38,7 +38,7 @@ FAR = 0.1
 #: Work of the loads along an opening motion of size one, over the largest, from which on it is a proof.
 PROVEN = 1e-7
 #: Springs [N/m, N m] of an outer part that slides on a housing: they yield by some nanometres.
-TIE = diagonal((1e11, 1e11, 0.0, 1e8, 1e8, 1e8))
+TIE = diagonal_stiffness((1e11, 1e11, 0.0, 1e8, 1e8, 1e8))
 
 
 def along(station: float) -> Array:

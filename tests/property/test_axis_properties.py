@@ -10,7 +10,7 @@ from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relat
 from rollbench.lowfi.statics.axis.system import build
 from rollbench.lowfi.statics.kernel.beam import add_element
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.axis import Housing, Segment, diagonal
+from rollbench.meshes.axis import Housing, Segment, diagonal_stiffness
 from rollbench.meshes.parts import Load, Support
 
 CASES = {
@@ -39,7 +39,7 @@ def test_an_outer_part_that_stands_and_one_whose_housing_is_fixed_are_the_same()
     parts = double_nut()
     fixed = replace(parts, housings=(Housing("h", 0.14, (*ALL_BUT_AXIAL, ("uz", 0.0))),))
     free = replace(parts, housings=(), sets=tuple(replace(s, housing=None) for s in parts.sets))
-    stiff = replace(parts, housings=(Housing("h", 0.14, (), diagonal((1e18,) * 3 + (1e15,) * 3)),))
+    stiff = replace(parts, housings=(Housing("h", 0.14, (), diagonal_stiffness((1e18,) * 3 + (1e15,) * 3)),))
     a, b, c = solved(fixed), solved(free), solved(stiff)
     for one, two, three in zip(a.sets, b.sets, c.sets, strict=True):
         assert np.array_equal(one.balls.load, two.balls.load)
@@ -142,12 +142,12 @@ def test_envelope_grows_in_proportion_to_the_number_of_sets():
     def size(count):
         places = 0.02 + 0.26 * (np.arange(count) + 0.5) / count
         sets = [replace(bearing(f"b{i}", z, "+z"), housing=f"h{i}") for i, z in enumerate(places)]
-        housings = tuple(Housing(f"h{i}", z, (), diagonal((1e8,) * 6)) for i, z in enumerate(places))
+        housings = tuple(Housing(f"h{i}", z, (), diagonal_stiffness((1e8,) * 6)) for i, z in enumerate(places))
         return int(build(assembly(*sets, housings=housings)).axis.start[-1])
 
     assert size(32) / size(16) == pytest.approx(2.0, rel=0.03)
     joined = [nut(f"n{i}", z) for i, z in enumerate((0.05, 0.1, 0.15, 0.2))]
-    held = (Housing("h", 0.1, (), diagonal((1e8,) * 6)),)
+    held = (Housing("h", 0.1, (), diagonal_stiffness((1e8,) * 6)),)
     apart = int(build(assembly(*joined)).axis.start[-1])
     together = int(build(assembly(*(replace(s, housing="h") for s in joined), housings=held)).axis.start[-1])
     assert together < 1.7 * apart

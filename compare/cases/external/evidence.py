@@ -47,7 +47,7 @@ def inputs() -> dict[str, Any]:
     return files.shipped_table("cases/external/cases.toml")
 
 
-def given(case: str, key: str, quantity: str) -> float:
+def input_in_SI(case: str, key: str, quantity: str) -> float:
     """Return an input of a case in SI.
 
     Raises KeyError for one that is not there.
@@ -104,7 +104,7 @@ def masta(findings: Findings, study: Study) -> None:
 
     Displacement and life, which is proportional to the cube of the rating that MASTA is given.
     """
-    rated = given("masta", "rating", "force")
+    rated = input_in_SI("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
@@ -150,7 +150,7 @@ def half_zone(findings: Findings, study: Study) -> None:
 def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
     """Return the bearing of a catalogue row (pitch diameter mm, ball diameter mm, number of balls)."""
     d_m, d_w, balls = row[:3]
-    angle, young = given(case, "contact_angle", "angle"), given(case, "youngs_modulus", "pressure")
+    angle, young = input_in_SI(case, "contact_angle", "angle"), input_in_SI(case, "youngs_modulus", "pressure")
     poisson = float(inputs()[case]["poissons_ratio"])
     return of_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
 
@@ -206,7 +206,7 @@ def snfa(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     As printed with rigid balls scaled back, right with contact angles that change under load.
     """
     case = inputs()["snfa"]
-    row = [1e3 * given("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
+    row = [1e3 * input_in_SI("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _spindle("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse(text, "force") for text in case["preloads"]]
     right = [1e-6 * equilibrium(_pair(bearing, p)).stiffness for p in loads]
@@ -310,7 +310,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
     inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
-    cube = float(np.cbrt(given("nsk", "normal_load", "force")))
+    cube = float(np.cbrt(input_in_SI("nsk", "normal_load", "force")))
     findings.number("approach_outer", 1e6 * float(outer.C) * cube**2)
     findings.number("approach_inner", 1e6 * float(inner.C) * cube**2)
     findings.number("a_outer", 1e3 * float(outer.C_a) * cube)
@@ -319,17 +319,17 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
 def sphere(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the entries of an elastic sphere on a rigid plane."""
-    radius = given("vm63", "radius", "length")
-    modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
+    radius = input_in_SI("vm63", "radius", "length")
+    modulus = input_in_SI("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
-    findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
+    findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(input_in_SI("vm63", "force", "force"))))
 
 
 def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
     """Return the load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
-    poisson, shear = inputs()[case]["poissons_ratio"], given(case, "shear_modulus", "pressure")
-    radii = (given(case, "along", "length"), given(case, "across", "length"))
-    return given(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+    poisson, shear = inputs()[case]["poissons_ratio"], input_in_SI(case, "shear_modulus", "pressure")
+    radii = (input_in_SI(case, "along", "length"), input_in_SI(case, "across", "length"))
+    return input_in_SI(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
 def _hertz(case: str) -> tuple[float, HertzConstants]:
@@ -408,7 +408,7 @@ def _wheel(findings: Findings) -> None:
 def transient(case: str, steps: int) -> list[Onset]:
     """Solve CONTACT's example of a ball that is pushed aside, and then rolls by some cells under that force."""
     numbers, (load, circle) = inputs()[case], _hertz(case)
-    margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
+    margin = 0.5 * input_in_SI(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
     return onset(patch, numbers["friction"], numbers["share"], steps)
 
@@ -445,7 +445,7 @@ def scene_name(size: str) -> str:
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
-def stages(scene: Scene, force: float) -> tuple[float, float]:
+def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
     """Return the rigidity [N/m] of the contacts alone and with the bodies at an axial load [N].
 
     Raises ValueError without a wall.
@@ -455,7 +455,7 @@ def stages(scene: Scene, force: float) -> tuple[float, float]:
     return force / alone, force / (alone + body * force)
 
 
-def unequal(study: Study, name: str, model: str) -> float:
+def rigidity_unequal_loads(study: Study, name: str, model: str) -> float:
     """Return the rigidity [N/m] with unequal loads by a model; zero where it did not converge."""
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
@@ -466,7 +466,7 @@ def nuts(findings: Findings, study: Study) -> None:
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = study.scene(scene_name(size))
-        alone[size], bodies[size] = (1e-6 * x for x in stages(scene, scene.loads[0].force[2]))
+        alone[size], bodies[size] = (1e-6 * x for x in rigidity_by_parts(scene, scene.loads[0].force[2]))
         printed = entry(findings.table, f"rigidity_{size}").value or 0.0
         share = printed / alone[size]
         words = f"catalogue {printed / bodies[size]:.3f} of it; contacts alone {alone[size]:.0f} N/um"
@@ -490,11 +490,11 @@ def double_over_single(study: Study) -> float:
     scene = study.scene(scene_name(DOUBLE))
     full = scene.loads[0].force[2]
     preload = full / 3.0
-    single = stages(scene, full)[1]
-    moved = preload / stages(scene, preload)[1]
+    single = rigidity_by_parts(scene, full)[1]
+    moved = preload / rigidity_by_parts(scene, preload)[1]
 
     def excess(force: float) -> float:
-        return force / stages(scene, force)[1] - 2.0 * moved
+        return force / rigidity_by_parts(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(excess, preload, 4.0 * preload, rtol=1e-6))
     return unloads / moved / single
@@ -503,7 +503,11 @@ def double_over_single(study: Study) -> float:
 def _drag(study: Study, findings: Findings) -> None:
     """Compute the preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
     case = inputs()["thk"]
-    preload, lead, mu = given("thk", "preload", "force"), given("thk", "lead", "length"), float(case["friction"])
+    preload, lead, mu = (
+        input_in_SI("thk", "preload", "force"),
+        input_in_SI("thk", "lead", "length"),
+        float(case["friction"]),
+    )
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
     findings.number("drag_formula", 1e3 * formula)
     torque = study.once(drag_torque, preload, mu)

@@ -55,7 +55,7 @@ COLUMNS = (
 )
 
 
-def ways(scene: Scene) -> dict[str, Scene]:
+def fixations(scene: Scene) -> dict[str, Scene]:
     """Return copies of the scene with its nut fixed at different surfaces, by name; its left face first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
@@ -78,7 +78,7 @@ def ways(scene: Scene) -> dict[str, Scene]:
 
 
 @cache
-def stored(store: Path) -> list[dict[str, Any]]:
+def stored_results(store: Path) -> list[dict[str, Any]]:
     """Return the 3D results of a store by fixation: scene, held, level, status, rigidity [N/m], ball loads by flank [N]."""
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
@@ -106,7 +106,9 @@ class Solved(NamedTuple):
 
 def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
     """Return the stored runs of a scene with one fixation of its nut, by mesh level from coarse to fine."""
-    runs = [x for x in stored(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")]
+    runs = [
+        x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")
+    ]
     return {x["level"]: x for x in sorted(runs, key=lambda x: int(x["level"]))}
 
 
@@ -135,7 +137,7 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
     """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
-    held = ways(study.scene(name))
+    held = fixations(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
     in_3D = {way: by_level(name, way) for way in held}
     loads = {way: {k: loads_of(x) for k, x in levels.items()} for way, levels in in_3D.items()}
@@ -220,7 +222,7 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
     )
 
 
-def between(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
+def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
     """Return smallest and largest value of a column by the default model, of fixations that begin with ``held``."""
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
@@ -242,11 +244,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("ways of holding a nut")
     rows = [row for size in SIZES for row in rows_of(study, size)]
-    shares = {held: between(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}
+    shares = {held: range_text(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     text = (
-        f"The way of holding a nut moves its largest load by {between(rows, 'load_change')} %, its life by "
-        f"{between(rows, 'life_change')} % and its rigidity by {between(rows, 'rigidity_change')} % against the left face. "
+        f"The way of holding a nut moves its largest load by {range_text(rows, 'load_change')} %, its life by "
+        f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against the "
+        "left face. "
         f"Catalogues print {shares['left']} of the rigidity with the left face held, {shares['flange, whole']} with the "
         f"whole face of a flange, {shares['flange, outer']} where only the outer half of its face bears and the flange "
         f"bends: the holding is {'a part of' if min(bent, default=0.0) < 1.0 else 'enough for'} what makers count in.",

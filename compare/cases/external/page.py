@@ -100,8 +100,8 @@ def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | Non
         name = external.scene_name(size)
         scene = study.scene(name)
         force = scene.loads[0].force[2]
-        alone, bodies = external.stages(scene, force)
-        solved = external.unequal(study, name, DEFAULT)
+        alone, bodies = external.rigidity_by_parts(scene, force)
+        solved = external.rigidity_unequal_loads(study, name, DEFAULT)
         printed = entry("external-thk", f"rigidity_{size}").value
         unequal = 1e-6 * solved if solved else None
         stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}

@@ -15,8 +15,8 @@ from math import radians
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
-from rollbench.compare.cases.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, four_point, inferred, table_3_6
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.screw import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
@@ -221,7 +221,7 @@ def ball_rows() -> list[Record]:
         note = f"starts within {off:.0%}"
         printed = [rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
-        pairs = [screw_ball(p(two), None, k) for p in (plain, inferred)]
+        pairs = [screw_ball(p(two), None, k) for p in (case_as_printed, inferred)]
         rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
         ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
@@ -251,7 +251,7 @@ def ball_rows() -> list[Record]:
         ball_group(
             "clearance to 10 µm",
             "screw",
-            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+            [screw_ball(replace(case_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
         ),
         ball_group(
             "zero speed",
@@ -449,15 +449,17 @@ def chain_rows() -> list[Record]:
         ),
         screw_pairs(
             "clearance to 10 µm",
-            [replace(plain(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            [replace(case_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
         screw_pairs(
-            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in CLEARANCE], "friction moves the balls"
+            "clearance to 10 µm",
+            [replace(case_as_printed(two), oversize=-c) for c in CLEARANCE],
+            "friction moves the balls",
         ),
         screw_pairs(
             "small loads and clearance",
-            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            [replace(case_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
         screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
@@ -521,7 +523,7 @@ def pair_rows() -> list[Row]:
 def root_rows() -> list[Row]:
     """Return rows that compare the source's root finding and least dissipation on cases I to III from random starts."""
     rng, rows = np.random.default_rng(5), list[Row]()
-    first = {case: right(case, "as printed") for case in CASES}
+    first = {case: least_dissipation(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
         s, law = first[case], source_law(ROTARY, sharpness)
         row: Row = {"case": case, Quantity("sharpness", "k_S", "", "g3"): sharpness}

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from rollbench.compare.models.registry import MODELS, Options
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.store import here, shipped_store
+from rollbench.compare.reference.store import measuring_conditions, shipped_store
 from rollbench.compare.scenes.catalogue import case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.reference_time import warm_seconds
@@ -67,7 +67,7 @@ def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
                 step(f"{name}, {way}: cold and further")
                 words = call.format(name=name, mated=name == LINEAR["b"], level=max(LEVELS))
                 times[name, way] = measure_call(imports, words, f"{way} of {name}")
-    return Kept(here(), today(), times, {}, levels)
+    return Kept(measuring_conditions(), today(), times, {}, levels)
 
 
 @dataclass(frozen=True)

@@ -105,20 +105,20 @@ def one_error(error: float) -> Array:
 
 
 @cache
-def single(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
+def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
     """Return the state with one error [um] at ball 33 under a load [N]."""
     return solve_chain(chain or screw(), one_error(1e-6 * error_um), load)
 
 
 @cache
-def drawn(half_range_um: int) -> Ensemble:
+def drawn_ensemble(half_range_um: int) -> Ensemble:
     """Return screws with errors within +-half_range [um], other draws for each range."""
     return solve_ensemble(screw(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um)
 
 
 def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
     """Return one quantity of the drawn screws (n,)."""
-    return drawn(half_range_um).values_at(quantity, load)
+    return drawn_ensemble(half_range_um).values_at(quantity, load)
 
 
 def place_in(values: Array, printed: float, half_digit: float) -> tuple[Percentile, str]:
@@ -217,7 +217,7 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     zero = np.zeros(balls())
     found = [x for law in ("implicit", "exact") for x in mei_deviations(screw(law), zero)]
     e.number("deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found))
-    less = solve_chain(mei(), zero, load).load - single(0.0, load).load
+    less = solve_chain(mei(), zero, load).load - single_error_state(0.0, load).load
     e.claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
     errors = draw_errors(SEED, 0, FEW, balls(), 2e-6)
     worst = [mei_deviations(screw(), x)[0] for x in errors]
@@ -226,25 +226,25 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 def ratio(error_um: float, load: float) -> float:
     """Return the load ratio Q78/Q1."""
-    q = single(error_um, load).load
+    q = single_error_state(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def readings(error_um: float, load: float) -> str:
     """Describe Q33 with other contact angles, each model calibrated as for 45 deg."""
-    found = {law: single(error_um, load, screw(law)).load[32] for law in ("exact", "constant")}
+    found = {law: single_error_state(error_um, load, screw(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def others_change(error_um: float) -> list[float]:
     """Return the smallest and largest change of another ball's load against that without the error, over both loads [N]."""
-    change = [np.delete(single(error_um, f).load - single(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
+    change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
 
 
 def error_of_load(load: float) -> float:
     """Return the error of ball 33 [um] with which it carries the load [N] at 5000 N."""
-    return float(brentq(lambda e: single(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
+    return float(brentq(lambda e: single_error_state(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
 
 
 def loads_of_others() -> tuple[float, float]:
@@ -257,16 +257,16 @@ def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     """Compute the entries of section 4.2."""
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
-            q = float(single(error, load).load[32])
+            q = float(single_error_state(error, load).load[32])
             e.number(f"{name}_Q33_{load:.0f}", q, readings(error, load))
             e.number(f"{name}_ratio_{load:.0f}", ratio(error, load))
-    q = float(single(2.0, HEAVY).load[32])
+    q = float(single_error_state(2.0, HEAVY).load[32])
     words = (
         f"142.55 would be {100.0 * (142.55 / q - 1.0):+.2f} % off; 124.55 takes an error of {error_of_load(124.55):.2f} um"
     )
     e.number("plus_Q33_5000", q, words)
     start = first_carrying_load(screw(), one_error(-2e-6), 32, HEAVY)
-    e.number("minus_Q33_1000", float(single(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on")
+    e.number("minus_Q33_1000", float(single_error_state(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on")
     low, high = others_change(-2.0)
     e.claim("minus_others", low > 0.0, f"by {low:.3f} to {high:.3f} N")
     low, high = others_change(2.0)
@@ -314,7 +314,7 @@ def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
 
 
-def placed(e: Findings, key: str, *remarks: str) -> None:
+def record_percentile(e: Findings, key: str, *remarks: str) -> None:
     """File the median for a random number, and its percentile with its sampling error in words."""
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of(key)
@@ -323,13 +323,13 @@ def placed(e: Findings, key: str, *remarks: str) -> None:
     e.number(key, float(np.median(values)), ". ".join((words, *remarks)))
 
 
-def share(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
+def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
     """Return whether an event is likely enough, and its probability in words."""
     p = float(np.mean(mask))
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 
 
-def falling(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return whether a quantity falls from range to range of the errors, screw by screw."""
     a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
@@ -339,27 +339,27 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     """Compute the entries of section 4.3."""
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
-            placed(e, row.key)
+            record_percentile(e, row.key)
     for key, at_500, at_1000 in (
         ("unloaded_2_1000", 53, 62),
         ("unloaded_2_1000_again", 53, 61),
         ("unloaded_3_1000", 42, 43),
     ):
-        placed(e, key, fewer_given(int(key.split("_")[1]), at_500, at_1000))
+        record_percentile(e, key, fewer_given(int(key.split("_")[1]), at_500, at_1000))
     every = [drawn_sample(h, "loaded", 2137.0) == balls() for h in RANGES]
-    holds, words = share(np.logical_and.reduce(every))
+    holds, words = likelihood(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
     e.claim("all_2137", holds, f"{words} (singly {alone})")
-    e.claim("all_5000", *share(drawn_sample(2, "loaded", 5000.0) == balls()))
-    e.claim("fewer", *share(falling("loaded", 100.0) & falling("loaded", 500.0)))
+    e.claim("all_5000", *likelihood(drawn_sample(2, "loaded", 5000.0) == balls()))
+    e.claim("fewer", *likelihood(falls_with_range("loaded", 100.0) & falls_with_range("loaded", 500.0)))
     width = {
         (h, f): drawn_sample(h, "largest", f) - drawn_sample(h, "smallest", f) for h in RANGES for f in (1000.0, 5000.0)
     }
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
-    e.claim("wider", *share(np.logical_and.reduce(grows)))
+    e.claim("wider", *likelihood(np.logical_and.reduce(grows)))
     a, b, c = (drawn_sample(h, "displacement_first_loaded", 1000.0) for h in RANGES)
-    e.claim("further", *share((a < b) & (b < c)))
+    e.claim("further", *likelihood((a < b) & (b < c)))
     _curves(e)
 
 
@@ -437,7 +437,7 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     for row in printed_K:
         if row.value is not None and row.key != "K_0_3000":
             near = row.key.endswith("_3000")
-            placed(e, row.key, *((relative_to_none(row.key, row.value, bare),) if near else ()))
+            record_percentile(e, row.key, *((relative_to_none(row.key, row.value, bare),) if near else ()))
     other = {law: 1e-8 * solve_chain(screw(law), np.zeros(balls()), 3000.0).stiffness for law in ("exact", "constant")}
     words = "; ".join(f"{law} contact angle {value:.3f}" for law, value in other.items())
     words = (
@@ -456,7 +456,7 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def _claims(e: Findings) -> None:
     """Compute the claims of section 4.4."""
     s = {load: spreads(load) for load in (100.0, 1100.0, 2100.0)}
-    e.claim("largest_1100", *share((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
+    e.claim("largest_1100", *likelihood((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
     percent = 100.0 * s[100.0] / (1e-8 * np.median(drawn_sample(2, "stiffness", 100.0)))
     median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
     e.claim(
@@ -468,7 +468,7 @@ def _claims(e: Findings) -> None:
     e.claim(
         "rises", all(bool(r.all()) for r in rises), f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
     )
-    e.claim("softer", *share(falling("stiffness", 500.0)))
+    e.claim("softer", *likelihood(falls_with_range("stiffness", 500.0)))
     free = solve_chain(screw(), np.zeros(balls()), 3000.0).stiffness
     off = [100.0 * (np.median(drawn_sample(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
     e.remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

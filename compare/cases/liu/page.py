@@ -13,7 +13,7 @@ from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import counts, evidence, trust
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.source_tables import how, layouts, shown_tables
+from rollbench.compare.sections.source_tables import computation_tables, layouts, shown_tables
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
@@ -152,5 +152,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         Section("liu", "Random errors of a ball screw", (Text(ABOUT, bullets=True),), conclusion=trust(counts(found)[0])),
         *chapters,
         Section("liu-beyond", "The same screw by a beam, the refined model and in 3D", beyond),
-        Section("liu-audit", "Misprints, and how the numbers are computed", (misprints_table("liu"), *how(PRINTED))),
+        Section(
+            "liu-audit",
+            "Misprints, and how the numbers are computed",
+            (misprints_table("liu"), *computation_tables(PRINTED)),
+        ),
     )

@@ -341,7 +341,7 @@ def sweep() -> list[Drag]:
     return rows
 
 
-def order(values: list[float], over: list[float]) -> float:
+def power_exponent(values: list[float], over: list[float]) -> float:
     """Return the exponent of a power law through values."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
@@ -384,7 +384,7 @@ def measured_band() -> Band:
     return Band.of((found[DIAMETERS[1], True], *found.values()))
 
 
-def measured() -> Iterator[Outside]:
+def measured_torques() -> Iterator[Outside]:
     """Yield the mean friction torque of two screws over their wear: new and at the end of the run.
 
     Those between are one run.

@@ -124,7 +124,7 @@ class Standing:
     practice: float | None
 
 
-def standing(found: Sequence[Outside]) -> Standing | None:
+def bias_and_scatter(found: Sequence[Outside]) -> Standing | None:
     """Return bias and scatter of those that count; None where none does."""
     judged = [x for x in found if not x.left]
     if not judged:
@@ -137,7 +137,7 @@ def standing(found: Sequence[Outside]) -> Standing | None:
     return Standing(len(judged), float(errors.mean()), float(errors.std()), inside, float(np.median(widths)), mean)
 
 
-def grouped(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
+def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
     """Return values by some of their fields, in the order of their first."""
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
@@ -154,7 +154,7 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
     """Return the number of outside values, bias and scatter, by quantity."""
-    rows = {key: standing(values) for (key,), values in grouped(found, "quantity").items()}
+    rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
@@ -162,10 +162,10 @@ def summary(found: Sequence[Outside]) -> Table:
     """Return one row for each quantity, law and maker."""
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
-    for (quantity, law, group), values in grouped(found, "quantity", "law", "group").items():
+    for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
         left = [x.left for x in values if x.left]
         words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
-        s = standing(values)
+        s = bias_and_scatter(values)
         if s is None:
             without.append(f"{quantity} of {group}, {words}")
             continue
@@ -192,7 +192,7 @@ def summary(found: Sequence[Outside]) -> Table:
     return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note)
 
 
-def every(found: Sequence[Outside]) -> Table:
+def all_values(found: Sequence[Outside]) -> Table:
     """Return all values, one a row."""
     rows: list[dict[Quantity | str, Cell]] = [
         {

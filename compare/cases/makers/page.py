@@ -26,7 +26,7 @@ LAWS = (
     nuts.nut_rigidity,
     nuts.preloaded_nuts,
     nuts.printed_torques,
-    nuts.measured,
+    nuts.measured_torques,
 )
 
 
@@ -48,7 +48,7 @@ def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
 
 def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = "") -> outside.Standing:
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
-    result = outside.standing(values)
+    result = outside.bias_and_scatter(values)
     assert result is not None
     return result
 
@@ -93,12 +93,12 @@ def why_softer(found: Sequence[outside.Outside]) -> str:
     """Return the text on why printed rigidities of nuts lie below the computed ones."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
-    rest = outside.grouped(most, "maker")
+    rest = outside.group_values(most, "maker")
     after = {key: [float(error_percent(x.practice or 0.0, x.value)) for x in one] for key, one in rest.items()}
     means = [float(np.mean(errors)) for errors in after.values()]
     close = sum(abs(error) <= 10.0 for errors in after.values() for error in errors)
-    bare = outside.standing(most)
-    rex = outside.standing([x for x in judged if x.maker == "Rexroth"])
+    bare = outside.bias_and_scatter(most)
+    rex = outside.bias_and_scatter([x for x in judged if x.maker == "Rexroth"])
     assert bare is not None
     assert rex is not None
     return (
@@ -142,12 +142,12 @@ def drag(found: Sequence[outside.Outside]) -> str:
     """Return a text on the makers' drag formulas, compared with sliding balls and with measured screws."""
     rows = nuts.sweep()
     leads = [r.lead for r in rows]
-    sliding = [nuts.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
-    theirs = [nuts.order([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
+    sliding = [nuts.power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
+    theirs = [nuts.power_exponent([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
     named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
     shares = [nuts.SHARE, 2.0 * nuts.SHARE]
     over = [
-        nuts.order([nuts.torque_of_ball(nuts.size(0.01), x, nuts.DEFAULT, double=d) for x in shares], shares)
+        nuts.power_exponent([nuts.torque_of_ball(nuts.size(0.01), x, nuts.DEFAULT, double=d) for x in shares], shares)
         for d in (False, True)
     ]
     least = [float(np.median([r.least[k] / getattr(r, key) for r in rows])) for k, key in enumerate(("single", "double"))]
@@ -191,7 +191,7 @@ def sweep_table() -> Table:
 def figure(found: Sequence[outside.Outside]) -> Figure:
     """Draw the computed over printed value, by maker, for what has no band of percents."""
     series = []
-    for (quantity,), values in outside.grouped([x for x in found if not x.left and not x.scale], "quantity").items():
+    for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
@@ -209,4 +209,4 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         figure(found),
         sweep_table(),
     )
-    return Section("outside", TITLE, (*items, outside.every(found)), conclusion=conclusion(found))
+    return Section("outside", TITLE, (*items, outside.all_values(found)), conclusion=conclusion(found))

@@ -12,7 +12,7 @@ from rollbench.compare.evidence import Evidence, counts, evidence, trust
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import load_table
-from rollbench.compare.sections.source_tables import how, layouts, shown_tables
+from rollbench.compare.sections.source_tables import computation_tables, layouts, shown_tables
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
@@ -85,7 +85,9 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
         Series("ball, sheet", [float(x) for x in loads], [bearings.sheet_tangent(float(x)) / 1e6 for x in loads], "line"),
         Series("ball, tested", at, [1e-6 * (f.printed.value or 0.0) for f in tested], "markers"),
         Series("ball, printed theory", at, theory, "markers"),
-        Series("taper, right", [float(x) for x in loads], [bearings.tangent(float(x)) / 1e6 for x in loads], "line"),
+        Series(
+            "taper, right", [float(x) for x in loads], [bearings.tangent_stiffness(float(x)) / 1e6 for x in loads], "line"
+        ),
         Series(
             "taper, sheet", [float(x) for x in loads], [bearings.taper_sheet_tangent(float(x)) / 1e6 for x in loads], "line"
         ),
@@ -192,5 +194,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     return (
         Section("smith", "Support bearings and the axis", (Text(ABOUT, bullets=True),), conclusion=trust(counts(found)[0])),
         *chapters,
-        Section("smith-audit", "Misprints, and how the numbers are computed", (misprints_table("smith"), *how(PRINTED))),
+        Section(
+            "smith-audit",
+            "Misprints, and how the numbers are computed",
+            (misprints_table("smith"), *computation_tables(PRINTED)),
+        ),
     )

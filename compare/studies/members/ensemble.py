@@ -28,7 +28,7 @@ from rollbench.lowfi.statics.elastic import ElasticMembers, shared
 from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.problem import Problem, build, distances, lever_arms
+from rollbench.lowfi.statics.problem import Problem, build, centre_distances, lever_arms
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
@@ -165,7 +165,7 @@ class _Batch:
         """Return the problem without random errors; None if the screw can move freely."""
         problem = build(self.scene, self.mean, self.layout, use)
         if scale_of(problem).force == 0.0:  # only the random errors press anything together
-            tightest = self._of(np.array([distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
+            tightest = self._of(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
             drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
             problem = build(self.scene, drawn, self.layout, use)
         mechanism = free_motions(problem)
@@ -210,7 +210,7 @@ class _Batch:
     def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
         """Return the arrays of members for the kernels."""
         drawn = self._of(members)
-        offset, closure = distances(self.scene, drawn)
+        offset, closure = centre_distances(self.scene, drawn)
         geometry = np.empty((members.size, *problem.geometry.shape))
         geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[members], problem.geometry[..., 5:]
         B = lever_arms(problem, drawn.centre) if len(drawn.centre) > 1 else problem.B[None]

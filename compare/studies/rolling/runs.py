@@ -26,7 +26,7 @@ from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
-from rollbench.compare.reference.store import KEY, Measured, here, shipped_store
+from rollbench.compare.reference.store import KEY, Measured, measuring_conditions, shipped_store
 from rollbench.compare.running import out_of_memory
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import case as shipped_case
@@ -226,7 +226,7 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
         elsewhere + process_time() - begin,
         int(sum(int(c.stick.sum()) for c in touching.contacts)),
         bodies,
-        **asdict(here()),
+        **asdict(measuring_conditions()),
     )
 
 

@@ -14,7 +14,7 @@ from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
+from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import FREEDOMS
 
 #: Corrections of the shifts that are tried at most.
@@ -28,7 +28,7 @@ NOISE = ACCEPTED / DIFFERENCE
 #: Relative errors of a preload that are reported, and that are a failure.
 TOLD, FAILED = 1e-8, 1e-4
 #: Springs [N/m, N m] that tie an outer part to a housing that moves, in all but the axis.
-TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
+TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
 @dataclass(frozen=True)

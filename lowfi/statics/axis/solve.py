@@ -40,7 +40,7 @@ from rollbench.lowfi.statics.axis.system import (
 )
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.kernel_types import AxisSystem, RowState, Slopes
-from rollbench.lowfi.statics.problem import Problem, distances
+from rollbench.lowfi.statics.problem import Problem, centre_distances
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
 from rollbench.lowfi.statics.settle import (
@@ -102,7 +102,7 @@ def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) ->
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile.shape[1]:
         return use
-    closed = distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
+    closed = centre_distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
         return USE["+z"]
     return USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use

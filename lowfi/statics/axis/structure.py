@@ -12,7 +12,15 @@ from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
-from rollbench.meshes.section import MERGE, BeamSection, between, fixed_partition, merge, screw_section, tube_section
+from rollbench.meshes.section import (
+    MERGE,
+    BeamSection,
+    enclosing_nodes,
+    fixed_partition,
+    merge,
+    screw_section,
+    tube_section,
+)
 
 Ints = NDArray[np.int64]
 
@@ -62,7 +70,7 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     if assembly.ingredients.partition != "nodal" and on_shaft:
         extra = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
         scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
-        return between(merge(np.concatenate([fixed_partition(*scenes), extra]), held), np.array(needed))[0]
+        return enclosing_nodes(merge(np.concatenate([fixed_partition(*scenes), extra]), held), np.array(needed))[0]
     nodes = merge(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
         away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0

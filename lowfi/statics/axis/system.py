@@ -20,7 +20,7 @@ from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RollerContacts, RowState
-from rollbench.lowfi.statics.problem import Problem, flank_rows, pack_geometry, round_off_approach, tightest
+from rollbench.lowfi.statics.problem import Problem, flank_rows, largest_interference, pack_geometry, round_off_approach
 from rollbench.lowfi.statics.settle import Scale, SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
@@ -408,7 +408,7 @@ def pair_compliance(b: BallSet) -> float:
 def squeeze(b: BallSet) -> float:
     """Return the approach [m] of a set's contacts by oversized balls or the shift of its outer part, all else fixed."""
     shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
-    return max(tightest(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
+    return max(largest_interference(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
 
 
 def mean_share(system: System) -> float:

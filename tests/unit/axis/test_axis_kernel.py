@@ -14,10 +14,10 @@ from rollbench.lowfi.statics.axis.solve import prepare
 from rollbench.lowfi.statics.axis.system import build, tapered
 from rollbench.lowfi.statics.kernel import axis, beam, rollers
 from rollbench.lowfi.statics.kernel_types import Slopes
-from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
+from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import Load
 
-SPRINGS = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
+SPRINGS = diagonal_stiffness((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
 
 
 def test_law_of_a_slice_is_that_of_the_bearings():

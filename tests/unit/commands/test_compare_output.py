@@ -38,10 +38,10 @@ def case():
     runs = (SimpleNamespace(level=1, moving=0.0),)
     found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), grid_parts.GridParts(0.2))
     models = [
-        found_by.beside(scene, loads(scene, name, f), found)
+        found_by.model_errors(scene, loads(scene, name, f), found)
         for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
     ]
-    return scene, models, found, found_by.beside(scene, exact, None)
+    return scene, models, found, found_by.model_errors(scene, exact, None)
 
 
 def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
@@ -51,7 +51,7 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     small[0, 0] = 0.01
     answer = loads(scene, "refined", 1.01)
     answer.load[0, 0] = 0.1
-    one = found_by.beside(scene, answer, replace(found, load=small))
+    one = found_by.model_errors(scene, answer, replace(found, load=small))
     text = found_by.verdict(found_by.Compared((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
     assert ", 1.00 % by the gate's rule" in text

@@ -23,7 +23,7 @@ def test_wanted_parts():
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: pytest.MonkeyPatch):
     study = Study((tmp_path, shipped_store()))
     found = study.reference("lin-case1")
-    rungs = modelling.climb(study.scene("lin-case1"), found, None)[:2]
+    rungs = modelling.solve_ladder(study.scene("lin-case1"), found, None)[:2]
     monkeypatch.setattr(modelling, "ladder", lambda _: rungs)
     report.save_model_form(study)
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")

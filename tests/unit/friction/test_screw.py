@@ -9,7 +9,7 @@ from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball
 from rollbench.lowfi.friction.contact.rings import cell_state
@@ -133,7 +133,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
-    cell = replace(plain(TWO), oversize=oversize, force=(force,)).cell()
+    cell = replace(case_as_printed(TWO), oversize=oversize, force=(force,)).cell()
     reference = settle_load(cell)
     assert reference.converged
     for _ in range(5):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 
-from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
 from rollbench.lowfi.friction.screw.chain import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
 from rollbench.lowfi.friction.screw.motion import feedback, hold_screw, settle_load
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair
@@ -49,7 +49,7 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
-@pytest.mark.parametrize("make", [plain, inferred])
+@pytest.mark.parametrize("make", [case_as_printed, inferred])
 def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
@@ -92,7 +92,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     With 1 um of clearance under 0.01 N the second ball has play; pushed aside once, it stays wedged, at 18 times the
     load of the first. Both states are in balance.
     """
-    pair = replace(plain(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
+    pair = replace(case_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
     floats = solve_pair(pair).free
     load = floats.load.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]

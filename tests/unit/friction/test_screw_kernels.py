@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain, solve_joint
 from rollbench.lowfi.friction.screw.motion import hold_screw, settle_load
 
@@ -27,7 +27,7 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     assert fast.angle == pytest.approx(slow.angle, rel=1e-13)
 
 
-@pytest.mark.parametrize("make", [plain, inferred])
+@pytest.mark.parametrize("make", [case_as_printed, inferred])
 def test_both_engines_move_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads."""
     cell = make(TWO).cell()
@@ -45,7 +45,7 @@ def test_both_engines_move_alike(make) -> None:
 
 
 def test_both_engines_solve_the_joint_system_alike() -> None:
-    cell = plain(TWO).cell()
+    cell = case_as_printed(TWO).cell()
     load = settle_load(cell)
     held = hold_screw(cell, load)
     fast, slow = (solve_joint(held, SLACK, (load.ball, np.zeros(0)), fast=f) for f in (True, False))

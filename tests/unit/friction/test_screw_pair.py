@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from tests.helpers import SCREW_STATES as STATES
 
-from rollbench.compare.cases.lin.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
 from rollbench.lowfi.friction.contact.laws import dissipation
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
@@ -24,7 +24,7 @@ def open_chain(screw, force, angle) -> Chain:
     return Chain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
-@pytest.mark.parametrize("make", [plain, inferred])
+@pytest.mark.parametrize("make", [case_as_printed, inferred])
 @pytest.mark.parametrize("coupling", ["none", "ball", "ball and screw"])
 def test_pair_in_equilibrium(make, coupling: str) -> None:
     """All balls with ball-to-ball force and friction; energy; complementarity."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, lin_3_4_4, table_3_6
 from rollbench.lowfi.friction.as_source.screw import (
     Places,
     first_place,
@@ -27,7 +27,9 @@ def few_balls(count=6, steps=40) -> Run:
     return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
 
 
-@pytest.mark.parametrize("pair", [inferred(TWO), plain(TWO), replace(plain(TWO), free="zr", force=(30.0, 20.0))])
+@pytest.mark.parametrize(
+    "pair", [inferred(TWO), case_as_printed(TWO), replace(case_as_printed(TWO), free="zr", force=(30.0, 20.0))]
+)
 def test_loads_are_ours(pair):
     cell = pair.cell()
     ours, found = settle_load(cell), loads_by_root(cell)
@@ -38,7 +40,7 @@ def test_loads_are_ours(pair):
 
 
 def test_loads_that_are_not_found_are_not_converged():
-    cell = plain(TWO).cell()
+    cell = case_as_printed(TWO).cell()
     away = first_place(cell)
     lost = Places(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
     assert not loads_by_root(cell, lost).converged
@@ -67,7 +69,7 @@ def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
 @pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
 def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
-    pair = plain(np.radians(theta))
+    pair = case_as_printed(np.radians(theta))
     ours = solve_pair(pair)
     found = screw_pair_by_root(pair, None, state_of(ours, False), state_of(ours, True))
     assert found.motion.status == "exact"

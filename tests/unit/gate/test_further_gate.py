@@ -8,7 +8,7 @@ import pytest
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
 from rollbench.compare.gate.given_files import GivenValue, read_values
-from rollbench.compare.gate.user import asked, check_scenes
+from rollbench.compare.gate.user import check_scenes, gate_request
 from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
 from rollbench.compare.models import loading, uncertainty
 from rollbench.compare.models.comparison import referenced
@@ -35,7 +35,7 @@ def table(path, heads: str, cells):
 
 
 def judged(**what: object) -> list[Verdict]:
-    return check_scenes([GIVEN], asked(compute=False, **what), jobs.Engine(), lambda _: None)
+    return check_scenes([GIVEN], gate_request(compute=False, **what), jobs.Engine(), lambda _: None)
 
 
 #: Factors of headings by quantity.

@@ -11,7 +11,7 @@ import pytest
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.gate import user
 from rollbench.compare.gate.publish import HEADS, Outcome, junit, markdown, publish, verdicts_csv
-from rollbench.compare.gate.user import Asked, asked, check_scenes, limits_of
+from rollbench.compare.gate.user import Asked, check_scenes, gate_request, limits_of
 from rollbench.compare.models import loads_file
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import estimate, jobs, store
@@ -56,7 +56,7 @@ def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path) -> 
 @pytest.mark.parametrize("name", ["two-balls", "double-nut"])
 def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
     same, copy = (
-        check([replace(catalogue.any_scene(name), name=as_)], asked(model="lin", compute=False))
+        check([replace(catalogue.any_scene(name), name=as_)], gate_request(model="lin", compute=False))
         for as_ in (name, "my copy")
     )
     assert {v.scene for v in copy} == {"my copy"}
@@ -72,7 +72,7 @@ def test_a_scene_may_set_its_own_limits() -> None:
     stated, given = limits_of(scene, None), limits_of(scene, 9.0)
     assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
     assert limits_of(TWO, None).largest == 7.0
-    verdicts = check([scene], asked(compute=False))
+    verdicts = check([scene], gate_request(compute=False))
     assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
 
@@ -85,7 +85,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
 
     monkeypatch.setattr(user, "ensure", refused)
     text = catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"')
-    first, second = check([scene_file.loads(text, "mine.toml"), TWO], Asked((tmp_path, asked().stores[1])))
+    first, second = check([scene_file.loads(text, "mine.toml"), TWO], Asked((tmp_path, gate_request().stores[1])))
     assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
     assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
     assert second.word == "pass"
@@ -94,7 +94,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
 def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     real = user.run_model
     monkeypatch.setattr(user, "run_model", lambda *a: replace(real(*a), status="no equilibrium"))
-    (verdict,) = check([TWO], asked(model="lin", compute=False))
+    (verdict,) = check([TWO], gate_request(model="lin", compute=False))
     assert (verdict.word, verdict.error_percent) == ("fail", None)
     assert verdict.line() == "FAIL: two-balls, lin: the model has no loads: no equilibrium"
 
@@ -180,7 +180,7 @@ def judged(folder, rows: list[dict[str, str]], *drop: str):
     heads = [head for head in rows[0] if head not in drop]
     lines = [",".join(heads), *(",".join(row[head] for head in heads) for row in rows)]
     (folder / "given.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    what = asked(loads=folder / "given.csv", max_error=8.0, store=folder / "none", compute=False)
+    what = gate_request(loads=folder / "given.csv", max_error=8.0, store=folder / "none", compute=False)
     (found,) = check([catalogue.scene("lin-case1")], what)
     return found
 

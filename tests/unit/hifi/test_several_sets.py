@@ -12,7 +12,7 @@ from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.hifi.several_sets import bodies_of, solve_sets
-from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
@@ -105,7 +105,7 @@ def test_nuts_on_housings(prepared):
     setups = prepared(PAIR)
     wanted = solve_sets(PAIR, setups)
     on = replace(PAIR, sets=tuple(replace(s, housing="carriage") for s in PAIR.sets))
-    springs = diagonal((1e14,) * 3 + (1e12,) * 3)
+    springs = diagonal_stiffness((1e14,) * 3 + (1e12,) * 3)
     stiff = replace(on, housings=(Housing("carriage", 0.21, stiffness=springs),))
     slides = Housing("carriage", 0.21, fixed=BUT_UZ, force=(0.0, 0.0, -300.0))
     pulled = replace(on, housings=(slides,), supports=(Support(0.16, (*BUT_UZ, ("uz", 0.0))),), loads=())

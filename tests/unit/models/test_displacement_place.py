@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.model_form import pull
+from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.lowfi.statics.static import solve_static
 
 
@@ -14,6 +14,6 @@ def test_contacts_pull_the_nut_by_the_load(force, oversize):
     """Axial equilibrium of the screw; contacts without load pull nothing, whatever angle they are given."""
     scene = small_screw(9, 1.5, force=(0.0, 0.0, force), oversize=oversize)
     result = solve_static(scene, discretisation=False)
-    assert pull(scene, result.load, result.contact_angle) == pytest.approx(force, rel=1e-9)
+    assert axial_contact_force(scene, result.load, result.contact_angle) == pytest.approx(force, rel=1e-9)
     angle = np.where(result.load > 0.0, result.contact_angle, 1.0)
-    assert pull(scene, result.load, angle) == pytest.approx(force, rel=1e-9)
+    assert axial_contact_force(scene, result.load, angle) == pytest.approx(force, rel=1e-9)

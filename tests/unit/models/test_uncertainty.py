@@ -12,12 +12,12 @@ from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     Choices,
     Total,
+    choices_for,
     input_parts,
     input_uncertainty,
     read_choices,
     save,
     second_order,
-    spoken_for,
     total,
 )
 from rollbench.compare.quantities import as_json
@@ -48,11 +48,11 @@ def test_parts_add_by_squares_and_the_largest_are_named() -> None:
 def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
     scene = STUDY.scene("lin-case2")
     mine = replace(scene, name="mine")
-    assert spoken_for(scene, KNOWN) == KNOWN["lin-case1"]
-    assert spoken_for(mine, KNOWN) == KNOWN["lin-case3"]
-    assert spoken_for(mine, {}) is None
+    assert choices_for(scene, KNOWN) == KNOWN["lin-case1"]
+    assert choices_for(mine, KNOWN) == KNOWN["lin-case3"]
+    assert choices_for(mine, {}) is None
     soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
-    assert spoken_for(soft, KNOWN) is None
+    assert choices_for(soft, KNOWN) is None
     save(tmp_path, KNOWN)
     assert read_choices(tmp_path) == KNOWN
 

@@ -14,7 +14,7 @@ from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, ra
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
 from rollbench.lowfi.statics import validity
 from rollbench.lowfi.statics.contacts import error_free_hertz, nominal_curvatures
-from rollbench.lowfi.statics.problem import distances
+from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.meshes import errors, helix
 from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
 
@@ -229,7 +229,7 @@ def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() ->
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
     C, s = error_free_hertz(scene).C, slope_of(scene)
-    closure = float(distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
+    closure = float(centre_distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
         assert contacts_displacement(scene, force) == pytest.approx(force / stiff, rel=1e-3)

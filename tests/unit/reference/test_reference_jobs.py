@@ -28,9 +28,9 @@ def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
     task, run = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
     save(tmp_path, scene, run)
-    assert jobs.missing([task], (tmp_path,)) == [task]
+    assert jobs.missing_runs([task], (tmp_path,)) == [task]
     jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
-    assert jobs.missing([task], (tmp_path,)) == []
+    assert jobs.missing_runs([task], (tmp_path,)) == []
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
@@ -41,7 +41,7 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     loads = np.ones((32, 4))
     save(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
     save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
-    left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.missing(tasks, (tmp_path,))}
+    left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.missing_runs(tasks, (tmp_path,))}
     assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
 
 
@@ -82,7 +82,7 @@ def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.
     run = run_of("lin-case1", 1, np.ones((32, 4)))
     kept = {path_in(tmp_path, scenes[0], run).name, bodies_path(tmp_path, scenes[0], run).name}
     assert {p.name for p in tmp_path.iterdir()} == kept
-    assert jobs.missing(tasks, (tmp_path,)) == [tasks[1]]
+    assert jobs.missing_runs(tasks, (tmp_path,)) == [tasks[1]]
     assert any("[1/2]" in line and "s left" in line for line in said)
 
 
@@ -97,7 +97,7 @@ def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, 
     assert list(tmp_path.iterdir()) == []
     assert all("\n" not in line for line in said)
     assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
-    assert len(jobs.missing([Task((scene,), 1)], (tmp_path,))) == 1
+    assert len(jobs.missing_runs([Task((scene,), 1)], (tmp_path,))) == 1
     words = str(unconverged("lin-case1", found))
     assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
     assert "\n" not in words

@@ -8,7 +8,7 @@ from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.reference import jobs, levels, store
 from rollbench.compare.reference.store import bodies_path, key_of, load_run, path_in, save
-from rollbench.compare.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
+from rollbench.compare.reference.tasks import Task, geometry_of, groups, meshes_suit, needed_sides, settings_of
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes import condensed, solid
 
@@ -88,10 +88,10 @@ def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path) -> Non
     assert load_run(CASE1, 1, stores=(tmp_path,)) is not None
     for name, factor in (("semi", 1.5), ("reach", 0.5)):  # too coarse cells, too small patches
         other = wide.settings | {name: tuple(factor * x for x in wide.settings[name])}
-        assert not serves(CASE1, 1, "", other, wide.sides)
-    assert not serves(CASE1, 1, "", wide.settings, (0, 1, 2))
-    assert not serves(CASE1, 1, "", wide.settings | {"modes": 24}, wide.sides)
-    assert not serves(CASE1, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
+        assert not meshes_suit(CASE1, 1, "", other, wide.sides)
+    assert not meshes_suit(CASE1, 1, "", wide.settings, (0, 1, 2))
+    assert not meshes_suit(CASE1, 1, "", wide.settings | {"modes": 24}, wide.sides)
+    assert not meshes_suit(CASE1, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
 
 
 def test_sides_that_may_touch() -> None:

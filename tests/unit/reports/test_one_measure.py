@@ -35,7 +35,10 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
     assert e.own_max_percent > 1.2 * e.max_percent  # so that another measure would show
     label = registry.MODELS["lin"].label
     points = {NAME: time_points(NAME, found, STUDY, lambda _: None)}
-    errors, rungs = error_table(STUDY, {NAME: found}), ladder_table(modelling.climb(STUDY.scene(NAME), found, STUDY.stores))
+    errors, rungs = (
+        error_table(STUDY, {NAME: found}),
+        ladder_table(modelling.solve_ladder(STUDY.scene(NAME), found, STUDY.stores)),
+    )
     pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(standings(points)), "lin"))
     for table, name in pages:
         largest = "largest of all" if table.name == "overview-models" else "largest error"

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import store
-from rollbench.compare.reference.store import Measured, here, shipped_store
+from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
 from rollbench.compare.sections import reference_time
 from rollbench.compare.studies import run_times as kept_times
 from rollbench.compare.studies.run_times import Cold, ColdLevel
@@ -45,7 +45,7 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     (tmp_path / kept_times.RUN_TIMES).write_text('{"times": 3}')
     assert kept_times.load_times([tmp_path]) is None
     assert "measured with 0.7.0 on a machine, 2026-01-02, not with the" in str(KEPT)
-    assert "not with" not in str(replace(KEPT, measured=here()))
+    assert "not with" not in str(replace(KEPT, measured=measuring_conditions()))
 
 
 def test_a_ratio_compares_the_same_work():
@@ -60,7 +60,7 @@ def run_of(level=4):
 
 
 def measured_here(run):
-    stamp = here()
+    stamp = measuring_conditions()
     versions = run.versions | {"rollbench": stamp.version}
     return replace(run, versions=versions, sources=stamp.sources, machine=stamp.machine)
 
@@ -71,7 +71,7 @@ def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key
     new = measured_here(run)
     path = store.save(tmp_path, scene, new)
     assert path.name == store.path_in(shipped_store(), scene, run).name
-    assert store.read_run(path, scene, run.level, "").measured == here()
+    assert store.read_run(path, scene, run.level, "").measured == measuring_conditions()
 
 
 def test_the_report_refuses_a_mixture():

@@ -32,7 +32,7 @@ def test_the_first_page_counts_what_passes_the_gate(found, monkeypatch) -> None:
     monkeypatch.setattr(modelling, "RUNGS", [MODELS["refined"], MODELS["lin"]])
     monkeypatch.setattr(page, "first_page", lambda _: {})
     study = Study()
-    study.computed[(modelling.ladder,)] = modelling.climb(study.scene(CASE), found, study.stores)
+    study.computed[(modelling.ladder,)] = modelling.solve_ladder(study.scene(CASE), found, study.stores)
     rows = overview.quantity_table(study).rows
     judged = {row["model"]: (row["passed"], row["verdict"]) for row in rows if row.get("verdict")}
     assert judged == {"refined": ("1 of 1", "yes"), "lin": ("0 of 1", "no")}

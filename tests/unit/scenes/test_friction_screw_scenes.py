@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.shipped_texts import changed
 
-from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
+from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, double_row, four_point, inferred, lin_3_4_4
 from rollbench.compare.commands.friction import run_friction
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import whole
@@ -54,7 +54,7 @@ def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turne
 
 
 @pytest.mark.parametrize("case", list(THETA))
-@pytest.mark.parametrize("reading", [plain, inferred])
+@pytest.mark.parametrize("reading", [case_as_printed, inferred])
 def test_pair_scenes_are_the_library_s(case, reading):
     scene = catalogue.any_scene(f"lin-screw-pair-{case}{'-inferred' if reading is inferred else ''}")
     theirs = reading(np.radians(THETA[case]))
@@ -81,7 +81,7 @@ def test_pair_takes_pattern_direction_hand_and_hertz():
     )
     hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
     scene = loaded("lin-screw-pair-a", *loads, hertz, *rest)
-    groove = replace(plain(0.0).groove, lead=-20e-3, hertz="as printed")
+    groove = replace(case_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
 

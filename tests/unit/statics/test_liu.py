@@ -47,7 +47,7 @@ def test_its_loads_are_those_of_the_case(name, error):
     for load in (1000.0, 5000.0):
         s = like_the_case(name, load)
         found = run_model(s, "liu", QUIET).load
-        assert found[:, 0] == pytest.approx(evidence.single(error, load).load, rel=1e-8, abs=1e-8)
+        assert found[:, 0] == pytest.approx(evidence.single_error_state(error, load).load, rel=1e-8, abs=1e-8)
         assert np.array_equal(found[:, 0], found[:, 3])
 
 

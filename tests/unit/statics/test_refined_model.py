@@ -77,7 +77,7 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
 def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
     found = reference(scene)
     assert found is not None
-    return {r.model: r for r in modelling.climb(scene, found, None)}
+    return {r.model: r for r in modelling.solve_ladder(scene, found, None)}
 
 
 @pytest.mark.slow

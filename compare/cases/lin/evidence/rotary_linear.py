@@ -53,7 +53,7 @@ def as_printed(case: str) -> bearing.Solution:
 
 
 @cache
-def right(case: str, hertz: Mode = "right") -> bearing.Solution:
+def solve_rotary(case: str, hertz: Mode = "right") -> bearing.Solution:
     """Return the motion of a ball of a rotary bearing by least dissipation.
 
     hertz: "as printed" keeps the source's loads and ellipses.
@@ -105,7 +105,7 @@ def rotary_value(s: bearing.Solution, key: str) -> float:
     return 1e3 * s.torque
 
 
-def rise(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
+def increase_percent(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
     """Return the increase of the sum of forces [%], or of the torque in torques of the first."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
@@ -128,9 +128,12 @@ def table_3_2(findings: Findings, study: Study) -> None:
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
             what = key.removesuffix("_increase")
-            faulty, true = rise(as_printed("I"), as_printed(case), what), rise(right("I"), right(case), what)
+            faulty, true = (
+                increase_percent(as_printed("I"), as_printed(case), what),
+                increase_percent(solve_rotary("I"), solve_rotary(case), what),
+            )
         else:
-            faulty, true = rotary_value(as_printed(case), key), rotary_value(right(case), key)
+            faulty, true = rotary_value(as_printed(case), key), rotary_value(solve_rotary(case), key)
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
         name, unit = IN_3D.get(key, ("", 1.0))
         value = solid[case].get(name)
@@ -285,8 +288,8 @@ def balance_rows() -> list[Row]:
     rows: list[Row] = []
     for case in CASES:
         for label, s in (
-            ("right", right(case)),
-            ("least dissipation at the loads as printed", right(case, "as printed")),
+            ("right", solve_rotary(case)),
+            ("least dissipation at the loads as printed", solve_rotary(case, "as printed")),
             ("as printed", as_printed(case)),
         ):
             torque = bearing.inner_torque(ROTARY, s.load, s.motion)

@@ -92,7 +92,7 @@ def curve(name: str, tilt: bool) -> TorqueCurve:
     return torque_curve(source_cases.four_point(tilt=tilt) if name == "4P" else source_cases.double_row(tilt=tilt), ANGLES)
 
 
-def cut(found: TorqueCurve, end: float) -> float:
+def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
     """Return the largest over smallest torque up to a load angle [deg]."""
     torque = found.torque[found.angle <= radians(end) * (1.0 + 1e-12)]
     return float(torque.max() / torque.min())
@@ -124,8 +124,8 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "omega_N": g.speed / np.pi,
         "mu": g.mu,
         "nu": g.poisson,
-        "force": source_cases.plain(0.0).force[0],
-        "theta_1": degrees(source_cases.plain().theta[0]),
+        "force": source_cases.case_as_printed(0.0).force[0],
+        "theta_1": degrees(source_cases.case_as_printed().theta[0]),
         "theta_2_a": THETA["a"],
         "theta_2_b": THETA["b"],
     }
@@ -234,7 +234,7 @@ def _numbers_of_run(findings: Findings) -> None:
     low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
     words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {steps_in_words(3.0)}"
-    near = {key: f"; {nearest(key)}" for key in PRINTED_OF_RUN}
+    near = {key: f"; {nearest_reading(key)}" for key in PRINTED_OF_RUN}
     findings.number("largest", 100.0 * high.largest, words + near["largest"])
     findings.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + near["largest_at"])
     findings.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + near["none_at"])
@@ -298,9 +298,9 @@ def section_4_3(findings: Findings, study: Study) -> None:
 
 def _bearings(findings: Findings) -> None:
     four, double = curve("4P", True), curve("DR", True)
-    ratios = cut(four, 18.0), cut(double, 18.0), cut(curve("DR", False), 18.0)
+    ratios = torque_ratio_up_to(four, 18.0), torque_ratio_up_to(double, 18.0), torque_ratio_up_to(curve("DR", False), 18.0)
     at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
-    still = cut(curve("4P", False), 18.0)
+    still = torque_ratio_up_to(curve("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
     findings.number("ratio_4p", ratios[0], words)
     findings.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
@@ -345,14 +345,14 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
     def wide(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
-    radial = wide(source_cases.plain, free="r", force=(100.0,), coupling="none")
+    radial = wide(source_cases.case_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
     size = oversize_text()
     one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.table_3_6(hertz="as printed")
     return [
-        ("plain", AS_TEXT, source_cases.plain),
-        ("plain, varied", UNCOUPLED, wide(source_cases.plain, coupling="none")),
-        ("plain, varied", "friction moves balls and screw", wide(source_cases.plain, coupling="ball and screw")),
+        ("plain", AS_TEXT, source_cases.case_as_printed),
+        ("plain, varied", UNCOUPLED, wide(source_cases.case_as_printed, coupling="none")),
+        ("plain, varied", "friction moves balls and screw", wide(source_cases.case_as_printed, coupling="ball and screw")),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
         ("inferred", oversized(), source_cases.inferred),
         ("inferred, varied", f"{size}, friction moves the balls", wide(source_cases.inferred, coupling="ball")),
@@ -456,7 +456,7 @@ def as_read(follows: str, amplitude: float, oversize: float, pattern: str) -> Ru
 
 
 @cache
-def tried() -> tuple[RunSummary, ...]:
+def tried_results() -> tuple[RunSummary, ...]:
     """Return the results of every row of `TRIED`, in 200 steps as in the source."""
     return tuple(summarise(equal_steps(as_read(*reading))) for reading in TRIED)
 
@@ -464,11 +464,11 @@ def tried() -> tuple[RunSummary, ...]:
 PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
-def nearest(key: str) -> str:
+def nearest_reading(key: str) -> str:
     """Return the reading of `TRIED` that comes nearest to a printed number, and its other numbers."""
-    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in tried()])[:, PRINTED_OF_RUN.index(key)]
+    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in tried_results()])[:, PRINTED_OF_RUN.index(key)]
     k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
-    (follows, amplitude, oversize, pattern), s = TRIED[k], tried()[k]
+    (follows, amplitude, oversize, pattern), s = TRIED[k], tried_results()[k]
     text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
     numbers = f"{100.0 * s.largest:.1f} % at {s.at:.0f}°, no contact from {s.none_at:.0f}°"
     return f"nearest of {len(TRIED)} readings: {text}: {numbers} (table friction-run-readings)"
@@ -478,7 +478,7 @@ def reading_of_run_rows() -> list[Row]:
     """Return every reading of the whole run: the three printed numbers, and how far each is from print."""
     found: list[tuple[str, Reading, list[Any]]] = [
         ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
-        for reading, s in zip(TRIED, tried(), strict=True)
+        for reading, s in zip(TRIED, tried_results(), strict=True)
     ]
     for follows, amplitude in BY_SOURCE:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
@@ -581,7 +581,8 @@ def bearing_rows() -> list[Row]:
         torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
         row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
         row |= {
-            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): cut(found, end) for end in ENDS
+            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): torque_ratio_up_to(found, end)
+            for end in ENDS
         }
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"

@@ -51,7 +51,7 @@ def in_3d(study: Study, name: str) -> Mapping[str, float]:
     return {} if run is None else run.values
 
 
-def plain(theta: float | None = None) -> Pair:
+def case_as_printed(theta: float | None = None) -> Pair:
     """Return the case of 3.4.3 exactly as the text states it: no clearance, friction coupled to the loads.
 
     theta: angle between neighbours [rad], if it differs.
@@ -83,7 +83,7 @@ def inferred_oversize() -> float:
 
 def table_3_6(**changes: object) -> ScrewGroove:
     """Return the screw of Table 3.6; ``changes``: other values."""
-    return replace(plain().groove, **changes)  # type: ignore[arg-type]
+    return replace(case_as_printed().groove, **changes)  # type: ignore[arg-type]
 
 
 def lin_3_4_4(**changes: object) -> Run:

@@ -30,7 +30,7 @@ TURNING = ("rz",)
 PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
 
 
-def places(scene: Scene, pattern: str) -> tuple[float, ...]:
+def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
     """Return azimuths [rad] of the balls in a pattern of figure 4.2, those that are stacked touching one another.
 
     One side is where the axes of x and of the balls meet; at the other the gap is left in every turn.
@@ -56,7 +56,7 @@ def places(scene: Scene, pattern: str) -> tuple[float, ...]:
 
 def with_balls(scene: Scene, pattern: str) -> Scene:
     """Return the screw with its balls at the places of a pattern."""
-    return replace(scene, balls=replace(scene.balls, azimuths=places(scene, pattern)))
+    return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
 
 
 def axial(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
@@ -161,7 +161,7 @@ def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResu
     return run_model(replace(gear, loads=loads), "lin", Options(engine="compiled"))
 
 
-def largest(result: AxisResult) -> tuple[float, float]:
+def largest_loads(result: AxisResult) -> tuple[float, float]:
     """Return the largest contact loads [N] of ball screw and bearing."""
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
@@ -169,7 +169,7 @@ def largest(result: AxisResult) -> tuple[float, float]:
 
 def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
     """Return the largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
-    low, high = largest(at_angle(gear, 0.0)), largest(at_angle(gear, 18.0, opposed=opposed))
+    low, high = largest_loads(at_angle(gear, 0.0)), largest_loads(at_angle(gear, 18.0, opposed=opposed))
     return high[0] / low[0], high[1] / low[1]
 
 
@@ -207,7 +207,7 @@ def _lash(findings: Findings, study: Study) -> None:
 def _sizing(findings: Findings) -> None:
     gear = rack()
     results = [at_angle(gear, angle) for angle in TIE_ROD]
-    loads = np.array([largest(r) for r in results])
+    loads = np.array([largest_loads(r) for r in results])
     bands = ratio_bands(gear)
     for k, key in enumerate(("screw", "bearing")):
         by_input = "; ".join(f"{b.changed} {_words(getattr(b, key), findings.printed(f'ratio_{key}'))}" for b in bands)
@@ -229,10 +229,10 @@ def _sizing(findings: Findings) -> None:
 
 def _words(band: tuple[float, float], printed: float) -> str:
     """Return a band, and whether the printed value lies in it."""
-    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if inside(band, printed) else 'without'} it)"
+    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if band_holds(band, printed) else 'without'} it)"
 
 
-def inside(band: tuple[float, float], printed: float) -> bool:
+def band_holds(band: tuple[float, float], printed: float) -> bool:
     """Return whether a band holds a printed value, whose last digit is the second after the point."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
@@ -425,4 +425,4 @@ def band_of(points: Sequence[RatioPoint]) -> RatioBand:
 
 def over_angles(gear: Assembly) -> list[tuple[float, float]]:
     """Return the largest loads [N] of ball screw and bearing at the tie-rod angles."""
-    return [largest(at_angle(gear, angle)) for angle in ANGLES]
+    return [largest_loads(at_angle(gear, angle)) for angle in ANGLES]

@@ -22,17 +22,17 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import (
     VERTICAL,
     as_printed,
     balance_rows,
-    right,
     sensitivity_rows,
+    solve_rotary,
 )
 from rollbench.compare.cases.lin.evidence.source_cases import (
     LINEAR_PAIR,
     LINEAR_WORST,
     ROTARY_SCENES,
+    case_as_printed,
     four_point,
     inferred,
     lin_3_4_4,
-    plain,
 )
 from rollbench.compare.cases.lin.extremes import pair_rows, root_rows
 from rollbench.compare.measure import error_percent
@@ -150,7 +150,7 @@ def velocity_panel(case: str, s: Solution, title: str) -> Panel:
 
 def velocity_figure() -> Figure:
     """Draw Figure 3.8 as curves: cases I to III, right and as printed."""
-    panels = [velocity_panel(case, right(case), "right") for case in CASES]
+    panels = [velocity_panel(case, solve_rotary(case), "right") for case in CASES]
     panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
     caption = (
         "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
@@ -388,7 +388,8 @@ def bearing_figure() -> Figure:
     caption = (
         "The four-point bearing's torque climbs with the load's angle, steeply once balls take more than two contacts "
         f"(from {onset_of(free):.0f}° on, with an inner ring free to tilt); the double row's stays within "
-        f"{screw.cut(curves[2][1], END):.2f} times of its smallest up to {END:g}°. With the inner ring held against "
+        f"{screw.torque_ratio_up_to(curves[2][1], END):.2f} times of its smallest up to {END:g}°. "
+        f"With the inner ring held against "
         "tilting " + (f"balls do so from {onset_of(held):.0f}° on." if held.four.any() else f"none does up to {last:.0f}°.")
     )
     return Figure("friction-load-angle", "Torque against load angle (4.3.1)", panels, caption, 3)
@@ -472,7 +473,8 @@ def _of_the_pair(pairs: Table) -> str:
         for row in (loose, coupled)
     )
     return (
-        f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, {plain().force[0]:g} "
+        f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
+        f"{case_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
         f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "

@@ -256,7 +256,7 @@ def _span(values: Sequence[float], digits: int = 2) -> str:
 
 def penalty_paragraph(study: Study) -> str:
     """Return a paragraph on penetration by the printed kind of contact, the computed penalties, and the mesh."""
-    soft = [(r, combined.softened(study, (r,))) for r in SOLID if r.penalty]
+    soft = [(r, combined.penalty_share(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
     coarse, fine = (

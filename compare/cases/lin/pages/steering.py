@@ -148,7 +148,7 @@ def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
                 Quantity(f"{key}_low", f"{words}, least", "", ".2f"): low,
                 Quantity(f"{key}_high", f"{words}, largest", "", ".2f"): high,
                 Quantity(f"{key}_in", f"{printed:g} in it", "", "s"): "yes"
-                if steering.inside((low, high), printed)
+                if steering.band_holds((low, high), printed)
                 else "no",
             }
         rows.append(row)

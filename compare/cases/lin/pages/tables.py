@@ -20,7 +20,15 @@ from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.sections.source_tables import Layout, by_place, compared, how, in_layout, inputs, layouts
+from rollbench.compare.sections.source_tables import (
+    Layout,
+    by_place,
+    compared,
+    computation_tables,
+    in_layout,
+    inputs,
+    layouts,
+)
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.compare.studies.run_times import times_of
@@ -97,7 +105,7 @@ def sizes(study: Study, name: str, way: str) -> tuple[str, str]:
     return count(table, key), solid_size(study, name)
 
 
-def faster(slow: float | None, fast: float | None) -> float | None:
+def speed_ratio(slow: float | None, fast: float | None) -> float | None:
     """Return the ratio of two times; None if one is missing."""
     return None if not slow or not fast else slow / fast
 
@@ -118,12 +126,12 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
                 Quantity("label", "number", "", "s"): label,
                 Quantity("column", "column", "", "s"): head,
                 Quantity("printed", "printed", "", "s"): f"{found[name].printed.printed} {found[name].printed.unit}",
-                RATIO["printed"]: faster(slow, printed_seconds(name)),
+                RATIO["printed"]: speed_ratio(slow, printed_seconds(name)),
                 LOW[0]: own.cold,
                 LOW[1]: own.further,
                 OLDER: own.older,
-                RATIO["cold"]: faster(solid.cold, own.cold),
-                RATIO["further"]: faster(solid.further, own.further),
+                RATIO["cold"]: speed_ratio(solid.cold, own.cold),
+                RATIO["further"]: speed_ratio(solid.further, own.further),
                 **dict(zip(ELEMENTS, sizes(study, scene, way), strict=True)),
                 "verdict": found[name].verdict,
                 "how": f"how-{found[name].printed.table}",
@@ -199,12 +207,12 @@ WHY = {
 }
 
 
-def why(name: str) -> str:
+def reason_without_3d(name: str) -> str:
     """Return why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
-def ours(study: Study) -> dict[str, str]:
+def substitute_texts(study: Study) -> dict[str, str]:
     """Return the texts that replace computed values in the source's layout: run times and model sizes."""
 
     def time_text(name: str, way: str) -> str:
@@ -362,7 +370,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     last = (
         Section("lin-claims", "Claims in words", (printed_table("lin-claims", "Claims in words", claims, place=True),)),
         Section("lin-others", "Other printed numbers", (printed_table("lin-others", "Other numbers", others, place=True),)),
-        Section("lin-how", "How the numbers are computed", tuple(how(names))),
+        Section("lin-how", "How the numbers are computed", tuple(computation_tables(names))),
     )
     return first, *(of_layout(study, layout, found) for layout in every), *last
 
@@ -387,9 +395,9 @@ def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Se
         items.append(inputs(layout, found))
     else:
         if layout.kind == "results":
-            items.append(in_layout(layout, found, ours(study)))
+            items.append(in_layout(layout, found, substitute_texts(study)))
         more = MORE[layout.number](study) if layout.number in MORE else {}
-        reasons = {name: why(name) for name in layout.names}
+        reasons = {name: reason_without_3d(name) for name in layout.names}
         items.append(compared(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
         if any(name in TIMED for name in layout.names):
             items.append(times_table(study, layout, found))

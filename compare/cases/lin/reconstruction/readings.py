@@ -57,7 +57,7 @@ from rollbench.meshes.parts import Scene
 MU = 0.01
 
 
-def slack(scene: Scene) -> float:
+def radius_difference(scene: Scene) -> float:
     """Return h [m]: the arc's radius less the ball's.
 
     Raises ValueError for grooves of different radii.
@@ -69,12 +69,12 @@ def slack(scene: Scene) -> float:
 
 def closure(scene: Scene, phi: float = MU) -> float:
     """Return the effective oversize of the ball radius [m] if the normals are turned by ``phi`` [rad]."""
-    return 0.5 * slack(scene) * phi**2
+    return 0.5 * radius_difference(scene) * phi**2
 
 
 def tilt_that_slides(scene: Scene) -> float:
     """Return the tilt of one groove against the other [rad] at which a rolling ball begins to slide."""
-    return 2.0 * MU * slack(scene) / scene.screw.groove_radius
+    return 2.0 * MU * radius_difference(scene) / scene.screw.groove_radius
 
 
 def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
@@ -184,7 +184,7 @@ def key_of(readings: Combination) -> str:
     return "+".join(r.key for r in readings) or "base"
 
 
-def together(readings: tuple[Reading, ...], most: int) -> list[Combination]:
+def combinations_of(readings: tuple[Reading, ...], most: int) -> list[Combination]:
     """Return all combinations of up to ``most`` readings of different choices."""
     found: list[Combination] = [()]
     for count in range(1, most + 1):
@@ -222,10 +222,10 @@ RUNS = Path(__file__).parent / "runs"
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
-def wanted() -> list[Combination]:
+def combinations_in_3d() -> list[Combination]:
     """Return combinations of the 3D model that have runs: none, every reading alone, all pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
-    return [*together(SOLID, 1), *(c for c in together(movers, 3) if len(c) > 1)]
+    return [*combinations_of(SOLID, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
 
 
 def scenes(readings: Combination) -> tuple[Scene, ...]:
@@ -248,12 +248,12 @@ def stored(readings: Combination, level: int | None = None) -> tuple[Array, ...]
     return None if runs is None else tuple(run.load for run in runs)
 
 
-def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
+def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> None:
     """Compute and keep the runs that are missing.
 
     Raises ValueError for one that does not converge.
     """
-    for readings, level in [*((r, level_of(r)) for r in wanted()), (FINER, PENALTY_LEVEL + 1)]:
+    for readings, level in [*((r, level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
         if stored(readings, level) is not None:
             continue
         step(f"3D: {key_of(readings)}, level {level}")
@@ -382,7 +382,7 @@ def errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition,
 def low_readings() -> list[Combination]:
     """Return combinations of the low-order model: none, every reading alone, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
-    return [*together(LOW, 1), *(c for c in together(movers, 3) if len(c) > 1)]
+    return [*combinations_of(LOW, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
 
 
 def low_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
@@ -411,7 +411,7 @@ def every_combination(study: Study) -> list[Combined]:
     Raises LookupError where a run is missing.
     """
     low = [(c, low_loads(study, c)) for c in low_readings()]
-    solid = [(c, solid_loads(study, c)) for c in wanted()]
+    solid = [(c, solid_loads(study, c)) for c in combinations_in_3d()]
     return [Combined(a, b, ratio(x[0]), ratio(y[0]), errors(x, y)) for a, x in low for b, y in solid]
 
 
@@ -451,7 +451,7 @@ def explanations(found: list[Combined]) -> dict[str, Combined]:
     }
 
 
-def softened(study: Study, readings: Combination) -> float:
+def penalty_share(study: Study, readings: Combination) -> float:
     """Return the part of a contact's approach that a penalty stiffness adds, by Hertz at the mean load."""
     scene = catalogue.scene(CASES[0])
     still, moved = (study.once(_runs, r)[0] for r in ((), readings))

@@ -358,7 +358,7 @@ CROWN, SLICES = 2.0, 101
 
 
 @cache
-def right() -> CombinedState:
+def rollers_of_figure_3_6() -> CombinedState:
     """Return Figure 3-6 with line contacts, roller by roller."""
     return combined(taper_bearing(), SHEET_LOAD, RADIAL)
 
@@ -370,13 +370,13 @@ def contacts() -> RollerContacts:
     return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
-def tangent(pounds: float, depth: float = RING_DEPTH) -> float:
+def tangent_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
     """Return the right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
     row = TaperedRow(replace(taper_bearing(), depth=depth))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
-def crowned(pounds: float) -> float:
+def crowned_stiffness(pounds: float) -> float:
     """Return the stiffness [lbf/in] at a thrust [lbf] with crowned rollers, in slices: what a crown could explain."""
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
@@ -436,14 +436,16 @@ def _sheet(e: Findings) -> None:
     low, high = rounding_range()
     e.number(
         "delta_a",
-        right().axial / INCH,
+        rollers_of_figure_3_6().axial / INCH,
         f"3.19 gives {sheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to {high:.6f}; line contacts "
-        f"to the rings' depth {right().axial / INCH:.6f}",
+        f"to the rings' depth {rollers_of_figure_3_6().axial / INCH:.6f}",
         as_printed=sheet_deflection(),
     )
     radial = sheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * e.printed("eps") - 1.0)
-    e.number("delta_r", right().radial / INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial)
-    slopes, printed = [tangent(f) for f in ENDS], [taper_sheet_tangent(f) for f in ENDS]
+    e.number(
+        "delta_r", rollers_of_figure_3_6().radial / INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial
+    )
+    slopes, printed = [tangent_stiffness(f) for f in ENDS], [taper_sheet_tangent(f) for f in ENDS]
     growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
     e.claim(
         "linear",
@@ -486,9 +488,9 @@ def _contacts(e: Findings) -> None:
 
 def _torque(e: Findings) -> None:
     load = TAPER_TORQUE_LOAD / POUND
-    middle = tangent(load)
+    middle = tangent_stiffness(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
-    by_depth = [tangent(load, depth) for depth in DEPTHS]
+    by_depth = [tangent_stiffness(load, depth) for depth in DEPTHS]
     model, test = taper_sheet_tangent(load), e.printed("S_test")
     e.number(
         "S_test",
@@ -497,7 +499,8 @@ def _torque(e: Findings) -> None:
         f"{float(error_percent(model, test)):+.0f} and {float(error_percent(middle, test)):+.0f} %; rings "
         f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * RING_DEPTH:g}: {by_depth[0]:.3g} to "
         f"{by_depth[1]:.3g} lbf/in; a crown of {CROWN:g} m radius, {drop:.0f} um at the ends of both contacts together, "
-        f"{crowned(load):.3g}, but then {crowned(ENDS[0]):.3g} to {crowned(ENDS[1]):.3g} from "
+        f"{crowned_stiffness(load):.3g}, but then {crowned_stiffness(ENDS[0]):.3g} to {crowned_stiffness(ENDS[1]):.3g} "
+        f"from "
         f"{ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as measured",
     )
     e.number("F_torque", load)

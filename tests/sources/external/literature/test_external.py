@@ -85,7 +85,7 @@ def test_snfa_catalogue_has_frozen_its_angles() -> None:
 @pytest.mark.parametrize("size", [*evidence.THK, *evidence.HIWIN])
 def test_bodies_make_a_nut_softer_than_its_contacts(size: str) -> None:
     scene = STUDY.scene(evidence.scene_name(size))
-    alone, bodies = evidence.stages(scene, scene.loads[0].force[2])
+    alone, bodies = evidence.rigidity_by_parts(scene, scene.loads[0].force[2])
     assert 0.85 * alone < bodies < alone
 
 

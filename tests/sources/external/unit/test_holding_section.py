@@ -22,7 +22,7 @@ from rollbench.meshes.solid import dimensions
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
     scene = catalogue.scene(scene_name("bnf-4010-5"))
-    found = holding.ways(scene)
+    found = holding.fixations(scene)
     held = [dimensions(x).nut_held for x in found.values()]
     flange = ["flange face"] * 3 + ["flange face, 6 bolts", "flange face and centring"]
     assert held == ["left face", "right face", "outer surface", *flange]
@@ -104,15 +104,17 @@ def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPat
     assert holding.mesh_words(rows) == "Nothing was solved in 3D."
 
 
-SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored(shipped_store())})
+SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored_results(shipped_store())})
 
 
 @pytest.mark.parametrize(("name", "level"), SOLVED)
 def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -> None:
     """Bolts hold less than the annulus; the loads of either way carry the scene's axial load."""
     scene = catalogue.shipped(name)
-    kept = {row["held"]: row for row in holding.stored(shipped_store()) if (row["scene"], row["level"]) == (name, level)}
-    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.ways(scene))
+    kept = {
+        row["held"]: row for row in holding.stored_results(shipped_store()) if (row["scene"], row["level"]) == (name, level)
+    }
+    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.fixations(scene))
     if holding.BOLTED in kept:
         assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
     for row in kept.values():
@@ -122,7 +124,7 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
         assert load.max(axis=1).sum() * slope_of(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
 
 
-STORED = holding.stored(shipped_store())
+STORED = holding.stored_results(shipped_store())
 ON_FLANGES = [row for row in STORED if row["held"].startswith("flange") and row["held"] != holding.BOLTED]
 
 
@@ -130,7 +132,7 @@ ON_FLANGES = [row for row in STORED if row["held"].startswith("flange") and row[
 def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) -> None:
     """Within 0.6 % of the mean load (0.2 % RMS), whichever annulus is held; 1.1 % (0.4 %) of the outer half while what is
     far from a face rested on nothing."""
-    scene = holding.ways(catalogue.shipped(row["scene"]))[row["held"]]
+    scene = holding.fixations(catalogue.shipped(row["scene"]))[row["held"]]
     off = load_error(run_model(scene, "refined", Options(discretisation=False)).load, holding.loads_of(row))
     assert off.max_percent < 0.6
     assert off.rms_percent < 0.2
@@ -138,7 +140,7 @@ def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) 
 
 def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     """Of points spread evenly over the annulus, the share that is held is that of the circles' areas."""
-    scene = holding.ways(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
+    scene = holding.fixations(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
     low, high = dimensions(scene).held_radii
     x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
     held = on_bolts(x.ravel(), y.ravel(), (low, high), holding.BOLTS)

@@ -75,7 +75,7 @@ RIGHT = [("I", 1, 281.1399, 2.31871), ("II", 1, 318.1037, 20.22452), ("III", 0, 
 def test_right_values_balance_power(case: str, rest: int, force: float, torque: float) -> None:
     """Exact Hertz constants change case II most: its ball has gone on from sliding to spin. At the printed loads the
     source's total is the least dissipation; only who spends it and the motion differ."""
-    s, least = rotary_linear.right(case), rotary_linear.right(case, "as printed")
+    s, least = rotary_linear.solve_rotary(case), rotary_linear.solve_rotary(case, "as printed")
     for one in (s, least):
         assert one.motion.status == "exact"
         assert one.input_power == pytest.approx(one.motion.loss, rel=1e-10)

@@ -37,7 +37,7 @@ def test_entry(key: str) -> None:
 def reading(name: str, case: str) -> PairResult:
     theta = THETA[case]
     if name == "radial":
-        return solve_pair(replace(source_cases.plain(theta), free="r", force=(100.0,), coupling="none"))
+        return solve_pair(replace(source_cases.case_as_printed(theta), free="r", force=(100.0,), coupling="none"))
     return pair(case, "plain" if name == "plain" else "inferred")
 
 
@@ -62,7 +62,7 @@ def test_plain_reading(case: str, force: float, increase: float) -> None:
     assert r.friction_increase == pytest.approx(increase, rel=1e-4)
     printed = rows("lin-3.7")[f"force_{case}"].value
     assert 0.44 < r.force / printed < 0.52
-    decoupled = solve_pair(replace(source_cases.plain(THETA[case]), coupling="none"))
+    decoupled = solve_pair(replace(source_cases.case_as_printed(THETA[case]), coupling="none"))
     assert decoupled.force < 0.4 * printed
 
 
@@ -103,7 +103,7 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).load.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).load.mean()
-    with_oversize, without = (sliding_speed(of(THETA["a"])) for of in (source_cases.inferred, source_cases.plain))
+    with_oversize, without = (sliding_speed(of(THETA["a"])) for of in (source_cases.inferred, source_cases.case_as_printed))
     assert with_oversize == pytest.approx(without, rel=0.02)
 
 

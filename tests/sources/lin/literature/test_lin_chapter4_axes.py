@@ -7,7 +7,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.steering import PATTERNS, places, rack, ratios
+from rollbench.compare.cases.lin.evidence.steering import PATTERNS, ball_azimuths, rack, ratios
 from rollbench.compare.cases.smith.evidence import axis
 from rollbench.compare.cases.smith.evidence.bearings import APPLIED
 from rollbench.compare.scenes import catalogue
@@ -23,7 +23,7 @@ def test_entry(key: str) -> None:
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_patterns_keep_the_balls_apart_and_on_the_track(pattern: str) -> None:
     scene = catalogue.scene("lin-nominal-4p1")
-    at = np.array(places(scene, pattern))
+    at = np.array(ball_azimuths(scene, pattern))
     assert at.size == scene.ball_count
     path = np.hypot(scene.track.pitch_radius, scene.track.lead / (2.0 * np.pi)) * at
     assert np.diff(path).min() >= 2.0 * scene.balls.radius
@@ -31,7 +31,7 @@ def test_patterns_keep_the_balls_apart_and_on_the_track(pattern: str) -> None:
 
 
 def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
-    at = np.array(places(catalogue.scene("lin-nominal-4p1"), "stacked on one side"))
+    at = np.array(ball_azimuths(catalogue.scene("lin-nominal-4p1"), "stacked on one side"))
     wide = np.diff(at) > 2.0 * np.diff(at).min()
     assert wide.sum() == 4
     middles = 0.5 * (at[1:] + at[:-1])[wide]

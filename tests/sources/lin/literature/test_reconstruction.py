@@ -34,10 +34,10 @@ def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
 
 
 def test_combinations_are_of_different_choices():
-    for c in readings.together(readings.SOLID, 3):
+    for c in readings.combinations_of(readings.SOLID, 3):
         assert len({r.choice for r in c}) == len(c)
-    assert len(readings.wanted()) == len({readings.key_of(c) for c in readings.wanted()}) == 26
-    assert all(readings.stored(c) is not None for c in readings.wanted())
+    assert len(readings.combinations_in_3d()) == len({readings.key_of(c) for c in readings.combinations_in_3d()}) == 26
+    assert all(readings.stored(c) is not None for c in readings.combinations_in_3d())
 
 
 def test_no_combination_has_all_that_is_printed(study):
@@ -75,7 +75,9 @@ def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     size = np.cbrt(force / exact.load) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)
     share = 0.75 * mean / run.settings["penalty_N_m3"] / (exact.approach * size)
-    assert readings.softened(study, tuple(r for r in readings.SOLID if r.key == "penalty")) == pytest.approx(share, rel=0.1)
+    assert readings.penalty_share(study, tuple(r for r in readings.SOLID if r.key == "penalty")) == pytest.approx(
+        share, rel=0.1
+    )
 
 
 def test_the_page_answers_first_and_says_what_friction_does(study):
@@ -158,7 +160,7 @@ FRICTION = {r.key: (r,) for r in readings.SOLID if r.key in ("off-line", "slidin
 def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray]:
     """Middle of a ball that rolls on two arcs of one radius, and the centre of the first arc, which has moved by ``shift``
     across the load [m] and turned about its own middle by ``tilt`` [rad]; the other one stays, its centre at -h on x."""
-    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.slack(SCENE)
+    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.radius_difference(SCENE)
     middle, centre = np.zeros(2), np.array([h, 0.0])
     for _ in range(steps):
         normal = (middle - centre) / np.linalg.norm(middle - centre)  # from the first arc's centre to the ball
@@ -172,7 +174,7 @@ def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np
 
 @pytest.mark.parametrize(("shift", "tilt"), [(5e-6, 0.0), (-2e-6, 1e-4), (5e-6, 3e-4)])
 def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shift, tilt):
-    h, r = readings.slack(SCENE), SCENE.screw.groove_radius
+    h, r = readings.radius_difference(SCENE), SCENE.screw.groove_radius
     middle, centre = rolled(shift, tilt)
     phi = np.linalg.norm(middle - 0.5 * (centre + np.array([-h, 0.0]))) / h
     assert phi == pytest.approx(abs(tilt) * r / (2.0 * h), abs=2e-5)
@@ -181,7 +183,7 @@ def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shi
 
 def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fills_the_grooves_more():
     """By the forces themselves: normals at both contacts, friction across them."""
-    h, ball, pressed = readings.slack(SCENE), SCENE.balls.radius, 6e-6
+    h, ball, pressed = readings.radius_difference(SCENE), SCENE.balls.radius, 6e-6
     arcs = np.array([[h + pressed, 0.0], [-h - pressed, 0.0]])
     middle = np.array([0.0, h * readings.MU])
     away = middle - arcs

@@ -77,7 +77,7 @@ def test_other_draws_give_the_same_percentiles() -> None:
         a, b = place(row), percentile(other.values_at("largest", load), row.value, row.tolerance)
         assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
     for half_range in liu.LOADS:
-        ensemble = liu.drawn(half_range)
+        ensemble = liu.drawn_ensemble(half_range)
         assert ensemble.failed == 0
         assert ensemble.kept.shape == (liu.MEMBERS, len(liu.LOADS[half_range]), 6)
 

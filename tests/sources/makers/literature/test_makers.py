@@ -7,7 +7,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.compare.cases.makers import bearings, nuts, page
-from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
+from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, bias_and_scatter, summary
 from rollbench.compare.cases.makers.tables import Table, half_step, read_table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -31,7 +31,7 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
     values = [x for x in bearings.sets() if x.quantity == quantity and not x.item.endswith(" DB")]
-    found = standing(values)
+    found = bias_and_scatter(values)
     assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
     wrong = [x.item for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
@@ -42,7 +42,7 @@ def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
     clear = np.array([x.computed.value - x.value for x in found if x.quantity == "displacement"])
     assert (clear.size, np.sqrt((clear**2).mean()) < 0.6, (np.abs(clear) <= 1.0).mean() > 0.94) == (728, True, True)
     for quantity, number, bias, scatter in (("rigidity", 546, 0.6, 2.0), ("rating", 91, 0.1, 1.0)):
-        of = standing([x for x in found if x.quantity == quantity])
+        of = bias_and_scatter([x for x in found if x.quantity == quantity])
         assert (of.number, abs(of.bias) < bias, of.scatter < scatter) == (number, True, True)
 
 
@@ -79,7 +79,7 @@ def test_ratings_of_fewer_balls_and_more_turns() -> None:
 
 def test_formulas_in_disguise_are_computed_and_not_judged() -> None:
     found = list(bearings.frozen_pairs())
-    assert (len(found), standing(found)) == (1020, None)
+    assert (len(found), bias_and_scatter(found)) == (1020, None)
     ratio = np.median([x.computed.value / x.value for x in found])
     assert ratio == pytest.approx(1.0, abs=0.25)
 
@@ -88,7 +88,7 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     judged = [x for x in nuts.nut_rigidity() if not x.left]
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
     assert (len(judged), abs(np.median(errors)) < 0.1, (np.abs(errors) < 0.2).mean() > 0.85) == (472, True, True)
-    growth = standing([x for x in nuts.preloaded_nuts() if x.law == "growth with preload"])
+    growth = bias_and_scatter([x for x in nuts.preloaded_nuts() if x.law == "growth with preload"])
     assert (growth.number, abs(growth.bias) < 2.0, growth.scatter < 2.0) == (126, True, True)
 
 
@@ -102,11 +102,11 @@ def test_turns_as_printed() -> None:
 
 def test_drag_torque_of_the_measured_screws() -> None:
     """New screws lie in the band of what is not printed; over the lead sliding grows less than all formulas but one."""
-    new = [x for x in nuts.measured() if x.item.endswith("new")]
+    new = [x for x in nuts.measured_torques() if x.item.endswith("new")]
     assert [x.verdict for x in new] == ["in the band"] * 2
     assert {x.cls for x in new} == {MEASURED}
     rows = nuts.sweep()
-    grows = nuts.order([r.single for r in rows], [r.lead for r in rows])
+    grows = nuts.power_exponent([r.single for r in rows], [r.lead for r in rows])
     assert 0.1 < grows < 0.2
     assert nuts.by_slope(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
 
@@ -143,8 +143,8 @@ def test_verdicts_and_what_does_not_count() -> None:
     assert verdicts == ["below the band", *2 * ["in the band"], "above the band"]
     formula = replace(one(97.0, band), left="a formula in disguise")
     assert formula.verdict == "a formula in disguise"
-    assert standing([formula]) is None
-    both = standing([one(80.0, band), one(125.0, band), formula])
+    assert bias_and_scatter([formula]) is None
+    both = bias_and_scatter([one(80.0, band), one(125.0, band), formula])
     assert (both.number, both.bias, both.scatter) == (2, pytest.approx(2.5), pytest.approx(22.5))
 
 
