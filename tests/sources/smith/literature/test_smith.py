@@ -6,7 +6,7 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.compare.cases.smith.evidence import axis, bearings
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.printed import load_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
@@ -71,7 +71,7 @@ def test_sheet_s_curvature_differences() -> None:
 
 def test_rib_contact() -> None:
     """The area is pi a b, not a b; the printed ellipse and pressure carry 160 lbf, the roller's balance asks for 35."""
-    e = Sheet("smith-3")
+    e = Findings("smith-3")
     a, b, area, peak = (e.printed(f"rib_{k}") for k in ("a", "b", "A", "sigma"))
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)

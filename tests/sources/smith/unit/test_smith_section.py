@@ -10,7 +10,7 @@ from tests.sources.entries import of_source
 
 from rollbench.compare.cases.smith import page as smith
 from rollbench.compare.cases.smith.evidence import bearings
-from rollbench.compare.evidence import Sheet
+from rollbench.compare.evidence import Findings
 from rollbench.compare.printed import load_table
 from rollbench.meshes import units
 
@@ -54,4 +54,4 @@ def test_case_in_si():
     assert t.cup_angle == pytest.approx(np.radians(30.8))
     assert pytest.approx(4.4482216152605 / 0.0254) == bearings.POUND_PER_INCH
     with pytest.raises(KeyError, match="no number"):
-        Sheet("smith-5").printed("four_times")
+        Findings("smith-5").printed("four_times")
