@@ -724,7 +724,8 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
 
 
 def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """First faultless mesh of gmsh's algorithms and sizes in turn (`ATTEMPTS`), or else the one with the smallest fault.
+    """Mesh by the algorithms and sizes of `ATTEMPTS` in turn: the first without faults, else the one with the smallest
+    fault.
 
     Parameters
     ----------

@@ -256,9 +256,7 @@ def check(
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
         given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
-        refuse_given(
-            given | {"baseline": baseline}, "without --printed", "leave it out: printed data have limits of theirs"
-        )
+        refuse_given(given | {"baseline": baseline}, "without --printed", "leave it out: printed data have separate limits")
         from rollbench.compare.commands.printed import run_printed
 
         return print_answer(run_printed(source or (), only or ()), as_json)

@@ -15,7 +15,7 @@ from math import radians
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL
+from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary
 from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, four_point, inferred, table_3_6
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.screw import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid

@@ -177,7 +177,7 @@ def layout_table(study: Study) -> Table:
                 Quantity("series", "sum in series", "10⁶ lbf/in", ".3f"): series if np.isfinite(series) else None,
             }
         )
-    return Table.of("smith-layouts", "The axis in its layouts, as scenes", rows, LAYOUT_NOTE)
+    return Table.of("smith-layouts", "Stiffness of the axis by layout, solved as scenes", rows, LAYOUT_NOTE)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:

@@ -10,11 +10,7 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 
 
 class GrooveArrays(NamedTuple):
-    """Grooves of screw and nut in the kinematics of a ball.
-
-    A ball's motion x (4,) is in surface speeds per ``speed``; the motion at a contact is map @ (x - ride e_0), with the map
-    affine in its normal: affine[0] + n_x affine[1] + n_z affine[2].
-    """
+    """Geometry of the grooves of screw and nut for the motion of a ball."""
 
     #: Maps (3, 3, 4) of (vx, vz, spin) by x: constant, by n_x, by n_z.
     affine: Array

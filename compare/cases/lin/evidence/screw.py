@@ -139,7 +139,7 @@ def _modulus(findings: Findings, young: float) -> None:
 
 
 def table_3_7(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 3.7 and the text around it: plain reading and inferred reading."""
+    """Compute the entries of Table 3.7 and its text, by the text as printed and by an inferred interpretation."""
     for case in THETA:
         solid = source_cases.in_3d(study, source_cases.PAIR_SCENES[case])
         _pair_of_3_7(findings, case, solid)

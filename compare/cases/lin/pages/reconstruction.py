@@ -73,7 +73,7 @@ def _times(study: Study) -> Row:
         "Table 2.2",
         f"{hours:g} h with {elements:,.0f} elements",
         f"a 3D model of the same cells, condensed by contacts: {time}",
-        "a time is its machine's and its method's: not judged; 6800 follows from the printed times",
+        "not judged, because times depend on machine and method; 6800 follows from the printed times",
     )
 
 

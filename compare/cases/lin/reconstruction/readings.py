@@ -193,7 +193,7 @@ def combinations_of(readings: tuple[Reading, ...], most: int) -> list[Combinatio
 
 
 def low_scene(scene: Scene, readings: Combination) -> Scene:
-    """Return a scene as the low-order model reads it."""
+    """Return a scene for the low-order model under a combination of interpretations."""
     ingredients = {k: v for r in readings for k, v in r.ingredients.items()}
     return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
