@@ -724,8 +724,7 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
 
 
 def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh by the algorithms and sizes of `ATTEMPTS` in turn: the first without faults, else the one with the smallest
-    fault.
+    """Mesh with the algorithms and sizes of `ATTEMPTS` until one has no faults; else take that with the smallest fault.
 
     Parameters
     ----------

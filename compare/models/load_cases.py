@@ -301,7 +301,7 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
 
 def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
-    """Return the life over the cycle of all sets that turn with the shaft together; None for a single set or without a life."""
+    """Return the common life of all sets that turn with the shaft; None for a single set, or if none has a life."""
     if not isinstance(cycle.parts, Assembly):
         return None
     turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}
