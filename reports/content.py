@@ -70,7 +70,8 @@ class Series:
     x: Sequence[float]
     #: Ordinates.
     y: Sequence[float]
-    #: ``"line"``, ``"markers"``, ``"line+markers"``, or ``"band"`` between y and y2.
+    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` between y and y2, ``"steps"`` (histogram; x has the edges of
+    #: the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y, with their values).
     style: str = "line+markers"
     #: Upper edge of a band.
     y2: Sequence[float] | None = None
@@ -106,6 +107,8 @@ class Panel:
     integer_x: bool = False
     #: Labels of the abscissa instead of the numbers from 1 on.
     names: Sequence[str] = ()
+    #: Labels of the ordinate instead of the numbers from 1 on, downwards.
+    row_names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

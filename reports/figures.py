@@ -29,7 +29,7 @@ MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
 #: Colours of fields: lightness grows with the value, in print and to the colour-blind too.
 COLOURS = "viridis"
-STYLES, SCALES = ("line", "markers", "line+markers", "band"), ("", "x", "y", "xy")
+STYLES, SCALES = ("line", "markers", "line+markers", "band", "steps", "bars"), ("", "x", "y", "xy")
 
 MAX_PANELS = 6
 #: Colours of a drawing that a page may set, by the name of its variable.
@@ -351,6 +351,10 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if panel.names:
         axes.set_xticks(range(1, len(panel.names) + 1), panel.names, rotation=20.0, ha="right", rotation_mode="anchor")
+    if panel.row_names:
+        axes.set_yticks(range(1, len(panel.row_names) + 1), panel.row_names)
+        axes.set_ylim(len(panel.row_names) + 0.6, 0.4)
+        axes.grid(visible=False, axis="y")
     if panel.zero and "y" not in panel.log:
         _include_zero(axes, values["y"])
     if not np.any(np.isfinite(values["y"])):
@@ -373,6 +377,14 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     if series.light:
         drawn: dict[str, Any] = {"linewidth": 0.8} if series.style == "line" else {"linestyle": "none", "marker": "."}
         axes.plot(x, y, markersize=4.0, color=colour, alpha=0.35, label=label, zorder=1.8, **drawn)
+        return
+    if series.style == "steps":
+        axes.stairs(series.y, x, fill=True, color=colour, alpha=0.22, label=label, zorder=1.5)
+        axes.stairs(series.y, x, color=colour, linewidth=1.4)
+        return
+    if series.style == "bars":
+        drawn_bars = axes.barh(y, x, height=0.62, color=colour, alpha=0.8, label=label, zorder=2.0)
+        axes.bar_label(drawn_bars, [f"{value:.3g}" for value in x], padding=3.0, fontsize=8.0, color=_INK)
         return
     if series.style == "band":
         upper = np.asarray(series.y2, float)

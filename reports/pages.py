@@ -45,6 +45,12 @@ LONG = 20
 #: Number of columns from which on a table is set narrower.
 WIDE = 8
 
+#: Number of characters up to which the first sentence of a conclusion is a heading.
+HEADLINE = 170
+
+#: Width of a phone's figures [inches], and height of each of their panels.
+PHONE = (3.75, 2.6)
+
 #: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
 HOW = "how"
 
@@ -139,12 +145,35 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
     """Return a page's data for the templates; writes the files of its items."""
     writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
-    sections = [_section(section, file, writer) for section in page.sections]
+    sections = [_section_data(section, file, writer) for section in page.sections]
     writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
-    return {"name": page.name, "title": page.title, "file": file, "sections": sections, "conclusion": page.conclusion}
+    heading, rest = headline(page.conclusion, page.title)
+    for one in sections:
+        shown = "" if one["conclusion"] == page.conclusion else one["conclusion"]
+        one["heading"], one["conclusion"] = headline(shown, one["title"])
+    data = {"name": page.name, "title": page.title, "heading": heading, "conclusion": rest}
+    return data | {"file": file, "sections": sections, "statement": page.conclusion}
 
 
-def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
+def headline(conclusion: str, title: str) -> tuple[str, str]:
+    """Return the heading of a page or section, and the rest of its conclusion.
+
+    The heading is the first sentence of the conclusion, which says what was found; else the title.
+
+    Examples
+    --------
+    >>> headline("All 174 scenes are solved. The other method solves 145.", "Stability")
+    ('All 174 scenes are solved', 'The other method solves 145.')
+    >>> headline("", "Stability")
+    ('Stability', '')
+    """
+    first, *rest = re.split(r"(?<=[^A-Z]{2})\. (?=[A-Z])", conclusion.removesuffix("."), maxsplit=1)
+    if not first or len(first) > HEADLINE:
+        return title, conclusion
+    return first, f"{rest[0]}." if rest else ""
+
+
+def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
     """Return a section's data for the templates; writes the files of its items."""
     items = [_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
@@ -153,7 +182,7 @@ def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
         if item["kind"] != "text":
             record = item[item["kind"]]
             under = f"{item['kind']} {record.name}, {section.title}"
-            writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _words(record)))
+            writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable(record)))
     return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
@@ -162,7 +191,7 @@ def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
     return {"t": micro(title), "h": place, "s": under, "x": micro(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
-def _words(record: Any) -> str:
+def _searchable(record: Any) -> str:
     """Return the text of a table (headings, note, cells, each once) or figure (caption) for the search index."""
     if not isinstance(record, Table):
         return str(record.caption)
