@@ -326,6 +326,8 @@ class PressureMap:
     caption: str = ""
     #: Number of panels per row.
     columns: int = 2
+    #: Width [inches]; None: by the number of panels per row.
+    width: float | None = None
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import json
 import re
 import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +47,6 @@ WIDE = 8
 
 #: Number of characters up to which the first sentence of a conclusion is a heading.
 HEADLINE = 170
-
-#: Width of a phone's figures [inches], and height of each of their panels.
-PHONE = (3.75, 2.6)
 
 #: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
 HOW = "how"
@@ -215,14 +212,19 @@ def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     if isinstance(item, Table):
         return table_view(item, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
-    view |= {"file": None, "drawing": None, "across": 1, "image": None, "missing": None, "turned": None}
+    view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
     name = f"figures/{item.name}"
     if isinstance(item, Figure | PressureMap | Sketch):
-        if isinstance(item, Figure):
-            svg = figures.draw(item)
-            view["across"] = max(1, min(item.columns, len(item.panels), 3))
+        narrow = ""
+        if isinstance(item, Sketch):
+            svg = sketch.draw(item)
+        elif isinstance(item, Figure):
+            svg, narrow = figures.draw(item), figures.draw(figures.for_phone(item))
         else:
-            svg = figures.draw_map(item) if isinstance(item, PressureMap) else sketch.draw(item)
+            svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
+        if narrow:
+            view["narrow"] = f"{name}-narrow.svg"
+            _write(writer.folder / view["narrow"], narrow)
         _write(writer.folder / f"{name}.svg", svg)
         return {**view, "file": f"{name}.svg", "drawing": inline(svg)}
     return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
