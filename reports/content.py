@@ -70,8 +70,8 @@ class Series:
     x: Sequence[float]
     #: Ordinates.
     y: Sequence[float]
-    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` between y and y2, ``"steps"`` (histogram; x has the edges of
-    #: the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y, with their values).
+    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` between y and y2, ``"steps"`` (histogram; x: edges
+    #: of the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y, with their values).
     style: str = "line+markers"
     #: Upper edge of a band.
     y2: Sequence[float] | None = None

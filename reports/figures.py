@@ -82,6 +82,8 @@ TICK = 32.0
 NARROW = 5.0
 #: Number of names up to which they stand nearly level along an abscissa.
 LEVEL_NAMES = 8
+#: Height of a letter in a steep name along an abscissa [inches].
+STEEP = 0.055
 #: Width of a figure on a phone [inches].
 PHONE = 3.75
 #: Share of a panel's width in which texts are to the left of their points.
@@ -187,7 +189,7 @@ def own_style(name: str) -> Iterator[None]:
 
 
 def for_phone(figure: Figure) -> Figure:
-    """Return a figure for a narrow screen: panels one below the other, `PHONE` inches wide, long labels in several lines."""
+    """Return a figure for a narrow screen: one panel below the other, `PHONE` inches wide, long labels wrapped."""
 
     def lines(text: str, length: int) -> str:
         return textwrap.fill(text, length, break_long_words=False)
@@ -256,7 +258,8 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
             axes = canvas.add_subplot(rows, columns, number, sharey=first)
             _draw_panel(axes, panel, order, steep=narrow or len(panel.names) > LEVEL_NAMES)
             if not shared:
-                legends = max(legends, _legend_below(axes, 1 if narrow else 2 if columns > 1 else 3))
+                steep = max(map(len, panel.names), default=0) if narrow or len(panel.names) > LEVEL_NAMES else 0
+                legends = max(legends, _legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
         if shared:
             handles, labels = canvas.axes[0].get_legend_handles_labels()
             if labels:
@@ -380,7 +383,13 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool =
     if panel.integer_x and "x" not in panel.log:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if panel.names:
-        axes.set_xticks(range(1, len(panel.names) + 1), panel.names, rotation=60.0 if steep else 20.0, ha="right", rotation_mode="anchor")
+        axes.set_xticks(
+            range(1, len(panel.names) + 1),
+            panel.names,
+            rotation=60.0 if steep else 20.0,
+            ha="right",
+            rotation_mode="anchor",
+        )
     if panel.row_names:
         axes.set_yticks(range(1, len(panel.row_names) + 1), panel.row_names)
         axes.set_ylim(len(panel.row_names) + 0.6, 0.4)
@@ -475,8 +484,8 @@ def _include_zero(axes: Any, y: Any) -> None:
         axes.set_ylim(bottom=0.0)
 
 
-def _legend_below(axes: Any, columns: int) -> int:
-    """Put a legend below the axes; return the number of its rows."""
+def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
+    """Put a legend below the axes, lower by some inches; return the number of its rows."""
     handles, labels = axes.get_legend_handles_labels()
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
         return 0
@@ -486,7 +495,7 @@ def _legend_below(axes: Any, columns: int) -> int:
         labels,
         loc="upper left",
         bbox_to_anchor=(-0.02, 0.0),
-        bbox_transform=axes.transAxes + ScaledTranslation(0.0, -0.45, axes.figure.dpi_scale_trans),
+        bbox_transform=axes.transAxes + ScaledTranslation(0.0, -0.45 - lower, axes.figure.dpi_scale_trans),
         ncols=columns,
         handlelength=3.2,
         columnspacing=1.6,

@@ -72,7 +72,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
 
 
 def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
-    """Return the distance of the ball next to a face [ball radii] and the largest error [% of mean] of each scene, (n, 2)."""
+    """Return distance of the outermost ball from a face [ball radii] and largest error [% of mean] of the scenes, (n, 2)."""
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
         for r in scenes
@@ -141,7 +141,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 )
             ),
             Table.of("stability-summary", "Cases solved", summary),
-            Table("stability-cases", "Case by case", columns, wide_rows(rows)),
+            Table("stability-cases", "Every stiff or extreme scene", columns, wide_rows(rows)),
             *table_section_items(),
             Text(
                 (
