@@ -72,7 +72,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
 
 
 def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
-    """Return distance of the outermost ball from a face [ball radii] and largest error [% of mean] of the scenes, (n, 2)."""
+    """Return distance of outermost ball from a face [ball radii] and largest error [% of mean] of the scenes, (n, 2)."""
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
         for r in scenes

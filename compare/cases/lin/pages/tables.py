@@ -374,9 +374,10 @@ def conclusion(found: Iterable[Evidence]) -> str:
     results = len(numbers) - tally["input"] - tally["identity"]
     return (
         f"Of {results} results that the thesis prints, {tally['reproduced']} come out, {tally['only as printed']} only "
-        f"with its faults repeated, and {tally['contradicted']} are contradicted. Another {tally['band']} lie within a band, and "
-        f"{tally['not identifiable']} are not determined by the text (measured, of another program, or resting on what "
-        f"is not printed). The other {len(numbers) - results} of its {len(numbers)} numbers are inputs and identities."
+        f"with its faults repeated, and {tally['contradicted']} are contradicted. Another {tally['band']} lie within a "
+        f"band, and {tally['not identifiable']} are not determined by the text (measured, of another program, or resting "
+        f"on what is not printed). The other {len(numbers) - results} of its {len(numbers)} numbers are inputs and "
+        "identities."
     )
 
 
