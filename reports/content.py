@@ -38,6 +38,8 @@ class Table:
     note: str = ""
     #: Whether a page shows it open, however long it is.
     unfolded: bool = False
+    #: Keys of columns that are in the CSV file only.
+    csv_only: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         """Check the headings."""

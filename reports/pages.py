@@ -264,7 +264,7 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
     """Return a table as a page shows it, without empty columns, folded if it is long; writes its CSV."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled(table)
-    shown = [c for c in shown if c.key != HOW]
+    shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
     numbers = [is_number(column, table) for column in shown]
     heads: Sequence[dict[str, str]] = [
         {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
@@ -278,7 +278,8 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
         for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
     remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
-    note = "\n".join(filter(None, [table.note, remark]))
+    further = ", ".join(c.label for c in table.columns if c.key in table.csv_only)
+    note = "\n".join(filter(None, [table.note, remark, further and f"In the CSV file also: {further}."]))
     form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}
     return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, **form}
 

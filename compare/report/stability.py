@@ -66,6 +66,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
                 *(Quantity(name, name, "% of mean", ".2f") for name in errors),
             ),
             rows,
+            csv_only=[f"{model} expected" for model in MODELS],
         ),
     )
     return Section("survey", title, items, conclusion=f"{counted({m: found[:, 1] for m, found in worst.items()})}.")
