@@ -10,6 +10,8 @@ from tests.processes import python
 from tests.report_samples import table
 
 from rollbench.reports import cells, content
+from rollbench.reports.content import Quantity, Table
+from rollbench.reports.pages import table_view
 
 CELLS = [
     (0.0, "g4", "0"),
