@@ -73,7 +73,7 @@ class Series:
     #: Ordinates.
     y: Sequence[float]
     #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` between y and y2, ``"steps"`` (histogram; x: edges
-    #: of the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y, with their values).
+    #: of the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y).
     style: str = "line+markers"
     #: Upper edge of a band.
     y2: Sequence[float] | None = None

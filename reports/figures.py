@@ -422,8 +422,7 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
         axes.stairs(series.y, x, color=colour, linewidth=1.4)
         return
     if series.style == "bars":
-        drawn_bars = axes.barh(y, x, height=0.62, color=colour, alpha=0.8, label=label, zorder=2.0)
-        axes.bar_label(drawn_bars, [f"{value:.3g}" for value in x], padding=3.0, fontsize=8.0, color=_INK)
+        axes.barh(y, x, height=0.62, color=colour, alpha=0.8, label=label, zorder=2.0)
         return
     if series.style == "band":
         upper = np.asarray(series.y2, float)
@@ -495,7 +494,8 @@ def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
         labels,
         loc="upper left",
         bbox_to_anchor=(-0.02, 0.0),
-        bbox_transform=axes.transAxes + ScaledTranslation(0.0, -0.45 - lower, axes.figure.dpi_scale_trans),
+        bbox_transform=axes.transAxes
+        + ScaledTranslation(0.0, -0.45 - lower - 0.14 * axes.get_xlabel().count("\n"), axes.figure.dpi_scale_trans),
         ncols=columns,
         handlelength=3.2,
         columnspacing=1.6,

@@ -357,7 +357,13 @@ def models_figure(found: Sequence[Standing]) -> Figure:
         Series("median of the scenes", [s.median for s in found], rows, "bars"),
         Series("largest of all scenes", [s.worst for s in found], rows, "markers"),
     )
-    panel = Panel("", "largest error of a contact load / % of the mean", "", series, row_names=[s.name for s in found])
+    panel = Panel(
+        "",
+        "largest error of a contact load / % of the mean",
+        "",
+        series,
+        row_names=[f"{s.name}: {s.median:.2g} %" for s in found],
+    )
     medians = {s.name: s.median for s in found}
     title = ", ".join(f"{medians[model]:.2g} % in {NAMES[model]}" for model in KINDS if model in medians)
     caption = "Against the finest level of the 3D reference on the shipped scenes."
