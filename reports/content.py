@@ -38,6 +38,8 @@ class Table:
     note: str = ""
     #: Whether a page shows it open, however long it is.
     unfolded: bool = False
+    #: Keys of columns that are in the CSV file only.
+    csv_only: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         """Check the headings."""
@@ -70,7 +72,8 @@ class Series:
     x: Sequence[float]
     #: Ordinates.
     y: Sequence[float]
-    #: ``"line"``, ``"markers"``, ``"line+markers"``, or ``"band"`` between y and y2.
+    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` between y and y2, ``"steps"`` (histogram; x: edges
+    #: of the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y).
     style: str = "line+markers"
     #: Upper edge of a band.
     y2: Sequence[float] | None = None
@@ -106,6 +109,8 @@ class Panel:
     integer_x: bool = False
     #: Labels of the abscissa instead of the numbers from 1 on.
     names: Sequence[str] = ()
+    #: Labels of the ordinate instead of the numbers from 1 on, downwards.
+    row_names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -323,6 +328,8 @@ class PressureMap:
     caption: str = ""
     #: Number of panels per row.
     columns: int = 2
+    #: Width [inches]; None: by the number of panels per row.
+    width: float | None = None
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import io
 import math
 import re
+import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import matplotlib
@@ -29,7 +31,7 @@ MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
 #: Colours of fields: lightness grows with the value, in print and to the colour-blind too.
 COLOURS = "viridis"
-STYLES, SCALES = ("line", "markers", "line+markers", "band"), ("", "x", "y", "xy")
+STYLES, SCALES = ("line", "markers", "line+markers", "band", "steps", "bars"), ("", "x", "y", "xy")
 
 MAX_PANELS = 6
 #: Colours of a drawing that a page may set, by the name of its variable.
@@ -78,6 +80,12 @@ LETTER = 4.1
 TICK = 32.0
 #: Width below which a figure has one column of names in its legend [inches].
 NARROW = 5.0
+#: Number of names up to which they stand nearly level along an abscissa.
+LEVEL_NAMES = 8
+#: Height of a letter in a steep name along an abscissa [inches].
+STEEP = 0.055
+#: Width of a figure on a phone [inches].
+PHONE = 3.75
 #: Share of a panel's width in which texts are to the left of their points.
 LEFT = 0.4
 
@@ -180,6 +188,29 @@ def own_style(name: str) -> Iterator[None]:
         yield
 
 
+def for_phone(figure: Figure) -> Figure:
+    """Return a figure for a narrow screen: one panel below the other, `PHONE` inches wide, long labels wrapped."""
+
+    def lines(text: str, length: int) -> str:
+        return textwrap.fill(text, length, break_long_words=False)
+
+    panels = [
+        replace(
+            panel,
+            title=lines(panel.title, 44),
+            xlabel=lines(panel.xlabel, 44),
+            ylabel=lines(panel.ylabel, 32),
+            series=[replace(series, label=lines(series.label, 40)) for series in panel.series],
+        )
+        for panel in figure.panels
+    ]
+    rows = max(len(panel.row_names) for panel in panels)
+    names = sum(max((len(name) for name in panel.names), default=0) for panel in panels)
+    labels = len({series.label for panel in panels for series in panel.series if series.label})
+    height = len(panels) * max(2.5, 0.26 * rows) + 0.07 * names + 0.17 * labels + 0.3
+    return replace(figure, panels=panels, columns=1, size=(PHONE, height))
+
+
 def draw(figure: Figure) -> str:
     """Return a figure of one to six panels as an SVG document; see `drawing`."""
     return drawing(figure)[0]
@@ -221,18 +252,19 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         orders = _orders(figure.panels)
         shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
+        narrow = figure.size is not None and figure.size[0] < NARROW
         for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
             first = canvas.axes[0] if canvas.axes and figure.same_y else None
             axes = canvas.add_subplot(rows, columns, number, sharey=first)
-            _draw_panel(axes, panel, order)
+            _draw_panel(axes, panel, order, steep=narrow or len(panel.names) > LEVEL_NAMES)
             if not shared:
-                narrow = figure.size is not None and figure.size[0] < NARROW
-                legends = max(legends, _legend_below(axes, 1 if narrow else 2 if columns > 1 else 3))
+                steep = max(map(len, panel.names), default=0) if narrow or len(panel.names) > LEVEL_NAMES else 0
+                legends = max(legends, _legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
         if shared:
             handles, labels = canvas.axes[0].get_legend_handles_labels()
             if labels:
                 place = "outside lower center"
-                count = min(2 if max(map(len, labels)) > 34 else 4, len(labels))
+                count = min(1 if narrow else 2 if max(map(len, labels)) > 34 else 4, len(labels))
                 canvas.legend(handles, labels, loc=place, ncols=count, handlelength=3.2)
                 legends = max(1, math.ceil(len(labels) / count) - 2)
         canvas.set_size_inches(*(figure.size or (_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))))
@@ -271,8 +303,9 @@ def draw_map(item: PressureMap) -> str:
             name: handle for axes in canvas.axes for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
         }
         canvas.legend(list(legend.values()), list(legend), loc="outside lower center", ncols=len(legend))
-        drawn = (_WIDTH[columns] - 1.1) / columns - 0.7
-        canvas.set_size_inches(_WIDTH[columns], rows * (drawn * spans[1] / spans[0] + 1.0) + 0.3)
+        width = item.width or _WIDTH[columns]
+        drawn = (width - 1.1) / columns - 0.7
+        canvas.set_size_inches(width, rows * (drawn * spans[1] / spans[0] + 1.0) + 0.3)
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
@@ -328,7 +361,7 @@ def _same_labels(panels: Sequence[Panel]) -> bool:
     return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
 
 
-def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
+def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool = False) -> None:
     """Draw curves, labels and scales of one panel into its axes."""
     for series in panel.series:
         _draw_series(axes, series, order[series.label])
@@ -350,7 +383,17 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
     if panel.integer_x and "x" not in panel.log:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if panel.names:
-        axes.set_xticks(range(1, len(panel.names) + 1), panel.names, rotation=20.0, ha="right", rotation_mode="anchor")
+        axes.set_xticks(
+            range(1, len(panel.names) + 1),
+            panel.names,
+            rotation=60.0 if steep else 20.0,
+            ha="right",
+            rotation_mode="anchor",
+        )
+    if panel.row_names:
+        axes.set_yticks(range(1, len(panel.row_names) + 1), panel.row_names)
+        axes.set_ylim(len(panel.row_names) + 0.6, 0.4)
+        axes.grid(visible=False, axis="y")
     if panel.zero and "y" not in panel.log:
         _include_zero(axes, values["y"])
     if not np.any(np.isfinite(values["y"])):
@@ -373,6 +416,13 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     if series.light:
         drawn: dict[str, Any] = {"linewidth": 0.8} if series.style == "line" else {"linestyle": "none", "marker": "."}
         axes.plot(x, y, markersize=4.0, color=colour, alpha=0.35, label=label, zorder=1.8, **drawn)
+        return
+    if series.style == "steps":
+        axes.stairs(series.y, x, fill=True, color=colour, alpha=0.22, label=label, zorder=1.5)
+        axes.stairs(series.y, x, color=colour, linewidth=1.4)
+        return
+    if series.style == "bars":
+        axes.barh(y, x, height=0.62, color=colour, alpha=0.8, label=label, zorder=2.0)
         return
     if series.style == "band":
         upper = np.asarray(series.y2, float)
@@ -433,8 +483,8 @@ def _include_zero(axes: Any, y: Any) -> None:
         axes.set_ylim(bottom=0.0)
 
 
-def _legend_below(axes: Any, columns: int) -> int:
-    """Put a legend below the axes; return the number of its rows."""
+def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
+    """Put a legend below the axes, lower by some inches; return the number of its rows."""
     handles, labels = axes.get_legend_handles_labels()
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
         return 0
@@ -444,7 +494,8 @@ def _legend_below(axes: Any, columns: int) -> int:
         labels,
         loc="upper left",
         bbox_to_anchor=(-0.02, 0.0),
-        bbox_transform=axes.transAxes + ScaledTranslation(0.0, -0.45, axes.figure.dpi_scale_trans),
+        bbox_transform=axes.transAxes
+        + ScaledTranslation(0.0, -0.45 - lower - 0.14 * axes.get_xlabel().count("\n"), axes.figure.dpi_scale_trans),
         ncols=columns,
         handlelength=3.2,
         columnspacing=1.6,

@@ -6,7 +6,7 @@ import json
 import re
 import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,9 @@ LONG = 20
 
 #: Number of columns from which on a table is set narrower.
 WIDE = 8
+
+#: Number of characters up to which the first sentence of a conclusion is a heading.
+HEADLINE = 170
 
 #: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
 HOW = "how"
@@ -139,12 +142,35 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
     """Return a page's data for the templates; writes the files of its items."""
     writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
-    sections = [_section(section, file, writer) for section in page.sections]
+    sections = [_section_data(section, file, writer) for section in page.sections]
     writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
-    return {"name": page.name, "title": page.title, "file": file, "sections": sections, "conclusion": page.conclusion}
+    heading, rest = headline(page.conclusion, page.title)
+    for one in sections:
+        shown = "" if one["conclusion"] == page.conclusion else one["conclusion"]
+        one["heading"], one["conclusion"] = headline(shown, one["title"])
+    data = {"name": page.name, "title": page.title, "heading": heading, "conclusion": rest}
+    return data | {"file": file, "sections": sections, "statement": page.conclusion}
 
 
-def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
+def headline(conclusion: str, title: str) -> tuple[str, str]:
+    """Return the heading of a page or section, and the rest of its conclusion.
+
+    The heading is the first sentence of the conclusion, which says what was found; else the title.
+
+    Examples
+    --------
+    >>> headline("All 174 scenes are solved. The other method solves 145.", "Stability")
+    ('All 174 scenes are solved', 'The other method solves 145.')
+    >>> headline("", "Stability")
+    ('Stability', '')
+    """
+    first, *rest = re.split(r"(?<=[^A-Z]{2})\. (?=[A-Z])", conclusion.removesuffix("."), maxsplit=1)
+    if not first or len(first) > HEADLINE:
+        return title, conclusion
+    return first, f"{rest[0]}." if rest else ""
+
+
+def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
     """Return a section's data for the templates; writes the files of its items."""
     items = [_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
@@ -153,7 +179,7 @@ def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
         if item["kind"] != "text":
             record = item[item["kind"]]
             under = f"{item['kind']} {record.name}, {section.title}"
-            writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _words(record)))
+            writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable(record)))
     return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
@@ -162,7 +188,7 @@ def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
     return {"t": micro(title), "h": place, "s": under, "x": micro(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
-def _words(record: Any) -> str:
+def _searchable(record: Any) -> str:
     """Return the text of a table (headings, note, cells, each once) or figure (caption) for the search index."""
     if not isinstance(record, Table):
         return str(record.caption)
@@ -186,14 +212,19 @@ def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     if isinstance(item, Table):
         return table_view(item, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
-    view |= {"file": None, "drawing": None, "across": 1, "image": None, "missing": None, "turned": None}
+    view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
     name = f"figures/{item.name}"
     if isinstance(item, Figure | PressureMap | Sketch):
-        if isinstance(item, Figure):
-            svg = figures.draw(item)
-            view["across"] = max(1, min(item.columns, len(item.panels), 3))
+        narrow = ""
+        if isinstance(item, Sketch):
+            svg = sketch.draw(item)
+        elif isinstance(item, Figure):
+            svg, narrow = figures.draw(item), figures.draw(figures.for_phone(item))
         else:
-            svg = figures.draw_map(item) if isinstance(item, PressureMap) else sketch.draw(item)
+            svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
+        if narrow:
+            view["narrow"] = f"{name}-narrow.svg"
+            _write(writer.folder / view["narrow"], narrow)
         _write(writer.folder / f"{name}.svg", svg)
         return {**view, "file": f"{name}.svg", "drawing": inline(svg)}
     return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
@@ -233,7 +264,7 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
     """Return a table as a page shows it, without empty columns, folded if it is long; writes its CSV."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled(table)
-    shown = [c for c in shown if c.key != HOW]
+    shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
     numbers = [is_number(column, table) for column in shown]
     heads: Sequence[dict[str, str]] = [
         {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
@@ -247,7 +278,8 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
         for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
     remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
-    note = "\n".join(filter(None, [table.note, remark]))
+    further = ", ".join(c.label for c in table.columns if c.key in table.csv_only)
+    note = "\n".join(filter(None, [table.note, remark, further and f"In the CSV file also: {further}."]))
     form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}
     return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, **form}
 

@@ -42,6 +42,8 @@ SOLID = "3D reference"
 BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
 LARGEST = Quantity("largest", "largest error", "%", ".1f")
 KINDS = {DEFAULT: "refined", "lin": "lin"}
+#: The same in a sentence.
+NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
 
 
 @dataclass(frozen=True)
@@ -260,19 +262,32 @@ def answer(screws: Mapping[str, Array], drawn: int, bars: Sequence[float], total
     total
         Largest total uncertainty of the reference [%], modelling choices and input included.
     """
-    words = []
-    for (model, errors), (middle, nearly) in zip(
-        screws.items(), ((" of the mean contact load in the median", " on 19 of 20"), ("", "")), strict=True
-    ):
+    largest = []
+    for model, errors in screws.items():
         if errors.size:
             median, most = np.percentile(errors, [50, 95])
-            words.append(f"{KINDS[model]} is wrong by {median:.1f} %{middle} and by {most:.1f} %{nearly}")
-    count = max((errors.size for errors in screws.values()), default=0)
+            largest.append(f"{median:.1f} and {most:.1f} % of {NAMES[model]}")
     whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
     return (
-        f"On {count} screws, {drawn} of them drawn by a seed, {', '.join(words)}. Uncertainty of the 3D reference: "
-        f"{_range(bars)}{whole}."
+        f"{counted(screws)}. Median and 95th percentile of the largest error: {', '.join(largest)}; {drawn} of the screws "
+        f"were drawn at random. Uncertainty of the 3D reference: {_range(bars)}{whole}."
     )
+
+
+def counted(errors: Mapping[str, Array]) -> str:
+    """Return a sentence on the number of screws whose largest error of a contact load is within `LIMIT` % of the mean.
+
+    Parameters
+    ----------
+    errors
+        Largest errors of the screws [% of the mean load], by model.
+    """
+    counts = [
+        f"{NAMES[model]} {'' if k else f'is within {LIMIT:g} % of the mean contact load '}on {(of_model <= LIMIT).sum()}"
+        f"{'' if k else f' of {of_model.size} screws'}"
+        for k, (model, of_model) in enumerate((m, e) for m, e in errors.items() if e.size)
+    ]
+    return ", ".join(counts)[:1].upper() + ", ".join(counts)[1:]
 
 
 def _range(bars: Sequence[float]) -> str:
@@ -286,7 +301,7 @@ def drawn_words(drawn: int) -> str:
     """Return a sentence that describes the drawn screws."""
     return (
         f"{drawn} catalogue screws, drawn by one seed without redraws and compared on level 1 of the 3D reference (section "
-        "stability); finer levels, run times and the gate are shown of the shipped scenes:"
+        "survey); finer levels, run times and the gate are shown of the shipped scenes:"
     )
 
 
@@ -335,6 +350,27 @@ LIMITS = (
 )
 
 
+def models_figure(found: Sequence[Standing]) -> Figure:
+    """Draw the median and the largest of every model's and mesh's largest errors as bars and marks."""
+    rows = [float(k) for k in range(1, len(found) + 1)]
+    series = (
+        Series("median of the scenes", [s.median for s in found], rows, "bars"),
+        Series("largest of all scenes", [s.worst for s in found], rows, "markers"),
+    )
+    panel = Panel(
+        "",
+        "largest error of a contact load / % of the mean",
+        "",
+        series,
+        row_names=[f"{s.name}: {s.median:.2g} %" for s in found],
+    )
+    medians = {s.name: s.median for s in found}
+    title = ", ".join(f"{medians[model]:.2g} % in {NAMES[model]}" for model in KINDS if model in medians)
+    caption = "Against the finest level of the 3D reference on the shipped scenes."
+    size = (7.6, 1.2 + 0.26 * len(found))
+    return Figure("overview-bars", f"The median error is {title}", (panel,), caption, columns=1, size=size)
+
+
 def standing_table(found: Sequence[Standing]) -> Table:
     """Return the table of every model and mesh over its scenes."""
     rows: list[Row] = [
@@ -359,7 +395,8 @@ def standing_table(found: Sequence[Standing]) -> Table:
         "together within the limit. The error of the finest level itself is its grid uncertainty, and its RMS error is "
         "zero by definition."
     )
-    return Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note)
+    table = Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note)
+    return replace(table, csv_only=("label", "rms", "worst_rms"))
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
@@ -384,7 +421,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
     items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
-    return Section("overview", title, (table, further_figure(points)), conclusion=sentence, summary=summary)
+    shown = (models_figure(standings(points)), table, further_figure(points))
+    return Section("overview", title, shown, conclusion=sentence, summary=summary)
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:

@@ -87,6 +87,7 @@ PLACED = (
     Listed("cases", "lin", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
     Listed("reconstruction", "lin", "cases.lin.pages.reconstruction", runs=True),
     Listed("overview", "accuracy", "report.overview", quick=True, runs=True),
+    Listed("survey", "accuracy", "report.stability:survey_section", quick=True),
     Listed("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
     Listed("u-val", "accuracy", "sections.u_val", quick=True, runs=True, meshes=True),
     Listed("reference-mesh", "reference", "sections.reference_mesh", quick=True, runs=True),

@@ -192,8 +192,8 @@ class Against:
     stated: str
 
     @property
-    def words(self) -> str:
-        """The largest error in words."""
+    def largest_error(self) -> str:
+        """Return the largest error as a clause."""
         e = self.error
         return f"loads are off by up to {e.max_percent:.2f} % of their mean (ball {e.ball} {e.side})"
 
@@ -216,7 +216,7 @@ def verdict(
         f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
     )
     if given is not None:
-        return f"{text}; {given.stated}, {given.words}."
+        return f"{text}; {given.stated}, {given.largest_error}."
     if judged and reference is not None:
         v = judged[0]
         bar = v.bar + (f"; {reference.unsettled}" if reference.unsettled else "")
@@ -292,7 +292,8 @@ def _error(
     """Return the section on measured error with u_val, expected error, and the compared range."""
     items: list[Text | Table | Figure] = []
     if given is not None:
-        text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
+        text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.largest_error}, "
+        text += f"uncertain by up to {given.uncertainty:.2f} %."
         items.append(Text((text,)))
     if judged and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)

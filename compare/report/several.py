@@ -101,7 +101,7 @@ def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mappin
     """Return the first page: results of each scene and a table of all; ``files``: pages by scene."""
     labels = [file.removesuffix(".html") for file in files]
     note = "A dash: the scene has no such answer. Loads are those of contacts; errors are those to be expected."
-    table = Table.of("answers", "Every number that the scenes answer", rows(labels, pages), note, unfolded=True)
+    table = Table.of("answers", "Every number that the scenes answer", number_rows(labels, pages), note, unfolded=True)
     status = next((s for page in pages if (s := page.results["status"]) != "converged"), "converged")
     return ScenePage(
         title=f"{count_of(len(pages), 'scene')} side by side",
@@ -119,7 +119,7 @@ def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mappin
     )
 
 
-def rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
+def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     """Return a row for each number, with a column for each scene or each of its load cases."""
     columns = {}
     for label, page in zip(labels, pages, strict=True):

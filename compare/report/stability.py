@@ -1,13 +1,16 @@
-"""Section on numerical stability: stiff and extreme scenes."""
+"""Sections on numerical stability (stiff and extreme scenes) and on screws drawn at random."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from rollbench.compare.cases.lin.extremes import table_section_items
 from rollbench.compare.models.study import Study
+from rollbench.compare.report.overview import counted
 from rollbench.compare.sections.fit import WORDS
 from rollbench.compare.studies import survey as survey
 from rollbench.compare.studies.extremes import (
@@ -20,17 +23,22 @@ from rollbench.compare.studies.extremes import (
     wide_rows,
 )
 from rollbench.compare.studies.survey import MODELS
-from rollbench.reports.content import Quantity, Row, Section, Table, Text
+from rollbench.meshes.arrays import Array
+from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Errors of a scene in the report's table.
 SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}
+#: Bins of the histogram, and distance from a face that counts as near [ball radii].
+BINS, NEAR = 24, 2.0
 
 
-def survey_items() -> tuple[Text | Table, ...]:
-    """Return the results of drawn catalogue screws: status, errors of the models, each scene."""
+def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+    """Return the section on drawn catalogue screws: histogram and errors near a face, status, errors, each scene."""
+    step("stored survey")
     scenes = survey.shipped()["scenes"]
+    title = "Screws drawn at random"
     if not scenes:
-        return ()
+        return Section("survey", title, (Text(("No survey is stored.",)),))
     good = len(scenes) - len(survey.unanswered(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
@@ -47,24 +55,61 @@ def survey_items() -> tuple[Text | Table, ...]:
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
         for r in scenes
     ]
-    return (
+    worst = {model: _errors(scenes, model) for model in MODELS}
+    items = (
+        survey_figure(scenes),
         Text((about,)),
         Table(
             "stability-survey",
-            "Models against the survey",
+            "Errors of the models on the drawn screws",
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
         ),
         Table(
             "stability-survey-scenes",
-            "The survey, scene by scene",
+            "Every drawn screw",
             (
                 *(Quantity(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
                 *(Quantity(name, name, "% of mean", ".2f") for name in errors),
             ),
             rows,
+            csv_only=[f"{model} expected" for model in MODELS],
         ),
     )
+    return Section("survey", title, items, conclusion=f"{counted({m: found[:, 1] for m, found in worst.items()})}.")
+
+
+def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
+    """Return distance of outermost ball from a face [ball radii] and largest error [% of mean] of the scenes, (n, 2)."""
+    rows = [
+        (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
+        for r in scenes
+        if (found := r.get("models", {}).get(model)) is not None
+    ]
+    return np.array(rows).reshape(-1, 2)
+
+
+def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
+    """Draw the histogram of the largest errors, and the errors over the distance of the outermost ball from a face."""
+    found = {model: errors for model in MODELS if (errors := _errors(scenes, model)).size}
+    every = np.concatenate([errors[:, 1] for errors in found.values()])
+    edges = np.geomspace(0.999 * every.min(), 1.001 * every.max(), BINS + 1)
+    bars = [Series(m, edges.tolist(), np.histogram(e[:, 1], edges)[0].tolist(), "steps") for m, e in found.items()]
+    points = [Series(m, e[:, 0].tolist(), e[:, 1].tolist(), "markers") for m, e in found.items()]
+    error = "largest error / % of the mean load"
+    panels = (
+        Panel("How often", error, "screws", bars, log="x", zero=True),
+        Panel("Near a face", "distance of the outermost ball from a face / ball radii", error, points, log="y"),
+    )
+    near = "; ".join(f"{name}: {_near(errors)}" for name, errors in found.items())
+    title = f"The error grows towards the faces of the nut: median within and beyond {NEAR:g} ball radii, {near}"
+    return Figure("survey", title, panels, f"{len(scenes)} drawn screws, {BINS} bins of equal ratio.")
+
+
+def _near(errors: Array) -> str:
+    """Return the median errors of screws whose outermost ball is near a face, and of the others."""
+    near = errors[:, 0] < NEAR
+    return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
@@ -104,7 +149,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                 )
             ),
             Table.of("stability-summary", "Cases solved", summary),
-            Table("stability-cases", "Case by case", columns, wide_rows(rows)),
+            Table("stability-cases", "Every stiff or extreme scene", columns, wide_rows(rows)),
             *table_section_items(),
             Text(
                 (
@@ -115,7 +160,6 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                 )
             ),
             Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_records())),
-            *survey_items(),
         ),
         conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; the source's "
         f"iteration {max(counts[name][0] for name in FORMULATIONS[1:])} at best.",

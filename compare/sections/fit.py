@@ -109,10 +109,10 @@ def conclusion(found: Sequence[Fit]) -> str:
     """Return a sentence on the errors within which 95 of 100 compared scenes are."""
     good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
     bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
-    held = "the gate's limits hold on at least 95 of 100"
-    fit = f"is fit for the {_listed(good)}: {held}" if good else "is not shown to be fit on"
+    held = " The gate's limits hold there on at least 95 of 100 compared scenes."
+    fit = f"is fit for the {_listed(good)}.{held}" if good else "is not shown to be fit."
     unfit = f" lin is not fit for the {_listed(bad)}." if bad else ""
-    return f"On ordinary screws {DEFAULT} {fit} compared scenes.{unfit}"
+    return f"On ordinary screws the model {DEFAULT} {fit}{unfit}"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -81,7 +81,7 @@ def worked(study: Study) -> str:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("one worked row")
-    return Section("how-to-read", "How to read this report", (Text(TERMS, bullets=True),), conclusion=worked(study))
+    return Section("how-to-read", "How to read this report", (Text((worked(study),)), Text(TERMS, bullets=True)))
 
 
 def assumptions(study: Study) -> list[dict[str, Cell]]:

@@ -243,4 +243,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     )
     step("bodies exchanged for those from 3D")
     items = (Text(text), ladder_table(rungs), ladder_figure(rungs), shares_table(study), choices_table(study, step))
-    return Section("ladder", title, (*items, *estimate_items(study, rungs)))
+    median = {
+        name: float(np.median([r.error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
+    }
+    conclusion = (
+        f"The median of the largest error falls from {median['lin']:.1f} % in lin to {median['refined']:.1f} % of the mean "
+        "load in the refined model."
+    )
+    return Section("ladder", title, (*items, *estimate_items(study, rungs)), conclusion=conclusion)

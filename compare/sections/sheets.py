@@ -89,13 +89,16 @@ def conclusion(judged: Mapping[str, Judged]) -> str:
         ("case studies of the source", REFERENCED),
         ("screws and bearings that were fixed before they were solved in 3D", UNSEEN),
     )
-    words = []
+    words, whole = [], [f"{_largest(judged, model).partition(' (')[0]}" for model in MODELS]
     for kind, names in kinds:
         of_kind = {name: judged[name] for name in names if name in judged}
         if of_kind:
             worst = [_largest(of_kind, model) for model in MODELS]
             words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
-    return f"The worst contact load is off by {'; by '.join(words)}, in per cent of the mean load."
+    return (
+        f"The worst contact load of {len(judged)} screws and bearings is off by {' and '.join(whole)}. In detail: by "
+        f"{'; by '.join(words)}, in per cent of the mean load."
+    )
 
 
 def _largest(judged: Mapping[str, Judged], model: str) -> str:

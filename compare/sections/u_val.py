@@ -302,7 +302,7 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
-    title = "How much of an error is the model's: u_val, bias and scatter, applicability"
+    title = "Bias, scatter and uncertainty of the models"
     step("every rung on every scene with a reference")
     rungs = study.once(ladder)
     if not rungs:
@@ -333,4 +333,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         bounds_table(study, rungs),
         *items_of(study),
     )
-    return Section("u-val", title, items)
+    stated = [
+        f"{name} {s.bias:+.1f} % with a scatter of {s.scatter:.1f} %" for name, s in of_loads.items() if name in SHOWN
+    ]
+    conclusion = f"Contact loads are off on average by: {', '.join(stated)}." if stated else ""
+    return Section("u-val", title, items, conclusion=conclusion)

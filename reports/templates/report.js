@@ -56,8 +56,22 @@
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((fold) => { fold.open = true; }));
   unfold();
 
+  // on a phone a table that is wider than the page shows each row as a list of headings and values
+  const phone = matchMedia("(max-width: 640px)");
+  const list = (box) => {
+    const table = box.querySelector("table");
+    if (!phone.matches || !table || table.classList.contains("list") || box.scrollWidth <= box.clientWidth + 2) return;
+    const heads = [...table.querySelectorAll("th")].map((head) => head.textContent.trim());
+    table.querySelectorAll("tbody tr").forEach((row) => [...row.cells].forEach((cell, k) => {
+      cell.dataset.head = heads[k];
+      cell.classList.toggle("empty", cell.textContent.trim() === "–");
+    }));
+    table.classList.add("list");
+  };
+
   // a sign at tables that are wider than the page
   const clip = () => document.querySelectorAll(".scroll, .drawing").forEach((box) => {
+    list(box);
     box.parentElement.classList.toggle("more", box.scrollLeft + box.clientWidth < box.scrollWidth - 2);
   });
   document.querySelectorAll(".scroll, .drawing").forEach((box) => box.addEventListener("scroll", clip, { passive: true }));

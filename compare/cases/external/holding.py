@@ -246,10 +246,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     rows = [row for size in SIZES for row in rows_of(study, size)]
     shares = {held: range_text(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
-    text = (
+    conclusion = (
         f"The way of holding a nut moves its largest load by {range_text(rows, 'load_change')} %, its life by "
-        f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against the "
-        "left face. "
+        f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against the left face."
+    )
+    text = (
         f"Catalogues print {shares['left']} of the rigidity with the left face held, {shares['flange, whole']} with the "
         f"whole face of a flange, {shares['flange, outer']} where only the outer half of its face bears and the flange "
         f"bends: the holding is {'a part of' if min(bent, default=0.0) < 1.0 else 'enough for'} what makers count in.",
@@ -263,4 +264,4 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         "displacement of the screw's section at the nut's centre. Model and 3D are each held against their own left face."
     )
     table = Table("nut-holding", "Catalogue sizes, held in several ways", COLUMNS, rows, note)
-    return Section("holding", "How the nut is held", (Text(text), table))
+    return Section("holding", "How the nut is held", (Text(text), table), conclusion=conclusion)

@@ -60,8 +60,8 @@ def summary(found: Sequence[Evidence]) -> str:
     good = sum(e.agrees is True for e in judged)
     of = Counter(e.verdict for e in judged)
     return (
-        f"{good} of {len(judged)} published values and claims agree: {of['reproduced']} to the digits that the "
-        f"same theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by "
+        f"{good} of {len(judged)} published values and claims agree. Of these, {of['reproduced']} agree to the digits that "
+        f"the same theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by "
         f"arithmetic on printed numbers, {of['only as printed']} only if the catalogue's simplification is "
         f"repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
         "printed."

@@ -204,7 +204,7 @@ def conclusion(found: list[combined.Combined]) -> str:
     errors = [c.errors["own"][0] for c in found if not c.against_text]
     missed = float(np.sqrt(np.mean(combined.nearest(found).misses ** 2)))
     return (
-        f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified: it is "
+        f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified. It is "
         f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as readings are (table "
         f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
         f"combinations of readings of what the text leaves open; {len(found) - len(errors)} more are against it. "

@@ -381,10 +381,11 @@ def conclusion(found: Iterable[Evidence]) -> str:
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
     return (
-        f"The thesis prints {len(numbers)} of the numbers that are judged here; {results} of them are results. Of these "
-        f"{tally['reproduced']} come out, {tally['only as printed']} only with the source's own faults repeated, "
-        f"{tally['band']} lie within a band, {tally['contradicted']} are contradicted, {tally['not identifiable']} are not "
-        "determined by the text (measured, of another program, or resting on what is not printed)."
+        f"Of {results} results that the thesis prints, {tally['reproduced']} come out, {tally['only as printed']} only "
+        f"with its faults repeated, and {tally['contradicted']} are contradicted. Another {tally['band']} lie within a "
+        f"band, and {tally['not identifiable']} are not determined by the text (measured, of another program, or resting "
+        f"on what is not printed). The other {len(numbers) - results} of its {len(numbers)} numbers are inputs and "
+        "identities."
     )
 
 
