@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -88,19 +89,21 @@ def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
     with session({"Mesh.SubdivisionAlgorithm": 1, "Mesh.Algorithm": 6}) as gmsh:
         gmsh.model.add("section")
         geo = gmsh.model.geo
-        corner = [geo.addPoint(*at, 0.0) for at in ((0, 0), (w, top), (w, top + d), (0, d), (wide, 1.0 if round else 0.0))]
-        strip = geo.addCircleArc(corner[0], center := geo.addPoint(0, 1, 0), corner[1]) if round else geo.addLine(*corner[:2])
-        near = [strip, *(geo.addLine(corner[i], corner[j]) for i, j in ((1, 2), (2, 3), (3, 0)))]
-        if round:
-            rest = [geo.addCircleArc(corner[1], center, corner[4]), geo.addLine(corner[4], center), geo.addLine(center, corner[3])]
+        places = ((0.0, 0.0), (w, top), (w, top + d), (0.0, d), (wide, 1.0 if round else 0.0), (0.0, 1.0), (wide, 1.0))
+        start, edge, low, under, far_edge, bottom, corner = (geo.addPoint(*at, 0.0) for at in places)
+        if round:  # about the bottom
+            strip, beyond = (geo.addCircleArc(a, bottom, b) for a, b in ((start, edge), (edge, far_edge)))
+            path = (far_edge, bottom, under)
         else:
-            low = [geo.addPoint(wide, 1, 0), geo.addPoint(0, 1, 0)]
-            rest = [geo.addLine(a, b) for a, b in ((corner[1], corner[4]), (corner[4], low[0]), low, (low[1], corner[3]))]
+            strip, beyond = geo.addLine(start, edge), geo.addLine(edge, far_edge)
+            path = (far_edge, corner, bottom, under)
+        near = [strip, *(geo.addLine(a, b) for a, b in ((edge, low), (low, under), (under, start)))]
+        rest = [beyond, *(geo.addLine(a, b) for a, b in pairwise(path))]
         block = geo.addPlaneSurface([geo.addCurveLoop(near)])
         far = geo.addPlaneSurface([geo.addCurveLoop([*rest, -near[2], -near[1]])])
         for curve, cells in zip(near, (zone.cells, DEEP, zone.cells, DEEP), strict=True):
             geo.mesh.setTransfiniteCurve(curve, cells // 2 + 1)
-        geo.mesh.setTransfiniteSurface(block, cornerTags=corner[:4])
+        geo.mesh.setTransfiniteSurface(block, cornerTags=[start, edge, low, under])
         geo.synchronize()
         for surface in (block, far):
             gmsh.model.mesh.setRecombine(2, surface)

@@ -23,30 +23,20 @@ import numpy as np
 import scipy.sparse as sp
 
 from rollbench.hifi.contact.balls import ContactResult, State, solve_balls, uncoupled
-from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, mean_weights, share, faces
+from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, faces, mean_weights, share
 from rollbench.hifi.linear_algebra import compliance
-from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.fem import nodes_on
 from rollbench.meshes.roller_body import SweptBody, Zone, on_race, on_roller, section, swept
 
-
-@dataclass(frozen=True)
-class RollerMesh:
-    """Numerical choices of a mesh level."""
-
-    #: Cells across the half-width of the contact in the middle; even numbers of cells make up the zone.
-    across: float
-    #: Edge of a cell per distance from the zone.
-    grading: float
-    #: Cells along half of the roller.
-    along: int
-    #: Half width of the zone over that of the contact in the middle.
-    zone: float = 2.0
-
-
-#: Mesh levels.
-LEVELS = {1: RollerMesh(4.0, 0.7, 8), 2: RollerMesh(6.0, 0.5, 12), 3: RollerMesh(9.0, 0.35, 18)}
+#: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
+#: along half of the roller; all other cells follow in proportion.
+LEVELS = {1: 6, 2: 8, 3: 12}
+#: Half width of the zone over that of the contact in the middle.
+ZONE = 1.7
+#: Edge of a cell per distance from the zone, times the cells across the zone.
+GRADING = 5.4
 
 #: Share of the rounding's radius at both ends of a roller that is meshed: the rest stands too far off to touch.
 FILLET = 0.6
@@ -57,7 +47,12 @@ WIDEST = np.pi / 4.0
 
 
 class RollerError(ArithmeticError):
-    """Error of a load that leaves what the model describes."""
+    """Error of a roller or load that the model does not describe."""
+
+    def __init__(self, reason: str, advice: str) -> None:
+        """Error with its reason and what to do."""
+        super().__init__(reason)
+        self.advice = advice
 
 
 @dataclass(frozen=True)
@@ -98,8 +93,11 @@ class RollerState:
     pressure: Array
     #: Load per length of cup and cone ``(2, m)`` [N/m], over the distances of `Bodies.along`.
     line_load: Array
-    #: Forces that the pressures of both races sum up to, over the load, less one.
+    #: Largest difference of the sum of a race's pressures from the load, over the load.
     imbalance: float
+    #: Wall and processor time [s].
+    seconds: float
+    cpu_seconds: float
 
     @property
     def middle_pressure(self) -> Array:
@@ -125,31 +123,27 @@ def _middle(row: RollerRow) -> float:
 
 
 def drop(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """What the roller's profile lacks at distances from its middle [m]: by the crown, by the rounding of its ends."""
+    """Return what the profile lacks at distances from the middle [m]: by the crown, by the rounding of the ends."""
     beyond = np.maximum(np.abs(x) - 0.5 * row.length, 0.0)
     r = row.edge_radius
     edge = np.zeros_like(beyond) if r is None else r - np.sqrt(np.maximum(r**2 - beyond**2, 0.0))
     return x**2 / (2.0 * row.crown), edge
 
 
-def _lines(row: RollerRow, mesh: RollerMesh, load: float) -> tuple[Array, float, Array]:
-    """Ends of the cells along the roller, the end of the zone, and ends beyond on the race [m], all from the middle."""
-    half = 0.5 * row.length
-    b = half_width(row, load)
-    if row.edge_radius is None:
-        inner, touch, ends = np.linspace(0.0, half, 2 * mesh.along + 1), half, np.array([])
-        last = half / (2 * mesh.along)
+def _lines(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
+    """Return ends of the cells along the roller, of the zone, and beyond on the race [m], all from the middle."""
+    half, r = 0.5 * row.length, row.edge_radius
+    if r is None:
+        lines, touch = np.linspace(0.0, half, 2 * cells + 1), half
     else:
-        reach = min(FILLET * row.edge_radius, 3.0 * np.sqrt(2.0 * row.edge_radius * b**2 / row.diameter))
-        last = reach / max(3, mesh.along // 3)
-        inner = half - _growing(last, half, mesh.along)[::-1]
-        touch = half + reach
-        ends = np.concatenate([np.arange(1, max(3, mesh.along // 3) + 1) * last, []]) + half
-        if FILLET * row.edge_radius > 1.2 * reach:
-            ends = np.append(ends, half + FILLET * row.edge_radius)
-    roller = np.concatenate([inner, ends])
-    far = roller[-1] + _growing(max(last, roller[-1] - roller[-2]), BEYOND * row.depth, max(3, mesh.along // 2))[1:]
-    return np.concatenate([-roller[:0:-1], roller]), float(touch), far
+        # a rounding leaves the race within about b sqrt(2 r/D) of its beginning
+        end = min(FILLET * r, 2.0 * half_width(row, load) * np.sqrt(2.0 * r / row.diameter))
+        step, touch = end / (cells // 2), half + end
+        lines = np.concatenate([half - _growing(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)])
+        if FILLET * r > end:
+            lines = np.append(lines, half + FILLET * r)
+    far = lines[-1] + _growing(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
+    return np.concatenate([-lines[:0:-1], lines]), float(touch), far
 
 
 def _growing(first: float, length: float, cells: int) -> Array:
@@ -164,53 +158,55 @@ def _growing(first: float, length: float, cells: int) -> Array:
     return np.asarray(ends * length / ends[-1])
 
 
-def condense(row: RollerRow, mesh: RollerMesh, load: float) -> Bodies:
+def condense(row: RollerRow, cells: int, load: float) -> Bodies:
     """Mesh a roller and its races for loads up to one, and condense them.
 
     Parameters
     ----------
     row
         Row of rollers.
-    mesh
-        Numerical choices.
+    cells
+        Cells across half of the zone and along half of the roller, an even number (`LEVELS`).
     load
         Force of a race on a roller [N].
 
     Raises
     ------
+    RollerError
+        A straight roller has sharp ends, or a ring is deeper than its cone.
     FactorError
         A stiffness cannot be factored.
     ImportError
         gmsh, or a system library that it needs, is missing.
     """
     wall, cpu = perf_counter(), process_time()
-    middle, b = _middle(row), half_width(row, load)
-    cells = 2 * int(np.ceil(0.5 * mesh.zone * mesh.across))
-    zone = Zone(mesh.zone * b, cells, mesh.grading)
-    lines, touch, far = _lines(row, mesh, load)
+    if row.edge_radius is None and np.isinf(row.crown):
+        raise RollerError("it is straight and its ends are sharp: no finite pressure", SHARP)
+    middle, share_of = _middle(row), min(np.pi / row.count, WIDEST)
+    zone = Zone(ZONE * half_width(row, load), cells, GRADING / cells)
+    lines, touch, far = _lines(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
-    shape = on_roller(radius, row.roller_angle, lambda along: drop(row, along - middle)[1])
+    shape = onroller_compliance(radius, row.roller_angle, lambda along: drop(row, along - middle)[1])
     roller = swept(section(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True)
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
     longer = middle + np.concatenate([-far[::-1], lines, far])
     for angle, outward in zip(angles, (1.0, -1.0), strict=True):
-        width = middle * np.sin(angle) * np.sin(min(np.pi / row.count, WIDEST))
+        width = middle * np.sin(angle) * np.sin(share_of)
         flat = section(zone, width, row.depth, round=False)
         rings.append(swept(flat, zone, longer, reach, on_race(middle, angle, outward), mirrored=outward > 0.0))
     law = elasticity(row.material.youngs_modulus, row.material.poissons_ratio)
-    S, A = (_roller(roller, law, even=even) for even in (True, False))
-    own = [_race(ring, law, min(np.pi / row.count, WIDEST)) for ring in rings]
+    S, A = (roller_compliance(roller, law, even=even) for even in (True, False))
+    own = [race_compliance(ring, law, share_of) for ring in rings]
     same, other = 0.5 * (S + A), 0.5 * (S - A)
     matrix = np.block([[same + own[0], other], [other, same + own[1]]])
     along, across = roller.along - middle, roller.across
     x, y = np.repeat(along, len(across)), np.tile(across, len(along))
-    l = middle + x
-    y = y * l / middle
-    sag = [np.asarray(_sag(l, y, angle)) for angle in (row.roller_angle, *angles)]
-    profile = sum(drop(row, x))
-    gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(profile, 2)
+    place = middle + x
+    sag = [_sag(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
+    crown, edge = drop(row, x)
+    gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(crown + edge, 2)
     areas = np.asarray(contact_weights(roller.mesh, roller.contact.ravel()).sum(axis=1)).ravel()
     meshes = (roller, *rings)
     return Bodies(
@@ -231,7 +227,7 @@ def condense(row: RollerRow, mesh: RollerMesh, load: float) -> Bodies:
 def _sag(along: Array, across: Array, angle: float) -> Array:
     """Distance [m] of a cone of a half included angle from its tangent plane along a generator."""
     radius = along * np.sin(angle)
-    return radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2))
+    return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
 def _loads(body: SweptBody) -> sp.csr_array:
@@ -243,7 +239,7 @@ def _loads(body: SweptBody) -> sp.csr_array:
     return sp.csr_array(((W.data[:, None] * normal).ravel(), (rows, columns)), (len(contact), 3 * len(body.points)))
 
 
-def _roller(body: SweptBody, law: object, *, even: bool) -> Array:
+def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
     """Compliance of the quarter of a roller under loads that are even or odd about its other half."""
     K, rows = assemble(law, body.mesh), _loads(body)
     side, points = nodes_on(body.mesh, "side"), body.points
@@ -267,7 +263,7 @@ def _roller(body: SweptBody, law: object, *, even: bool) -> Array:
     return np.asarray(change @ found @ change.T)
 
 
-def _race(body: SweptBody, law: object, half: float) -> Array:
+def race_compliance(body: SweptBody, law: object, half: float) -> Array:
     """Compliance of the share of a race between planes at azimuths 0 and ``half`` [rad]."""
     K, rows = assemble(law, body.mesh), _loads(body)
     side = nodes_on(body.mesh, "side")
@@ -294,6 +290,9 @@ def _closing(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
     return np.column_stack([np.concatenate([approach, nothing]), np.concatenate([moves, -moves])])
 
 
+#: What to do about sharp ends.
+SHARP = "write edge_radius under its rollers, or a crown on which the load ends before the roller does"
+
 #: Relative change of the load by which the stiffness is found.
 STEP = 0.01
 
@@ -311,26 +310,23 @@ def press(bodies: Bodies, load: float) -> RollerState:
     Raises
     ------
     RollerError
-        Contact fails, or reaches the sharp end of a roller or the end of its zone.
+        Contact fails, or reaches a sharp end of the roller or the end of its zone.
     """
+    wall, cpu = perf_counter(), process_time()
     C, N = uncoupled(bodies.matrix), sp.csr_array(bodies.closing)
     found: list[ContactResult] = []
     state: State | None = None
     for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
         result, state = solve_balls(C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state)
         if not result.converged:
-            raise RollerError(f"contact of the roller did not converge: {result.status}")
+            raise RollerError(f"its contact did not converge: {result.status}", "try another load or level")
         found.append(result)
     forces = found[2].forces.reshape(2, *bodies.areas.shape)
     touched = forces > 0.0
-    if touched[:, [0, -1]].any():
-        raise RollerError(
-            "contact reaches the end of the roller: "
-            + ("a sharp end has no finite pressure" if bodies.row.edge_radius is None else "its rounding is too small")
-        )
-    if touched[:, :, -1].any():
-        raise RollerError("contact is wider than the zone of the mesh: the load is above that of the mesh")
-    widths = np.gradient(bodies.along)
+    if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
+        raise RollerError("it touches with its sharp ends, whose pressure is not finite", SHARP)
+    if touched[:, [0, -1]].any() or touched[:, :, -1].any():
+        raise RollerError("it touches beyond the zone of its mesh", "give it a larger edge_radius or a smaller load")
     widths = np.concatenate([[0.0], np.diff(bodies.along)]) / 2.0 + np.concatenate([np.diff(bodies.along), [0.0]]) / 2.0
     total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.areas.size)
     return RollerState(
@@ -340,4 +336,6 @@ def press(bodies: Bodies, load: float) -> RollerState:
         pressure=forces / bodies.areas,
         line_load=2.0 * forces.sum(axis=2) / widths,
         imbalance=float(np.abs(total / load - 1.0).max()),
+        seconds=perf_counter() - wall,
+        cpu_seconds=process_time() - cpu,
     )
