@@ -187,7 +187,7 @@ def condense(row: RollerRow, cells: int, load: float) -> Bodies:
     lines, touch, far = _lines(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
-    shape = onroller_compliance(radius, row.roller_angle, lambda along: drop(row, along - middle)[1])
+    shape = on_roller(radius, row.roller_angle, lambda along: drop(row, along - middle)[1])
     roller = swept(section(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True)
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
