@@ -18,7 +18,7 @@ from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.convergence import Convergence, observe
-from rollbench.compare.reference.store import here, sealed, unsealed, versions
+from rollbench.compare.reference.store import here, sealed, shipped_store, unsealed, versions
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers import approach_of, circular_crown, half_width, pressure, slice_state, sliced, tapered
@@ -121,6 +121,22 @@ def _plain(row: RollerRow) -> RollerRow:
     return replace(row, phase=0.0, **nothing)
 
 
+def file_of(roller: Roller, level: int) -> str:
+    """Return the name of the file of a run in a store."""
+    key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
+    return f"roller-level{level}-{key}.json"
+
+
+def stored(roller: Roller, level: int, stores: Sequence[Path]) -> RollerRun | None:
+    """Return the run of a roller on a mesh level in the first store that has it; None without one."""
+    for store in stores:
+        try:
+            return RollerRun(**unsealed(store / file_of(roller, level)))
+        except (OSError, ValueError, TypeError):
+            continue
+    return None
+
+
 def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
     """Return the run of a roller on a mesh level: that of a store, or a new one, kept in the first store.
 
@@ -129,15 +145,10 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
     Refusal
         A straight roller with sharp ends, or a contact that leaves what the model describes.
     """
+    if not fresh and (known := stored(roller, level, stores)) is not None:
+        return known
     from rollbench.hifi.contact import roller as hifi
 
-    key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES, hifi.LEVELS[level], versions())[:16]
-    name = f"roller-level{level}-{key}.json"
-    for store in () if fresh else stores:
-        try:
-            return RollerRun(**unsealed(store / name))
-        except (OSError, ValueError, TypeError):
-            continue
     try:
         bodies = hifi.condense(roller.row, hifi.LEVELS[level], roller.load)
         states = [hifi.press(bodies, share * roller.load) for share in SHARES]
@@ -168,7 +179,7 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
         machine=now.machine,
         date=datetime.now(UTC).date().isoformat(),
     )
-    replace_file(stores[0] / name, sealed(asdict(run)))
+    replace_file(stores[0] / file_of(roller, level), sealed(asdict(run)))
     return run
 
 
@@ -249,8 +260,14 @@ def convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergen
     return observe(values, [1.0 / run.across for run in runs])
 
 
+def enough(runs: Sequence[RollerRun]) -> float | None:
+    """Return the uncertainty of the approach by the last of some runs [%]; None with one."""
+    bar = convergence([run.approach[0] for run in runs], runs).uncertainty
+    return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
+
+
 def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a row for each level: cells, unknowns, time, difference of the approach from the finest level, imbalance."""
+    """Return a row for each level: cells, time, difference of the approach from the finest level, its uncertainty, balance."""
     return [
         {
             "level": run.level,
@@ -260,9 +277,10 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
             "seconds": run.seconds,
             "cpu_seconds": run.cpu_seconds,
             "difference_percent": float(error_percent(run.approach[0], runs[-1].approach[0])),
+            "enough_for_percent": enough(runs[: k + 1]),
             "imbalance_percent": 100.0 * run.imbalance,
         }
-        for run in runs
+        for k, run in enumerate(runs)
     ]
 
 
@@ -312,10 +330,18 @@ def answer(roller: Roller, runs: Sequence[RollerRun]) -> dict[str, Any]:
         for k, x in enumerate(best.along)
     ]
     return {
-        "set": roller.sets[0],
-        "sets": list(roller.sets),
+        "set": ", ".join(roller.sets),
         "load_N": roller.load,
         "levels": level_rows(runs),
         "quantities": quantity_rows(roller, runs),
         "profile": profile,
     }
+
+
+def library(
+    assembly: Assembly, levels: int | None, step: Callable[[str], None], store: Path
+) -> tuple[dict[str, Any], str, tuple[str, ...]]:
+    """Return JSON, the key of the table to show, and closing lines for `rollbench.mesh_study`."""
+    found = study(assembly, levels, (store, shipped_store()), step)
+    sets = [{"scene": assembly.name} | answer(one, runs) for one, runs in found]
+    return {"scene": assembly.name, "sets": sets}, "sets", tuple(closing(one, runs) for one, runs in found)
