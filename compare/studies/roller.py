@@ -267,7 +267,7 @@ def enough(runs: Sequence[RollerRun]) -> float | None:
 
 
 def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a row for each level: cells, time, difference of the approach from the finest level, its uncertainty, balance."""
+    """Return a row for each level: cells, time, the approach against the finest level, its uncertainty, balance."""
     return [
         {
             "level": run.level,
@@ -316,8 +316,8 @@ def closing(roller: Roller, runs: Sequence[RollerRun]) -> str:
     middle = max(abs(float(error_percent(p, h))) for p, h in zip(best.middle_pressure, hertz, strict=True))
     return (
         f"Stiffness of a roller under {roller.load:.4g} N against 3D: slices {off:+.1f} %, spring of ISO/TS 16281 "
-        f"{norm:+.1f} %. Pressure in the middle within {middle:.2g} % of line contact. {best.cpu_seconds:.0f} s of a processor on level "
-        f"{best.level}, measured with {best.versions['rollbench']}."
+        f"{norm:+.1f} %. Pressure in the middle within {middle:.2g} % of line contact. {best.cpu_seconds:.0f} s of "
+        f"a processor on level {best.level}, measured with {best.versions['rollbench']}."
     )
 
 

@@ -147,7 +147,7 @@ def _lines(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array
 
 
 def _growing(first: float, length: float, cells: int) -> Array:
-    """Ends ``(cells + 1,)`` of cells from 0 to a length, each larger than the one before by one ratio, the first as given."""
+    """Return ends ``(cells + 1,)`` of cells from 0 to a length, growing by one ratio from the first on."""
     if first * cells >= length:
         return np.linspace(0.0, length, cells + 1)
     low, high = 1.0, (length / first) ** (1.0 / (cells - 1)) + 1.0
