@@ -93,16 +93,16 @@ def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
         start, edge, low, under, far_edge, bottom, corner = (geo.addPoint(*at, 0.0) for at in places)
         if round:  # about the bottom
             strip, beyond = (geo.addCircleArc(a, bottom, b) for a, b in ((start, edge), (edge, far_edge)))
-            path = (far_edge, bottom, under)
+            path = [far_edge, bottom, under]
         else:
             strip, beyond = geo.addLine(start, edge), geo.addLine(edge, far_edge)
-            path = (far_edge, corner, bottom, under)
+            path = [far_edge, corner, bottom, under]
         near = [strip, *(geo.addLine(a, b) for a, b in ((edge, low), (low, under), (under, start)))]
         rest = [beyond, *(geo.addLine(a, b) for a, b in pairwise(path))]
         block = geo.addPlaneSurface([geo.addCurveLoop(near)])
         far = geo.addPlaneSurface([geo.addCurveLoop([*rest, -near[2], -near[1]])])
-        for curve, cells in zip(near, (zone.cells, DEEP, zone.cells, DEEP), strict=True):
-            geo.mesh.setTransfiniteCurve(curve, cells // 2 + 1)
+        for curve, count in zip(near, (zone.cells, DEEP, zone.cells, DEEP), strict=True):
+            geo.mesh.setTransfiniteCurve(curve, count // 2 + 1)
         geo.mesh.setTransfiniteSurface(block, cornerTags=[start, edge, low, under])
         geo.synchronize()
         for surface in (block, far):
@@ -135,7 +135,7 @@ def _below(points: Array, depth: float, round: bool) -> Array:
     return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
 
 
-def _swept(flat: Section, lines: Array) -> tuple[Array, Array, Index]:
+def _swept(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
     """Sweep a section over cells between ``lines``: section's node and distance of each node, cells in gmsh's order."""
     along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
     n = len(flat.points)
@@ -156,7 +156,7 @@ def _swept(flat: Section, lines: Array) -> tuple[Array, Array, Index]:
             columns.append(at(middle, 0 if a < 4 else 2))
     columns += [at(quad[:, 8], 0), *(at(quad[:, k], 1) for k in (4, 7, 5, 6)), at(quad[:, 8], 2), at(quad[:, 8], 1)]
     first = np.stack(columns, axis=1)
-    return node, place, np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
+    return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
 
 
 def _boundary(cells: Index, chosen: Array) -> Index:
@@ -222,7 +222,8 @@ def swept(
 
 def _down(at: Array, depth: float, round: bool) -> Array:
     """Direction into a section at points of its surface."""
-    return np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth if round else np.tile([0.0, 1.0], (len(at), 1))
+    inward = np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth
+    return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
 
 
 def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
@@ -242,7 +243,7 @@ def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Ca
         ray = np.column_stack([radius - at[:, 1], at[:, 0], np.full(len(at), radius / np.tan(angle))])
         out = along[:, None] * ray / np.linalg.norm(ray, axis=1)[:, None]
         out[:, :2] *= 1.0 - (drop(along) / radius)[:, None]
-        return out
+        return np.asarray(out)
 
     return place
 

@@ -110,7 +110,7 @@ def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: 
         allowed = "scenes with tapered rollers, or scenes without"
         raise ArgumentError("scenes", " ".join(names), allowed, "name them apart")
     for argument in (
-        name for name, given in (means_nothing | {"backend": where is not None}).items() if given and any(have)
+        name for name, given in ({**means_nothing, "backend": where is not None}).items() if given and any(have)
     ):
         raise ArgumentError(
             argument, "tapered rollers", "screws and ball bearings", "leave it out: it would change nothing"

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -117,8 +118,7 @@ def rollers_of(assembly: Assembly) -> list[Roller]:
 
 
 def _plain(row: RollerRow) -> RollerRow:
-    nothing = dict.fromkeys(("end_radius", "rib_height", "rib_friction", "torque_factor"))
-    return replace(row, phase=0.0, **nothing)
+    return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
 def file_of(roller: Roller, level: int) -> str:
@@ -212,6 +212,14 @@ def line_contact(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
     return [float(pressure(q, half_width(q, k, modulus))) for q, k in zip(line_loads, curved, strict=True)]
 
 
+def _of_load(name: str, k: int, run: RollerRun) -> float:
+    return float(getattr(run, name)[k])
+
+
+def _of_race(name: str, race: int, run: RollerRun) -> float:
+    return float(getattr(run, name)[0][race])
+
+
 def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     """Return a row for each quantity: its value on every level, uncertainty, low-order values and their errors [%].
 
@@ -239,14 +247,14 @@ def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, A
     for k, load in enumerate(runs[-1].load):
         low = low_order(roller.row, load)
         at = f"under {load:.4g} N"
-        add(f"approach {at}", "um", 1e6, lambda run, k=k: run.approach[k], low_order=low.approach, norm=low.norm_approach)
+        add(f"approach {at}", "um", 1e6, partial(_of_load, "approach", k), low_order=low.approach, norm=low.norm_approach)
         both = {"low_order": low.stiffness, "norm": low.norm_stiffness}
-        add(f"stiffness {at}", "N/um", 1e-6, lambda run, k=k: run.stiffness[k], **both)
+        add(f"stiffness {at}", "N/um", 1e-6, partial(_of_load, "stiffness", k), **both)
     hertz = line_contact(roller.row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
-        add(f"middle line load, {race}", "N/mm", 1e-3, lambda run, i=i: run.middle_line_load[0][i])
-        add(f"middle pressure, {race}", "MPa", 1e-6, lambda run, i=i: run.middle_pressure[i], line_contact=hertz[i])
-        add(f"largest pressure, {race}", "MPa", 1e-6, lambda run, i=i: run.largest_pressure[i])
+        add(f"middle line load, {race}", "N/mm", 1e-3, partial(_of_race, "middle_line_load", i))
+        add(f"middle pressure, {race}", "MPa", 1e-6, partial(_of_load, "middle_pressure", i), line_contact=hertz[i])
+        add(f"largest pressure, {race}", "MPa", 1e-6, partial(_of_load, "largest_pressure", i))
     return rows
 
 
