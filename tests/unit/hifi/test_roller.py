@@ -120,10 +120,10 @@ def test_stiffness_is_the_slope_of_load_over_approach(pressed):
 
 @pytest.mark.slow
 def test_coarser_meshes_agree(pressed):
-    """Approach and stiffness of a mesh coarser than all that are used are within 0.5 % of the coarsest of these."""
+    """Approach and stiffness of a mesh coarser than all that are used are within 1 % of the coarsest of these."""
     coarse, fine = press(condense(ROW, 4, LOAD), LOAD), pressed[1][1.0]
-    assert coarse.approach == pytest.approx(fine.approach, rel=0.005)
-    assert coarse.stiffness == pytest.approx(fine.stiffness, rel=0.005)
+    assert coarse.approach == pytest.approx(fine.approach, rel=0.01)
+    assert coarse.stiffness == pytest.approx(fine.stiffness, rel=0.01)
 
 
 def test_sharp_straight_rollers_are_refused():
