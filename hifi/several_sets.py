@@ -69,7 +69,9 @@ def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
     """
     for s in assembly.sets:
         if not isinstance(s.parts, Scene):
-            raise ValueError(f"{s.name}: a row of rollers has no 3D body")
+            raise ValueError(
+                f"{s.name}: a row of rollers has no 3D body on its shaft (mesh-study presses one of its rollers in 3D)"
+            )
         if s.carrier is not None:
             raise ValueError(f"{s.name}: an inner ring on a housing has no 3D body")
     if assembly.thermal_strain:

@@ -123,6 +123,8 @@ class RollerRow:
     rib_friction: float | None = usual(None)
     #: The maker's G_1 of Timken's torque formula; None where unknown.
     torque_factor: float | None = usual(None)
+    #: Radius of the rounding at both ends of the contact line [m]; None for sharp ends.
+    edge_radius: Size | None = usual(None)
 
 
 @keyed

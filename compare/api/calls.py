@@ -635,7 +635,8 @@ def mesh_study(
     Returns
     -------
     MeshStudy
-        Levels, and for each quantity its values, observed order of convergence and uncertainty.
+        Levels, and for each quantity its values, observed order of convergence and uncertainty. Of a scene with tapered
+        rollers those of each kind of roller, by the names of its sets.
 
     Raises
     ------
@@ -649,9 +650,12 @@ def mesh_study(
     >>> [(one.level, round(one.difference, 2)) for one in study.levels]  # largest difference of a load in %
     [(1, 0.08), (3, 0.0)]
     """
+    from rollbench.compare.studies import roller
     from rollbench.compare.studies.mesh_study import library
 
     described = _described(scene)
+    if isinstance(described, Assembly) and roller.has_rollers(described):
+        return mesh_study_of(*roller.library(described, levels, LOG.info, Path(store)))
     found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +30,9 @@ def mesh_study(
 ) -> int:
     """Run the 3D reference on several mesh levels: observed convergence orders, uncertainty, spread by modelling choices.
 
+    For a scene with tapered rollers, one roller of each kind is pressed between its races under the largest load that the
+    scene puts on it, and compared with low-order laws.
+
     Exit code 5 where loads did not settle: the remaining change is printed, stored with the run and added to its error
     bars.
 
@@ -38,8 +41,8 @@ def mesh_study(
     scenes
         Names of shipped scenes, or scene files; scenes with the same parts share their meshes.
     levels
-        Levels 1 to this one. Default: levels 1 and 3, the latter clearly more accurate (for scenes of friction 1 to 3).
-        Each run is stored when it is done, so an interrupted study resumes.
+        Levels 1 to this one. Default: levels 1 and 3, the latter clearly more accurate (for scenes of friction and of
+        rollers 1 to 3). Each run is stored when it is done, so an interrupted study resumes.
     store
         Folder of the results; the table goes there as CSV, the figure as SVG.
     spread
@@ -53,7 +56,9 @@ def mesh_study(
     """
     from rollbench.compare.commands.compare import all_rolling, run_rolling_study
 
-    if all_rolling(scenes, bodies, {"spread": spread}):
+    if all_rollers(scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where):
+        answer = run_roller_study(scenes, levels, store, fresh=fresh)
+    elif all_rolling(scenes, bodies, {"spread": spread}):
         answer = run_rolling_study(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
     else:
         answer = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
@@ -92,3 +97,53 @@ def run_mesh_study(
         parts += [closing(one.found), *filter(None, [one.found.unsettled])]
         parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
     return Answer(tables, parts, code_of(one.found for one in references))
+
+
+def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: Where | None) -> bool:
+    """Return whether all scenes have rows of tapered rollers.
+
+    Raises InputError where only some have, and for an option that has no meaning for rollers.
+    """
+    from rollbench.compare.errors import ArgumentError
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.studies.roller import has_rollers
+
+    have = [has_rollers(catalogue.any_scene(name)) for name in names]
+    if any(have) and not all(have):
+        allowed = "scenes with tapered rollers, or scenes without"
+        raise ArgumentError("scenes", " ".join(names), allowed, "name them apart")
+    for argument in (
+        name for name, given in ({**means_nothing, "backend": where is not None}).items() if given and any(have)
+    ):
+        raise ArgumentError(
+            argument, "tapered rollers", "screws and ball bearings", "leave it out: it would change nothing"
+        )
+    return any(have)
+
+
+def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> Answer:
+    """Compute what is missing (fresh: everything again), answer with a table for each kind of roller.
+
+    count: levels 1 to this one, all three unless given. Raises InputError as `rollbench.compare.studies.roller.study`.
+    """
+    from rollbench.compare.files import write_csv
+    from rollbench.compare.reference.store import shipped_store
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.scene_file import each_case
+    from rollbench.compare.studies import roller
+    from rollbench.meshes.axis import Assembly
+
+    found: dict[str, list[dict[str, Any]]] = {}
+    parts: list[Any] = []
+    for scene in [x for name in names for x in each_case(catalogue.any_scene(name), name)]:
+        assert isinstance(scene, Assembly)
+        for one, runs in roller.study(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
+            said = roller.answer(one, runs)
+            found.setdefault(scene.name, []).append(said)
+            stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
+            write_csv(Path(f"{stem}.csv"), said["quantities"])
+            write_csv(Path(f"{stem}-profile.csv"), said["profile"])
+            parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.sets)}", "", aligned(said["levels"]), ""]
+            parts += [aligned(roller.shown(said["quantities"])), "", roller.closing(one, runs)]
+            parts.append(f"along the roller: {stem}-profile.csv")
+    return Answer(found, parts)

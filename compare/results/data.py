@@ -325,8 +325,9 @@ class MeshLevel:
     """Run time [s]."""
     difference: float
     """Largest difference of a contact load from the finest level [% of the mean contact load]."""
-    enough_for: float
-    """Uncertainty of the contact loads, by this level and the coarser ones [% of the mean contact load]."""
+    enough_for: float | None
+    """Uncertainty of the contact loads, by this level and the coarser ones [% of the mean contact load]; of a
+    roller in 3D of its approach, None with one level."""
 
 
 @dataclass(frozen=True)

@@ -228,7 +228,7 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup's angle", "the cone's angle is what is left")
         else:
-            yield from _rib_faults(f"{at}.rollers", one.rollers)
+            yield from _end_faults(f"{at}.rollers", one.rollers)
     else:
         for name, table in balls.items():
             if table is None:
@@ -259,8 +259,11 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
 
 
-def _rib_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
-    """Yield faults of large ends that do not touch a rib; the angles of the row are valid."""
+def _end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
+    """Yield faults of the ends of rollers: a rounding, a large end that does not touch a rib; the angles are valid."""
+    if r.edge_radius is not None and not 0.005 <= r.edge_radius / r.diameter <= 0.25:
+        allowed = f"{mm(0.005 * r.diameter)} to {mm(0.25 * r.diameter)}, 0.005 to 0.25 of the diameter"
+        yield Fault((f"{at}.edge_radius",), allowed, "rollers usually have a tenth of their diameter")
     if r.rib_height is not None and r.rib_height >= 0.5 * r.diameter:
         advice = (
             "the rib touches the end between the cone's race and the roller's axis, usually 0.05 to 0.2 of its diameter"
@@ -342,7 +345,8 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
 
 def _row(r: RollerKeys, material: Material) -> RollerRow:
     row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
-    given = {name: getattr(r, name) for name in ("slices", "end_radius", "rib_height", "rib_friction", "torque_factor")}
+    names = ("slices", "edge_radius", "end_radius", "rib_height", "rib_friction", "torque_factor")
+    given = {name: getattr(r, name) for name in names}
     return replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
 
 

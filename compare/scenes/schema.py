@@ -348,6 +348,11 @@ class RollerKeys(keys.Table):
     ring_depth: ranges.Size = key("depth of both rings to which their deformation counts", example="5 mm")
     crown: ranges.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
     slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
+    edge_radius: ranges.Size | None = key(
+        "radius of the rounding that follows the effective length at both ends, for the roller in 3D; sharp if left out",
+        None,
+        "1 mm",
+    )
     end_radius: ranges.Size | None = key(
         "radius of the sphere of the large end, for the pressure on the rib; usually 0.8 to 0.95 of its apex distance",
         None,

@@ -248,7 +248,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
         f"The way of holding a nut moves its largest load by {range_text(rows, 'load_change')} %, its life by "
-        f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against the left face."
+        f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against "
+        "the left face."
     )
     text = (
         f"Catalogues print {shares['left']} of the rigidity with the left face held, {shares['flange, whole']} with the "

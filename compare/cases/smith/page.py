@@ -12,11 +12,15 @@ from rollbench.compare.evidence import Evidence, counts, evidence, trust
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import load_table
+from rollbench.compare.reference.store import shipped_store
+from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.source_tables import computation_tables, layouts, shown_tables
 from rollbench.compare.sections.verdicts import misprints_table
+from rollbench.compare.studies import roller as rollers
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 from rollbench.lowfi.bearings.axis import axis_stiffness
+from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Sections by name: title, printed tables.
@@ -180,13 +184,72 @@ def layout_table(study: Study) -> Table:
     return Table.of("smith-layouts", "Stiffness of the axis by layout, solved as scenes", rows, LAYOUT_NOTE)
 
 
+ROLLER_NOTE = (
+    "One roller between its races in 3D (`rollbench mesh-study smith-axis-taper`), ends rounded with 1 mm (assumed: the "
+    "source does not give them); slices: the law of every row of rollers here; spring: that of ISO/TS 16281. Line contact: "
+    "Hertz's pressure of the load per length that 3D has in the middle. Uncertainty: of the mesh, from all levels."
+)
+
+
+def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
+    """Return the roller in 3D beside low-order laws, from stored runs: quantities, loads and pressures along it."""
+    study.uses(("smith-axis-taper",))
+    scene = catalogue.shipped("smith-axis-taper")
+    assert isinstance(scene, Assembly)
+    (roller,) = rollers.rollers_of(scene)
+    runs = [run for level in rollers.LEVELS if (run := rollers.stored(roller, level, (shipped_store(),))) is not None]
+    if not runs:
+        return ()
+    rows: list[Row] = []
+    for one in rollers.quantity_rows(roller, runs):
+        row: Row = {"quantity": f"{one['quantity']}, {one['unit']}"}
+        row |= {
+            Quantity(f"level_{run.level}", f"3D, level {run.level}", "", ".4g"): one[f"level {run.level}"] for run in runs
+        }
+        row |= {Quantity("uncertainty", "uncertainty", "", ".2g"): one["uncertainty"]}
+        for key, words in (("low_order", "slices"), ("norm", "spring"), ("line_contact", "line contact")):
+            row[Quantity(key, words, "", ".4g")] = one[key]
+            row[Quantity(f"{key}_error", f"{words} against 3D", "%", ".2f")] = one[f"{key}_error_percent"]
+        rows.append(row)
+    best = runs[-1]
+    times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
+    note = f"{ROLLER_NOTE} {rollers.closing(roller, runs)} Processor time: {times}."
+    along = [1e3 * x for x in best.along]
+    even = [1e-3 * roller.load / roller.row.length] * 2
+    half = 500.0 * roller.row.length
+    loads = [
+        Series(f"3D, {race}", along, [1e-3 * q for q in best.line_load[i]], "line") for i, race in enumerate(rollers.RACES)
+    ]
+    pressures = [
+        Series(f"3D, {race}", along, [1e-6 * p for p in best.along_pressure[i]], "line")
+        for i, race in enumerate(rollers.RACES)
+    ]
+    panels = (
+        Panel(
+            "load per length",
+            "along the roller / mm",
+            "N/mm",
+            (*loads, Series("slices", [-half, half], even, "line")),
+            zero=True,
+        ),
+        Panel("largest pressure across", "along the roller / mm", "MPa", pressures, zero=True),
+    )
+    caption = f"A roller under {roller.load:.4g} N: even but for the ends, where the rounding makes the pressure finite."
+    table = Table.of("smith-roller-3d", "A roller between its races in 3D", rows, note)
+    return table, Figure("smith-roller-along", "Load and pressure along the roller in 3D", panels, caption)
+
+
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the sections of the report."""
     step("support bearings and axis")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}
     listed = layouts(next(case for case in CASES if case.name == "smith"))
-    drawn = {"smith-ball": (parameters_figure(), figure(found)), "smith-axis": (loads_figure(found), layout_table(study))}
+    drawn = {
+        "smith-ball": (parameters_figure(), figure(found)),
+        "smith-taper": roller_parts(study),
+        "smith-axis": (loads_figure(found), layout_table(study)),
+    }
     chapters = [
         Section(name, title, (*shown_tables(printed, listed, by_name), *drawn.get(name, ())))
         for name, (title, printed) in CHAPTERS.items()

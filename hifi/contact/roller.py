@@ -1,0 +1,341 @@
+"""One tapered roller between its races in 3D: approach, stiffness, and pressure along and across both contact lines.
+
+Bodies are a roller and the shares of cup and cone that belong to it: up to the planes half-way to its neighbours, where
+symmetry holds as all rollers are loaded alike, and to the depth of the rings, where the cone is held and the cup moved
+along the normal of its race. The rib is rigid, frictionless, on the roller's axis: it stops the mean motion of the large
+end along the axis. The roller turns and moves between the races until it is in balance. Half of everything is meshed (the
+plane of the axes is one of symmetry), of the roller a quarter: halves of the loads are split into parts that are symmetric
+and antisymmetric about its other plane,
+
+    C_cup,cup = C_cone,cone = (S + A)/2,   C_cup,cone = (S - A)/2,
+
+each from one stiffness. Every body is condensed to the compliance of its zone under pressures that are bilinear between
+nodes (`hifi.elements.forms`); contact is unilateral, without friction. Gaps are those of the cones, a circular crown and
+roundings of the ends. Small strains and displacements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter, process_time
+
+import numpy as np
+import scipy.sparse as sp
+
+from rollbench.hifi.contact.balls import ContactResult, State, solve_balls, uncoupled
+from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, faces, mean_weights, share
+from rollbench.hifi.linear_algebra import compliance
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.roller_body import SweptBody, Zone, on_race, on_roller, section, swept
+
+#: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
+#: along half of the roller; all other cells follow in proportion.
+LEVELS = {1: 6, 2: 8, 3: 12}
+#: Half width of the zone over that of the contact in the middle.
+ZONE = 1.7
+#: Edge of a cell per distance from the zone, times the cells across the zone.
+GRADING = 5.4
+
+#: Share of the rounding's radius at both ends of a roller that is meshed: the rest stands too far off to touch.
+FILLET = 0.6
+#: What a race is longer than the roller at either end, over the depth of the ring.
+BEYOND = 1.0
+#: Widest share of a race [rad].
+WIDEST = np.pi / 4.0
+
+
+class RollerError(ArithmeticError):
+    """Error of a roller or load that the model does not describe."""
+
+    def __init__(self, reason: str, advice: str) -> None:
+        """Error with its reason and what to do."""
+        super().__init__(reason)
+        self.advice = advice
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Condensed bodies of a roller, independent of the load."""
+
+    #: Row of the roller.
+    row: RollerRow
+    #: Distances of the zone's nodes from the roller's middle ``(m,)`` [m], and across it ``(n,)`` [m].
+    along: Array
+    across: Array
+    #: Compliance between the pressures of cup, then cone ``(2 m n, 2 m n)`` [m/N].
+    matrix: Array
+    #: Gaps of the undeformed bodies ``(2 m n,)`` [m].
+    gap: Array
+    #: Gap closed by the approach of the cup, the roller's motion towards it and its tilt ``(2 m n, 3)``.
+    closing: Array
+    #: Areas of the pressure's basis functions ``(m, n)`` [m2], in the half that is meshed.
+    areas: Array
+    #: Number of cells and of degrees of freedom of all meshes.
+    cells: int
+    unknowns: int
+    #: Wall and processor time [s].
+    seconds: float
+    cpu_seconds: float
+
+
+@dataclass(frozen=True)
+class RollerState:
+    """A roller under one load."""
+
+    #: Force of each race on it [N].
+    load: float
+    #: Approach of the bases of cup and cone along the cup's normal [m], and its derivative d load/d approach [N/m].
+    approach: float
+    stiffness: float
+    #: Pressures of cup and cone ``(2, m, n)`` [Pa].
+    pressure: Array
+    #: Load per length of cup and cone ``(2, m)`` [N/m], over the distances of `Bodies.along`.
+    line_load: Array
+    #: Largest difference of the sum of a race's pressures from the load, over the load.
+    imbalance: float
+    #: Wall and processor time [s].
+    seconds: float
+    cpu_seconds: float
+
+    @property
+    def middle_pressure(self) -> Array:
+        """Largest pressure on cup and cone in the roller's middle ``(2,)`` [Pa]."""
+        return np.asarray(self.pressure[:, self.pressure.shape[1] // 2].max(axis=1))
+
+    @property
+    def middle_line_load(self) -> Array:
+        """Load per length of cup and cone in the roller's middle ``(2,)`` [N/m]."""
+        return np.asarray(self.line_load[:, self.line_load.shape[1] // 2])
+
+
+def half_width(row: RollerRow, load: float) -> float:
+    """Half-width of the wider contact under an even load [m], b^2 = 4 q R/(pi E*), to size a mesh."""
+    modulus = 0.5 * row.material.youngs_modulus / (1.0 - row.material.poissons_ratio**2)
+    r, cup = np.tan([row.roller_angle, row.cup_angle]) * _middle(row)
+    return float(np.sqrt(4.0 * load / row.length / (1.0 / r - 1.0 / cup) / (np.pi * modulus)))
+
+
+def _middle(row: RollerRow) -> float:
+    """Distance of the middle of the contact line from the apex [m]."""
+    return float(0.5 * row.diameter / np.sin(row.roller_angle))
+
+
+def drop(row: RollerRow, x: Array) -> tuple[Array, Array]:
+    """Return what the profile lacks at distances from the middle [m]: by the crown, by the rounding of the ends."""
+    beyond = np.maximum(np.abs(x) - 0.5 * row.length, 0.0)
+    r = row.edge_radius
+    edge = np.zeros_like(beyond) if r is None else r - np.sqrt(np.maximum(r**2 - beyond**2, 0.0))
+    return x**2 / (2.0 * row.crown), edge
+
+
+def _lines(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
+    """Return ends of the cells along the roller, of the zone, and beyond on the race [m], all from the middle."""
+    half, r = 0.5 * row.length, row.edge_radius
+    if r is None:
+        lines, touch = np.linspace(0.0, half, 2 * cells + 1), half
+    else:
+        # a rounding leaves the race within about b sqrt(2 r/D) of its beginning
+        end = min(FILLET * r, 2.0 * half_width(row, load) * np.sqrt(2.0 * r / row.diameter))
+        step, touch = end / (cells // 2), half + end
+        lines = np.concatenate([half - _growing(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)])
+        if FILLET * r > end:
+            lines = np.append(lines, half + FILLET * r)
+    far = lines[-1] + _growing(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
+    return np.concatenate([-lines[:0:-1], lines]), float(touch), far
+
+
+def _growing(first: float, length: float, cells: int) -> Array:
+    """Return ends ``(cells + 1,)`` of cells from 0 to a length, growing by one ratio from the first on."""
+    if first * cells >= length:
+        return np.linspace(0.0, length, cells + 1)
+    low, high = 1.0, (length / first) ** (1.0 / (cells - 1)) + 1.0
+    for _ in range(80):
+        ratio = 0.5 * (low + high)
+        low, high = (ratio, high) if first * np.sum(ratio ** np.arange(cells)) < length else (low, ratio)
+    ends = np.concatenate([[0.0], np.cumsum(first * ratio ** np.arange(cells))])
+    return np.asarray(ends * length / ends[-1])
+
+
+def condense(row: RollerRow, cells: int, load: float) -> Bodies:
+    """Mesh a roller and its races for loads up to one, and condense them.
+
+    Parameters
+    ----------
+    row
+        Row of rollers.
+    cells
+        Cells across half of the zone and along half of the roller, an even number (`LEVELS`).
+    load
+        Force of a race on a roller [N].
+
+    Raises
+    ------
+    RollerError
+        A straight roller has sharp ends, or a ring is deeper than its cone.
+    FactorError
+        A stiffness cannot be factored.
+    ImportError
+        gmsh, or a system library that it needs, is missing.
+    """
+    wall, cpu = perf_counter(), process_time()
+    if row.edge_radius is None and np.isinf(row.crown):
+        raise RollerError("it is straight and its ends are sharp: no finite pressure", SHARP)
+    middle, share_of = _middle(row), min(np.pi / row.count, WIDEST)
+    zone = Zone(ZONE * half_width(row, load), cells, GRADING / cells)
+    lines, touch, far = _lines(row, cells, load)
+    reach = (middle - touch, middle + touch)
+    radius = 0.5 * row.diameter
+    shape = on_roller(radius, row.roller_angle, lambda along: drop(row, along - middle)[1])
+    roller = swept(section(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True)
+    angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
+    rings = []
+    longer = middle + np.concatenate([-far[::-1], lines, far])
+    for angle, outward in zip(angles, (1.0, -1.0), strict=True):
+        width = middle * np.sin(angle) * np.sin(share_of)
+        flat = section(zone, width, row.depth, round=False)
+        rings.append(swept(flat, zone, longer, reach, on_race(middle, angle, outward), mirrored=outward > 0.0))
+    law = elasticity(row.material.youngs_modulus, row.material.poissons_ratio)
+    S, A = (roller_compliance(roller, law, even=even) for even in (True, False))
+    own = [race_compliance(ring, law, share_of) for ring in rings]
+    same, other = 0.5 * (S + A), 0.5 * (S - A)
+    matrix = np.block([[same + own[0], other], [other, same + own[1]]])
+    along, across = roller.along - middle, roller.across
+    x, y = np.repeat(along, len(across)), np.tile(across, len(along))
+    place = middle + x
+    sag = [_sag(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
+    crown, edge = drop(row, x)
+    gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(crown + edge, 2)
+    areas = np.asarray(contact_weights(roller.mesh, roller.contact.ravel()).sum(axis=1)).ravel()
+    meshes = (roller, *rings)
+    return Bodies(
+        row=row,
+        along=along,
+        across=across,
+        matrix=matrix,
+        gap=gap,
+        closing=_closing(roller, rings[0], middle * np.cos(row.roller_angle)),
+        areas=areas.reshape(len(along), -1),
+        cells=sum(len(one.cells) for one in meshes),
+        unknowns=sum(3 * len(one.points) for one in meshes),
+        seconds=perf_counter() - wall,
+        cpu_seconds=process_time() - cpu,
+    )
+
+
+def _sag(along: Array, across: Array, angle: float) -> Array:
+    """Distance [m] of a cone of a half included angle from its tangent plane along a generator."""
+    radius = along * np.sin(angle)
+    return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
+
+
+def _loads(body: SweptBody) -> sp.csr_array:
+    """Nodal forces of unit forces by each of the zone's pressure functions, as rows: into the body."""
+    contact = body.contact.ravel()
+    W = mean_weights(contact_weights(body.mesh, contact)).tocoo()
+    normal = body.inward.reshape(-1, 3)[W.col]
+    rows, columns = np.repeat(W.row, 3), (3 * contact[W.col][:, None] + np.arange(3)).ravel()
+    return sp.csr_array(((W.data[:, None] * normal).ravel(), (rows, columns)), (len(contact), 3 * len(body.points)))
+
+
+def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
+    """Compliance of the quarter of a roller under loads that are even or odd about its other half."""
+    K, rows = assemble(law, body.mesh), _loads(body)
+    side, points = nodes_on(body.mesh, "side"), body.points
+    axis = np.intersect1d(side, nodes_on(body.mesh, "y = 0"))
+    ends = axis[[points[axis, 2].argmin(), points[axis, 2].argmax()]]
+    held = [3 * nodes_on(body.mesh, "y = 0") + 1]
+    if even:
+        held += [3 * side, 3 * ends[1:] + 2]
+        along = np.zeros(3 * len(points))
+        along[2::3] = 1.0
+        thrust = np.zeros(3 * len(points))
+        thrust[2::3] = share().assemble(faces(body.mesh, "end"))
+        rows = sp.vstack([rows, sp.csr_array(thrust[None] / thrust.sum())]).tocsr()
+        carried = -(rows[:-1] @ along)  # the rib, evenly over the large end
+        change = np.column_stack([np.eye(len(carried)), carried])
+    else:
+        held += [3 * side + 1, 3 * side + 2, 3 * ends]  # what holds the roller carries nothing in balance
+        change = np.eye(rows.shape[0])
+    free = np.setdiff1d(np.arange(K.shape[0]), np.concatenate(held))
+    found = compliance(K[free][:, free], rows[:, free])
+    return np.asarray(change @ found @ change.T)
+
+
+def race_compliance(body: SweptBody, law: object, half: float) -> Array:
+    """Compliance of the share of a race between planes at azimuths 0 and ``half`` [rad]."""
+    K, rows = assemble(law, body.mesh), _loads(body)
+    side = nodes_on(body.mesh, "side")
+    turn = np.ones((2, len(side))) * np.array([[np.cos(half)], [np.sin(half)]])
+    x, y = 3 * side, 3 * side + 1
+    rest = np.setdiff1d(np.arange(K.shape[0]), np.concatenate([x, y]))
+    at = (np.concatenate([rest, x, x, y, y]), np.concatenate([rest, x, y, x, y]))
+    T = sp.csc_array((np.concatenate([np.ones(len(rest)), turn[0], -turn[1], turn[1], turn[0]]), at), K.shape)
+    K, rows = (T.T @ K @ T).tocsc(), (rows @ T).tocsr()  # on the side, y is the direction of the azimuth
+    base = nodes_on(body.mesh, "base")
+    held = np.concatenate([3 * nodes_on(body.mesh, "y = 0") + 1, y, *(3 * base + k for k in range(3))])
+    free = np.setdiff1d(np.arange(K.shape[0]), held)
+    return compliance(K[free][:, free], rows[:, free])
+
+
+def _closing(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
+    """Gap closed by a unit of approach of the cup, and of the roller's motion towards it and tilt."""
+    n = -roller.inward.reshape(-1, 3)
+    arm = roller.points[roller.contact.ravel()]
+    moves = np.column_stack([n[:, 0], n[:, 0] * (arm[:, 2] - middle) - n[:, 2] * arm[:, 0]])
+    normal = cup.inward.reshape(-1, 3)
+    approach = normal @ normal[0]
+    nothing = np.zeros_like(approach)
+    return np.column_stack([np.concatenate([approach, nothing]), np.concatenate([moves, -moves])])
+
+
+#: What to do about sharp ends.
+SHARP = "write edge_radius under its rollers, or a crown on which the load ends before the roller does"
+
+#: Relative change of the load by which the stiffness is found.
+STEP = 0.01
+
+
+def press(bodies: Bodies, load: float) -> RollerState:
+    """Press a roller between its races.
+
+    Parameters
+    ----------
+    bodies
+        The bodies.
+    load
+        Force of each race on the roller [N], at most that of the mesh.
+
+    Raises
+    ------
+    RollerError
+        Contact fails, or reaches a sharp end of the roller or the end of its zone.
+    """
+    wall, cpu = perf_counter(), process_time()
+    C, N = uncoupled(bodies.matrix), sp.csr_array(bodies.closing)
+    found: list[ContactResult] = []
+    state: State | None = None
+    for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
+        result, state = solve_balls(C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state)
+        if not result.converged:
+            raise RollerError(f"its contact did not converge: {result.status}", "try another load or level")
+        found.append(result)
+    forces = found[2].forces.reshape(2, *bodies.areas.shape)
+    touched = forces > 0.0
+    if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
+        raise RollerError("it touches with its sharp ends, whose pressure is not finite", SHARP)
+    if touched[:, [0, -1]].any() or touched[:, :, -1].any():
+        raise RollerError("it touches beyond the zone of its mesh", "give it a larger edge_radius or a smaller load")
+    widths = np.concatenate([[0.0], np.diff(bodies.along)]) / 2.0 + np.concatenate([np.diff(bodies.along), [0.0]]) / 2.0
+    total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.areas.size)
+    return RollerState(
+        load=load,
+        approach=float(found[2].motions[0]),
+        stiffness=float(2.0 * STEP * load / (found[1].motions[0] - found[0].motions[0])),
+        pressure=forces / bodies.areas,
+        line_load=2.0 * forces.sum(axis=2) / widths,
+        imbalance=float(np.abs(total / load - 1.0).max()),
+        seconds=perf_counter() - wall,
+        cpu_seconds=process_time() - cpu,
+    )

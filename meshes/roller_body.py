@@ -1,0 +1,270 @@
+"""Meshes of a tapered roller and its races: a section from gmsh, fine at the contact, swept along rays from the apex.
+
+Cones of roller and races share one apex, so a section, drawn where the roller has its mean diameter, is carried to every
+distance l from the apex along rays, and bodies that touch have the same nodes there. Half of a body is meshed, y >= 0; of
+the roller only the half towards one race too.
+
+Section: y [m] across, z [m] into the body from the contact line. Body: x away from the axis of its cone through the
+contact line, y across, z along that axis from the apex. Boundaries: "contact" (the zone in which it may touch), "y = 0"
+and "side" (where a race meets the neighbouring roller's share; of the roller x = 0), "base" (depth of a race), "end"
+(large end of the roller).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import Meshed, mesh_of
+from rollbench.meshes.shell import session
+
+#: Cells of the zone in depth, all as deep as they are wide.
+DEEP = 2
+#: Opposite corners of a hexahedron's edges, of its faces in the middle of the height, in gmsh's order.
+_EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Strip of a section in which bodies may touch."""
+
+    #: Half width [m].
+    width: float
+    #: Cells across it.
+    cells: int
+    #: Edge of a cell outside per distance from the strip.
+    grading: float
+
+
+@dataclass(frozen=True)
+class Section:
+    """Section of second-order quadrilaterals."""
+
+    #: Nodes y, z ``(n, 2)`` [m].
+    points: Array
+    #: Nodes of the cells ``(m, 9)``, in gmsh's order.
+    cells: Index
+
+
+@dataclass(frozen=True)
+class SweptBody(Meshed):
+    """Mesh of half a race, or a quarter of a roller."""
+
+    #: The mesh.
+    mesh: object
+    #: Nodes of the zone ``(rows, columns)``: along the contact line, from its middle outwards.
+    contact: Index
+    #: Distance across ``(columns,)`` [m] of the nodes where the roller has its mean diameter.
+    across: Array
+    #: Distance from the apex ``(rows,)`` [m].
+    along: Array
+    #: Unit vectors into the body at the nodes of the zone ``(rows, columns, 3)``.
+    inward: Array
+
+
+def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
+    """Mesh the section of a body.
+
+    Parameters
+    ----------
+    zone
+        The strip.
+    width, depth
+        Half width and depth of a race [m]; of a round section both are its radius.
+    round
+        Whether it is a quarter of a disc.
+
+    Raises
+    ------
+    ImportError
+        gmsh, or a system library that it needs, is missing.
+    """
+    cell, unit = zone.width / zone.cells, depth
+    w, d, wide = zone.width / unit, DEEP * cell / unit, width / unit
+    top = 1.0 - np.sqrt(1.0 - w**2) if round else 0.0
+    with session({"Mesh.SubdivisionAlgorithm": 1, "Mesh.Algorithm": 6}) as gmsh:
+        gmsh.model.add("section")
+        geo = gmsh.model.geo
+        places = ((0.0, 0.0), (w, top), (w, top + d), (0.0, d), (wide, 1.0 if round else 0.0), (0.0, 1.0), (wide, 1.0))
+        start, edge, low, under, far_edge, bottom, corner = (geo.addPoint(*at, 0.0) for at in places)
+        if round:  # about the bottom
+            strip, beyond = (geo.addCircleArc(a, bottom, b) for a, b in ((start, edge), (edge, far_edge)))
+            path = [far_edge, bottom, under]
+        else:
+            strip, beyond = geo.addLine(start, edge), geo.addLine(edge, far_edge)
+            path = [far_edge, corner, bottom, under]
+        near = [strip, *(geo.addLine(a, b) for a, b in ((edge, low), (low, under), (under, start)))]
+        rest = [beyond, *(geo.addLine(a, b) for a, b in pairwise(path))]
+        block = geo.addPlaneSurface([geo.addCurveLoop(near)])
+        far = geo.addPlaneSurface([geo.addCurveLoop([*rest, -near[2], -near[1]])])
+        for curve, count in zip(near, (zone.cells, DEEP, zone.cells, DEEP), strict=True):
+            geo.mesh.setTransfiniteCurve(curve, count // 2 + 1)
+        geo.mesh.setTransfiniteSurface(block, cornerTags=[start, edge, low, under])
+        geo.synchronize()
+        for surface in (block, far):
+            gmsh.model.mesh.setRecombine(2, surface)
+        size = gmsh.model.mesh.field.add("MathEval")
+        away = f"Sqrt(Max(0,x-{w!r})^2+Max(0,y-{d!r})^2)"
+        gmsh.model.mesh.field.setString(size, "F", f"2*({cell / unit!r}+{zone.grading!r}*{away})")
+        gmsh.model.mesh.field.setAsBackgroundMesh(size)
+        for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
+            gmsh.option.setNumber(f"Mesh.{name}", 0)
+        gmsh.model.mesh.generate(2)
+        gmsh.model.mesh.setOrder(2)
+        tags, xyz, _ = gmsh.model.mesh.getNodes()
+        _, nodes = gmsh.model.mesh.getElementsByType(10)
+        gmsh.model.remove()
+    ascending = np.argsort(tags)
+    cells = np.searchsorted(tags[ascending], nodes).reshape(-1, 9)
+    used, cells = np.unique(cells, return_inverse=True)
+    points = unit * xyz.reshape(-1, 3)[ascending][used, :2]
+    on = np.flatnonzero(np.abs(_below(points, depth, round)) < 1e-6 * depth)
+    strip_nodes = on[points[on, 0] < zone.width + 0.25 * cell]  # even steps of y, the same in bodies that touch
+    y = np.rint(points[strip_nodes, 0] / cell * 2.0) * cell / 2.0
+    points[strip_nodes, 0] = y
+    points[strip_nodes, 1] = depth - np.sqrt(depth**2 - y**2) if round else 0.0
+    return Section(points, cells.reshape(-1, 9))
+
+
+def _below(points: Array, depth: float, round: bool) -> Array:
+    """Distance of a section's points below its surface [m]."""
+    return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
+
+
+def _swept(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
+    """Sweep a section over cells between ``lines``: section's node and distance of each node, cells in gmsh's order."""
+    along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
+    n = len(flat.points)
+    node, place = np.tile(np.arange(n), len(along)), np.repeat(along, n)
+    quad = flat.cells
+    corners = quad[:, :4]
+
+    def at(members: Index, step: int) -> Index:
+        return members + n * step
+
+    columns = [*(at(corners[:, k], 0) for k in range(4)), *(at(corners[:, k], 2) for k in range(4))]
+    for a, b in _EDGES:
+        if b == a + 4:
+            columns.append(at(corners[:, a], 1))
+        else:
+            i, j = sorted((a % 4, b % 4))
+            middle = quad[:, 4 + (3 if (i, j) == (0, 3) else i)]
+            columns.append(at(middle, 0 if a < 4 else 2))
+    columns += [at(quad[:, 8], 0), *(at(quad[:, k], 1) for k in (4, 7, 5, 6)), at(quad[:, 8], 2), at(quad[:, 8], 1)]
+    first = np.stack(columns, axis=1)
+    return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
+
+
+def _boundary(cells: Index, chosen: Array) -> Index:
+    """Corners of the faces of hexahedra all of whose corners are chosen nodes."""
+    corners = cells[:, :8]
+    quads = np.array([(0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)])
+    faces = corners[:, quads].reshape(-1, 4)
+    return np.asarray(faces[chosen[faces].all(axis=1)])
+
+
+def swept(
+    flat: Section,
+    zone: Zone,
+    lines: Array,
+    reach: tuple[float, float],
+    place: Callable[[Array, Array], Array],
+    *,
+    round: bool = False,
+    mirrored: bool = False,
+) -> SweptBody:
+    """Sweep a section along rays from the apex.
+
+    Parameters
+    ----------
+    flat
+        The section.
+    zone
+        Its strip.
+    lines
+        Distances of the cells' ends from the apex, ascending ``(k,)`` [m].
+    reach
+        Distances between which the body may touch, both of them of ``lines`` [m].
+    place
+        Point ``(n, 3)`` [m] of a node ``(n, 2)`` of the section at a distance ``(n,)`` from the apex.
+    round
+        Whether the section is a quarter of a disc.
+    mirrored
+        Whether the map mirrors, as that of a cup does.
+    """
+    turned = Section(flat.points, flat.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else flat
+    node, along, cells = _swept(turned, lines)
+    points, at = place(flat.points[node], along), flat.points[node]
+    depth, tiny = flat.points[:, 1].max(), 1e-9 * flat.points[:, 1].max()
+    on_top = np.abs(_below(at, depth, round)) < tiny
+    strip = on_top & (at[:, 0] <= zone.width + tiny) & (along >= reach[0] - tiny) & (along <= reach[1] + tiny)
+    sides = {"y = 0": at[:, 0] < tiny, "side": at[:, 1] > depth - tiny if round else at[:, 0] > at[:, 0].max() - tiny}
+    faces = {"contact": _boundary(cells, strip), **{k: _boundary(cells, v) for k, v in sides.items()}}
+    if round:
+        faces["end"] = _boundary(cells, along > along.max() - tiny)
+    else:
+        faces["base"] = _boundary(cells, at[:, 1] > depth - tiny)
+    mesh, number = mesh_of(points, cells, "Q2", faces)
+    held = np.flatnonzero(strip)
+    held = held[np.lexsort((at[held, 0], along[held]))]
+    rows = np.unique(along[held])
+    grid = held.reshape(len(rows), -1)
+    near = 1e-6 * depth  # a little deeper
+    shifted = at[held] + near * _down(at[held], depth, round)
+    inward = place(shifted, along[held]) - points[held]
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+    return SweptBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
+
+
+def _down(at: Array, depth: float, round: bool) -> Array:
+    """Direction into a section at points of its surface."""
+    inward = np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth
+    return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
+
+
+def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
+    """Return the map of a roller's section to its body.
+
+    Parameters
+    ----------
+    radius
+        Mean radius [m].
+    angle
+        Half included angle of the roller [rad].
+    drop
+        What its radius lacks [m] at distances from the apex [m].
+    """
+
+    def place(at: Array, along: Array) -> Array:
+        ray = np.column_stack([radius - at[:, 1], at[:, 0], np.full(len(at), radius / np.tan(angle))])
+        out = along[:, None] * ray / np.linalg.norm(ray, axis=1)[:, None]
+        out[:, :2] *= 1.0 - (drop(along) / radius)[:, None]
+        return np.asarray(out)
+
+    return place
+
+
+def on_race(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
+    """Return the map of a race's section to its body.
+
+    Parameters
+    ----------
+    middle
+        Distance from the apex [m] at which the section is drawn.
+    angle
+        Half included angle of the race's cone [rad].
+    outward
+        1 for a cup, whose body is outside of its race, -1 for a cone.
+    """
+
+    def place(at: Array, along: Array) -> Array:
+        phi = np.arcsin(at[:, 0] / (middle * np.sin(angle)))
+        radial = along * np.sin(angle) + outward * at[:, 1] * np.cos(angle)
+        axial = along * np.cos(angle) - outward * at[:, 1] * np.sin(angle)
+        return np.column_stack([radial * np.cos(phi), radial * np.sin(phi), axial])
+
+    return place

@@ -1,0 +1,132 @@
+"""A tapered roller between its races in 3D: meshes, plane strain in closed form, Hertz's line contact, balance."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import j1
+
+from rollbench.hifi.contact.roller import LEVELS, RollerError, condense, press, race_compliance, roller_compliance
+from rollbench.hifi.elements.forms import cells as space
+from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, share
+from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.parts import Material
+from rollbench.meshes.roller_body import Zone, on_race, on_roller, section, swept
+
+E, NU = 207e9, 0.3
+#: Radius and half length of a roller, depth of a ring [m]; half-width of a contact.
+R, HALF, DEPTH, B = 4e-3, 15e-3, 5e-3, 0.06e-3
+ZONE = Zone(1.6 * B, 6, 0.9)
+#: Nearly parallel cones.
+ANGLE = np.radians(0.2)
+MIDDLE = R / np.sin(ANGLE)
+LINES = MIDDLE + HALF * np.array([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0])
+
+
+def cylinder():
+    flat = section(ZONE, R, R, round=True)
+    return swept(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_roller(R, ANGLE, np.zeros_like), round=True)
+
+
+def slab(count):
+    """Return a race so far from the apex that it is nearly flat, and its half width."""
+    angle = np.radians(30.0)
+    width = MIDDLE * np.sin(angle) * np.sin(np.pi / count)
+    flat = section(ZONE, width, DEPTH, round=False)
+    return swept(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_race(MIDDLE, angle, 1.0), mirrored=True), width
+
+
+def middle_approach(body, matrix, load):
+    """Displacement into a body of the middle of its contact line under Hertz's pressure of a load per length, b = B."""
+    areas = np.asarray(contact_weights(body.mesh, body.contact.ravel()).sum(axis=1)).reshape(body.contact.shape)
+    shape = np.sqrt(np.maximum(1.0 - (body.across / B) ** 2, 0.0)) * np.ones(body.contact.shape)
+    forces = areas * shape
+    forces *= 0.5 * load * 2.0 * HALF / forces.sum()
+    middle = len(body.along) // 2 * len(body.across)
+    return float((matrix @ forces.ravel())[middle])
+
+
+def test_meshes_have_the_volumes_of_their_bodies():
+    roller, (ring, width) = cylinder(), slab(1000)
+    cone = np.pi / 12.0 * np.tan(ANGLE) ** 2 * (LINES[-1] ** 3 - LINES[0] ** 3) * np.cos(ANGLE) ** 3
+    assert share().assemble(space(roller.mesh)).sum() == pytest.approx(cone, rel=1e-3)
+    wider = 1.0 + 0.5 * DEPTH / (MIDDLE * np.tan(np.radians(30.0)))  # in the middle of its depth
+    assert share().assemble(space(ring.mesh)).sum() == pytest.approx(2.0 * HALF * width * DEPTH * wider, rel=1e-3)
+    assert nodal_areas(roller.mesh, "contact").sum() == pytest.approx(2.0 * HALF * ZONE.width, rel=1e-3)
+
+
+def test_half_a_roller_is_compressed_as_in_closed_form():
+    """Johnson (1985), 5.57, and 2 nu^2 q/(pi E) for free ends: plane strain's axial force 2 nu q R is taken off."""
+    body, q = cylinder(), 1e5
+    S = roller_compliance(body, elasticity(E, NU), even=True)
+    exact = q * (1.0 - NU**2) / (np.pi * E) * (2.0 * np.log(4.0 * R / B) - 1.0) + 2.0 * NU**2 * q / (np.pi * E)
+    assert middle_approach(body, S, q) == pytest.approx(exact, rel=0.01)
+
+
+def test_race_sinks_as_a_layer_on_a_rigid_base():
+    """Plane strain of a layer, bonded below, its sides planes of symmetry: a series of cosines in closed form."""
+    q, count = 1e5, 2000
+    body, width = slab(count)
+    C = race_compliance(body, elasticity(E, NU), np.pi / count)
+    mean = q / (2.0 * width) * DEPTH * (1.0 + NU) * (1.0 - 2.0 * NU) / ((1.0 - NU) * E)
+    k = np.pi * np.arange(1, 40_000) / width
+    kd = np.minimum(k * DEPTH, 300.0)
+    below = (3.0 - 4.0 * NU) * np.cosh(2.0 * kd) + 5.0 - 12.0 * NU + 8.0 * NU**2 + 2.0 * kd**2
+    green = 2.0 * (1.0 - NU**2) / (E * k) * ((3.0 - 4.0 * NU) * np.sinh(2.0 * kd) - 2.0 * kd) / below
+    waves = q / width * 2.0 * j1(k * B) / (k * B)
+    assert middle_approach(body, C, q) == pytest.approx(mean + float(green @ waves), rel=0.01)
+
+
+ROW = RollerRow(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 5e-3, Material(E, NU), edge_radius=1e-3)
+LOAD = 1250.0
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    bodies = condense(ROW, LEVELS[1], LOAD)
+    return bodies, {share: press(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
+
+
+@pytest.mark.slow
+def test_middle_pressure_is_that_of_line_contact(pressed):
+    """Within 1 %, and the contact carries the load; pressures at the ends are finite and the largest."""
+    _, states = pressed
+    s = states[1.0]
+    radius, cone, cup = np.tan(np.radians([4.0, 22.8, 30.8])) * 0.5 * ROW.diameter / np.sin(np.radians(4.0))
+    curved = np.array([1.0 / radius - 1.0 / cup, 1.0 / radius + 1.0 / cone])
+    hertz = np.sqrt(s.middle_line_load * curved * E / (1.0 - NU**2) / 2.0 / np.pi)
+    assert s.middle_pressure == pytest.approx(hertz, rel=0.01)
+    assert s.imbalance < 1e-4
+    assert np.all(s.pressure.max(axis=(1, 2)) > 1.5 * s.middle_pressure)
+
+
+@pytest.mark.slow
+def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
+    """Of plane strain delta/q = g - S ln q, with S = 4 (1 - nu^2)/(pi E) whatever the bodies are."""
+    _, states = pressed
+    q = [float(states[s].middle_line_load.mean()) for s in (1.0, 0.25)]
+    compliance = [states[s].approach / x for s, x in zip((1.0, 0.25), q, strict=True)]
+    slope = (compliance[0] - compliance[1]) / np.log(q[0] / q[1])
+    assert slope == pytest.approx(-4.0 * (1.0 - NU**2) / (np.pi * E), rel=0.05)
+
+
+@pytest.mark.slow
+def test_stiffness_is_the_slope_of_load_over_approach(pressed):
+    bodies, states = pressed
+    low, high = press(bodies, 0.7 * LOAD), states[1.0]
+    secant = (high.load - low.load) / (high.approach - low.approach)
+    assert low.stiffness < secant < high.stiffness
+
+
+@pytest.mark.slow
+def test_coarser_meshes_agree(pressed):
+    """Approach and stiffness of a mesh coarser than all that are used are within 1 % of the coarsest of these."""
+    coarse, fine = press(condense(ROW, 4, LOAD), LOAD), pressed[1][1.0]
+    assert coarse.approach == pytest.approx(fine.approach, rel=0.01)
+    assert coarse.stiffness == pytest.approx(fine.stiffness, rel=0.01)
+
+
+def test_sharp_straight_rollers_are_refused():
+    with pytest.raises(RollerError, match="sharp") as told:
+        condense(replace(ROW, edge_radius=None), 4, LOAD)
+    assert "edge_radius" in told.value.advice

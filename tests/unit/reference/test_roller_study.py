@@ -1,0 +1,99 @@
+"""Tapered rollers in 3D with low-order laws: what is pressed, what is said of it, shipped runs, refusals."""
+
+from dataclasses import asdict, replace
+from math import sin
+
+import pytest
+
+from rollbench.compare.cli import main
+from rollbench.compare.errors import Refusal
+from rollbench.compare.reference.store import sealed, shipped_store
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.studies import roller
+from rollbench.lowfi.rollers import SlicedRow, TaperedRow, circular_crown, tapered
+
+TAPER = "smith-axis-taper"
+
+
+@pytest.fixture(scope="module")
+def kind():
+    (only,) = roller.rollers_of(catalogue.shipped(TAPER))
+    return only
+
+
+@pytest.fixture(scope="module")
+def shipped(kind):
+    runs = [roller.stored(kind, level, (shipped_store(),)) for level in roller.LEVELS]
+    assert None not in runs, "shipped runs are of another roller, or damaged"
+    return runs
+
+
+def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
+    assert len(kind.sets) == 4
+    assert kind.load == pytest.approx(1258.0, abs=1.0)
+
+
+def test_low_order_laws_are_those_of_the_statics(kind):
+    """One roller is a row of rollers under thrust over their number, at the cup's angle."""
+    bearing = tapered(kind.row)
+    row, low = TaperedRow(bearing), roller.low_order(kind.row, kind.load)
+    thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
+    assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
+    step = 1e-3
+    up, down = (roller.low_order(kind.row, kind.load * (1.0 + s)) for s in (step, -step))
+    for approach, stiffness in (("approach", "stiffness"), ("norm_approach", "norm_stiffness")):
+        slope = 2.0 * step * kind.load / (getattr(up, approach) - getattr(down, approach))
+        assert getattr(low, stiffness) == pytest.approx(slope, rel=1e-5)
+    crowned = replace(kind.row, crown=2.0)
+    sliced = SlicedRow(bearing, crowned.slices, circular_crown(2.0))
+    assert roller.low_order(crowned, kind.load).approach == pytest.approx(
+        sliced.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9
+    )
+
+
+def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
+    """Within 1 % in the middle on every level; approach and stiffness settle, and their bars cover level 1."""
+    for run in shipped:
+        hertz = roller.line_contact(kind.row, run.middle_line_load[0])
+        assert run.middle_pressure == pytest.approx(hertz, rel=0.01)
+        assert run.imbalance < 1e-4
+    rows = {row["quantity"]: row for row in roller.quantity_rows(kind, shipped)}
+    for name in ("approach", "stiffness"):
+        row = rows[f"{name} under {kind.load:.4g} N"]
+        assert row["uncertainty"] < 0.01 * row["level 3"]
+        assert row["level 1"] == pytest.approx(row["level 3"], rel=0.01)
+        assert abs(row["low_order_error_percent"]) < 5.0
+
+
+def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
+    text = sealed(asdict(shipped[0]))
+    path = tmp_path / roller.file_of(kind, 1)
+    path.write_text(text)
+    assert roller.stored(kind, 1, (tmp_path,)) == shipped[0]
+    path.write_text(text.replace('"level":1', '"level":2'))
+    assert roller.stored(kind, 1, (tmp_path,)) is None
+
+
+def test_sharp_straight_rollers_are_refused(kind, tmp_path):
+    sharp = replace(kind, row=replace(kind.row, edge_radius=None))
+    with pytest.raises(Refusal, match="edge_radius"):
+        roller.run_of(sharp, 1, (tmp_path,))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [([TAPER, "two-balls"], "name them apart"), ([TAPER, "--spread"], "spread"), ([TAPER, "--levels", "4"], "1 to 3")],
+)
+def test_what_rollers_do_not_know_is_refused(arguments, word, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["mesh-study", *arguments])
+    assert word in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", ["3 mm", "10 um"])
+def test_edge_radius_has_a_range(value, tmp_path, capsys):
+    text = catalogue.shipped(TAPER).to_toml().replace('edge_radius = "1 mm"', f'edge_radius = "{value}"')
+    (tmp_path / "taper.toml").write_text(text)
+    with pytest.raises(SystemExit, match="2"):
+        main(["solve", str(tmp_path / "taper.toml")])
+    assert "edge_radius: got" in capsys.readouterr().err
