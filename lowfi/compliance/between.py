@@ -32,6 +32,7 @@ from rollbench.lowfi.compliance.parts import (
 from rollbench.lowfi.compliance.tube import (
     Tube,
     TubeCompliance,
+    by_section,
     cantilever,
     clamped,
     contact_compliance,
@@ -69,9 +70,14 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
     """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
-    tube, position = smooth_body(geometry, screw, backend), geometry.nut.position
+    tube = smooth_body(geometry, screw, backend)
+    return of_tube(tube, stretch_zone(geometry, tube))
+
+
+def stretch_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
+    """Stretch [m] of a smooth body that holds every contact."""
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
-    return of_tube(tube, (position - half, position + half))
+    return geometry.nut.position - half, geometry.nut.position + half
 
 
 #: Kept for scenes whose other body differs.
@@ -195,7 +201,7 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
     return G
 
 
-def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float]:
+def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
     """The fields of `lowfi.compliance.bodies.EndResponse` of a screw that is held by its section."""
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
@@ -212,7 +218,23 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     beam = cantilever(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
-    return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), high
+    return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
+
+
+def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
+    """`lowfi.compliance.bodies.section_response` of contacts wherever they are."""
+    geometry = geometry_only(scene)
+    tube = smooth_body(geometry, True, backend)
+    x, axes = contact_frames(scene, layout, True)
+    low, taken = tube.ends[0], on_line(tube, x)
+    rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
+    stations = np.append(np.repeat(x[:, 2], 2), np.full(6, at))
+    shift, tilt, axial, twist = end_springs(tube)
+    end = np.eye(6)
+    end[0, 4], end[1, 3] = at - low, low - at
+    beam = cantilever(rows, stations, low, tube.section, slice(-6, None))[:-6]
+    beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
+    return contacts_by_end(by_section(tube, stretch_zone(geometry, tube), at), x, axes) - beam
 
 
 def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:

@@ -20,6 +20,8 @@ from rollbench.lowfi.compliance.fourier import (
     Body,
     Grid,
     Layer,
+    end_motions,
+    factor_c,
     line_compliance,
     quadratic,
     refine_lines,
@@ -151,6 +153,9 @@ UNREACHED = 1e-18
 
 #: Contacts whose loads are taken at once.
 CHUNK = 64
+
+#: Half the thickness of the slice of a shaft that a load on one of its sections acts on, over the shaft's radius.
+SLICE = 0.25
 
 #: Lines of a grid as near as this [m] are one; ends of elements as near to a flange's, over their length, give way to it.
 SAME, NEAR = 1e-9, 0.4
@@ -324,6 +329,42 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     by_end = [S.whole()[size:] for S in by_harmonic[:2]] if springs else []
     ends, corner = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
     return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
+
+
+def by_section(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
+    """Motion ``(2, 3, k)`` (`TubeCompliance.ends`) of the loaded line of a shaft held by its section, by loads on the mean
+    rigid motions, by least squares, of its material in a slice at the station ``at`` [m] of its stretch."""
+    r_ends, line = radial_ends(tube)
+    grid = tube_grid(r_ends, axial_ends(tube, zone))
+    body, z, half = tube.body(grid), grid.z[:, 0], min(SLICE * tube.outer, at - tube.ends[0], tube.ends[1] - at)
+    shares, levers = slice_shares(z, at, half)
+    inertia, springs, ends = 0.25 * (tube.outer**2 + tube.bore**2), end_springs(tube), []
+    for n, stiff in ((0, springs[2:]), (1, springs[:2])):
+        free, motions = body.axis_free(n), end_motions(body, n)
+        rows = shares[:, None, None] * motions
+        if n == 1:
+            rows[:, 1] = (inertia * rows[:, 1] + levers[:, None] * motions[0]) / (inertia + half**2 / 3.0)
+        bands, held = body.bands(free), motions[:, free[: motions.shape[1]]]
+        i, j = np.tril_indices(held.shape[1])
+        bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / factor_c(n)
+        moved = np.zeros((free.size, 2))
+        moved[free] = solved(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
+        ends.append(moved.reshape(*grid.shape, 3, 2)[:, line].T)
+    return TubeCompliance(tube, z, (), tuple(ends))
+
+
+def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
+    """Shares ``(k,)`` of the nodes of quadratic elements z ``(k,)`` in the mean over a slice ``half`` [m] on both sides of
+    a station [m], and in that of what is there times its distance [m] from it."""
+    out = np.zeros((2, z.size))
+    for a in range(0, z.size - 2, 2):
+        low, high = max(z[a], at - half), min(z[a + 2], at + half)
+        if high > low:
+            points = 0.5 * (low + high) + 0.5 * (high - low) * NODE
+            N = quadratic(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
+            weight = WEIGHT * (high - low) / (4.0 * half)
+            out[:, a : a + 3] += np.stack([weight, weight * (points - at)]) @ N
+    return out[0], out[1]
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
