@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
-from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face, turned
+from rollbench.lowfi.compliance.faces import REACH, NearFace, felt_by, near_face, turned
 from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
 from rollbench.lowfi.compliance.parts import (
     BOTH,
@@ -37,6 +37,7 @@ from rollbench.lowfi.compliance.tube import (
     clamped,
     contact_compliance,
     end_springs,
+    jumps,
     motion_rows,
     on_line,
     patch_weights,
@@ -116,9 +117,18 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
+        if backend.flank:
+            G = G + jumps(strained_by_section(scene, layout, backend, flanks), rows, stations)
     elif tube.held in CLAMPED:
         G = G - clamped(rows, stations, *clamp(tube), plain)
     return G
+
+
+def strained_by_section(scene: Scene, layout: BallLayout, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+    """Motions ``(2 c, 6)`` of the screw's contacts by a wrench on their sections, beyond those of the smooth body."""
+    found = kept_near_face(geometry_only(scene), True, backend)
+    points = points_of(*contact_frames(scene, layout, True, flanks))
+    return felt_by(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
@@ -218,6 +228,8 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     beam = cantilever(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
+    if backend.flank:
+        motions[:-6] += by_wrench_at(strained_by_section(scene, layout, backend), stations[:-6], high)
     return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
 
 
@@ -234,7 +246,19 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     end[0, 4], end[1, 3] = at - low, low - at
     beam = cantilever(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    return contacts_by_end(by_section(tube, stretch_zone(geometry, tube), at), x, axes) - beam
+    motions = contacts_by_end(by_section(tube, stretch_zone(geometry, tube), at), x, axes) - beam
+    if backend.flank:
+        motions += by_wrench_at(strained_by_section(scene, layout, backend), stations[:-6], at)
+    return motions
+
+
+def by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
+    """Motions ``(2 c, 6)`` by a wrench on the section at the station ``at`` [m] of what feels by ``feel`` the wrench on its
+    own one, if that is below."""
+    out, reach = feel.copy(), at - stations
+    out[:, 0] += reach * feel[:, 4]
+    out[:, 1] -= reach * feel[:, 3]
+    return np.where(reach[:, None] > 0.0, out, 0.0)
 
 
 def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank
-from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
-from rollbench.lowfi.compliance.tube import groove_line
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, mean_motions, on_last, quadratic, solved
+from rollbench.lowfi.compliance.tube import Tube, groove_line, strained
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
@@ -53,6 +53,29 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
     tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
     return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
+
+
+def groove_strains(flank: Flank, smooth: Tube) -> Array:
+    """Motions ``(2, 2)`` (r, z) [m/N, 1/N] of a contact on the flank at positive z, beyond its section of the beam and what
+    the smooth body has of them, by a unit tension and by a unit moment that bends the body's side with the contact outward:
+    a groove is where a shaft is thin, and strains more than it does on average."""
+    grid, (radius, zeta), width = flank.grid(), flank.contact(), NARROW * flank.map.ball
+    share = flank_weights(grid, grid.shape[1] - 1, zeta, width)[0]
+    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    out, plain = np.empty((2, 2)), smooth.section
+    for k, kind in enumerate(("axial", "bending")):
+        stiffness, motion = strained(body, kind)
+        at = share @ motion[:, -1, ::2]
+        arm = radius if kind == "bending" else 1.0
+        if kind == "bending":
+            shifts = [float(mean_motions(grid.r[i], 1)[0] @ motion[i].ravel()) for i in (0, -1)]
+            at[0] += zeta**2 / (2.0 * flank.half) - 0.5 * (sum(shifts) + 0.5 * flank.half)
+        at[1] -= arm * zeta / flank.half
+        out[k] = at / stiffness
+    nu, at_radius = flank.material.poissons_ratio, float(np.clip(radius, smooth.bore, smooth.outer))
+    out[0, 0] += nu * at_radius / plain.EA
+    out[1, 0] += 0.5 * (nu * at_radius**2 + smooth.width**2) / plain.EI
+    return out
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:

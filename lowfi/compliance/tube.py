@@ -119,7 +119,12 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def stiffness_of(body: Body, kind: str) -> float:
-    """Stiffness of the cell [N/m or N m]: twice its energy when its far plane of symmetry moves by one unit.
+    """Stiffness of the cell [N/m or N m]: twice its energy when its far plane of symmetry moves by one unit (`strained`)."""
+    return strained(body, kind)[0]
+
+
+def strained(body: Body, kind: str) -> tuple[float, Array]:
+    """`stiffness_of`, and the motion ``(lines in z, lines in r, 3)`` [m].
 
     axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
     """
@@ -139,7 +144,7 @@ def stiffness_of(body: Body, kind: str) -> float:
             fixed[0, -1, 0] = True  # the rigid shift across
     K, held, q = body.stiffness(n), fixed.ravel(), value.ravel()
     q[~held] = solved(body.bands(~held), n, -(K @ q)[~held])
-    return float(q @ (K @ q))
+    return float(q @ (K @ q)), q.reshape(*shape, 3)
 
 
 #: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
@@ -479,11 +484,30 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
     return out
 
 
-def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:
-    """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]."""
+def jumps(feel: Array, rows: Array, stations: Array) -> Array:
+    """Compliance ``(k, k)`` of motions held at the low end, as `cantilever`, of which each also feels the wrench of all loads
+    above its station by ``feel`` ``(k, 6)``, and so by its own load moves all above."""
+    above = stations[:, None] - stations
+    moved = rows @ feel.T + above * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
+    moved[above <= 0.0] = 0.0
+    return np.asarray(moved + moved.T)
+
+
+def clamped(
+    rows: Array,
+    stations: Array,
+    ends: tuple[float, float],
+    held: str,
+    section: BeamSection,
+    feel: Array | None = None,
+) -> Array:
+    """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]; feel: see
+    `jumps`, with both ends clamped."""
     low, high = ends
     if held != "both":
         return cantilever(rows, stations, low if held == "low" else high, section)
-    G = cantilever(np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high)), low, section)
-    k = len(rows)
+    rows, stations = np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high))
+    G, k = cantilever(rows, stations, low, section), len(rows) - 6
+    if feel is not None:
+        G += jumps(np.concatenate([feel, np.zeros((6, 6))]), rows, stations)
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))
