@@ -118,28 +118,30 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
         if backend.flank:
-            G = G + jumps(strained_by_section(scene, layout, backend, flanks), rows, stations)
+            G = G + jumps(strained_by_section(scene, layout, True, backend, flanks), rows, stations, tube.ends[0])
     elif tube.held in CLAMPED:
         G = G - clamped(rows, stations, *clamp(tube), plain)
     return G
 
 
-def strained_by_section(scene: Scene, layout: BallLayout, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Motions ``(2 c, 6)`` of the screw's contacts by a wrench on their sections, beyond those of the smooth body."""
-    found = kept_near_face(geometry_only(scene), True, backend)
-    points = points_of(*contact_frames(scene, layout, True, flanks))
+def strained_by_section(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+) -> Array:
+    """Motions ``(2 c, 6)`` of a body's contacts by a wrench on their sections, beyond those of the smooth body."""
+    found = kept_near_face(geometry_only(scene), screw, backend)
+    points = points_of(*contact_frames(scene, layout, screw, flanks))
     return felt_by(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
 
 
-def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
+def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
     """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces, or at its flange; zero if held
-    outside."""
+    outside; feel: see `clamped`."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
     if held_at(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
     section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
-    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section)
+    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section, feel)
 
 
 @lru_cache(maxsize=32)
@@ -203,7 +205,8 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
     else:
         G = kernel_part(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
-            G = G + nut_beam(scene, layout, flanks)
+            feel = strained_by_section(scene, layout, False, backend, flanks) if backend.flank else None
+            G = G + nut_beam(scene, layout, flanks, feel)
         if backend.flank:
             G = G + grooved_part(scene, layout, screw, backend, flanks)
     G = 0.5 * (G + G.T)
@@ -229,7 +232,7 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
     if backend.flank:
-        motions[:-6] += by_wrench_at(strained_by_section(scene, layout, backend), stations[:-6], high)
+        motions[:-6] += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], high)
     return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
 
 
@@ -248,7 +251,7 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = contacts_by_end(by_section(tube, stretch_zone(geometry, tube), at), x, axes) - beam
     if backend.flank:
-        motions += by_wrench_at(strained_by_section(scene, layout, backend), stations[:-6], at)
+        motions += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], at)
     return motions
 
 

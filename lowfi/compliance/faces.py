@@ -82,8 +82,8 @@ class NearFace:
     from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
     face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
     far ``(n, 2, f)`` [m/N]: between contacts far from any face; alone: what a contact there moves by its own load beyond
-    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N]. strains ``(2, 2)``: `groove_strains` of a shaft, which
-    are in none of these.
+    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N]. strains ``(2, 2)``: `groove_strains` of a body that
+    is a beam, too, which are in none of these.
     """
 
     distance: Array
@@ -131,7 +131,8 @@ def near_face(
     """
     if near:
         _check_land(flank)
-    strains = groove_strains(flank, smooth) if smooth.held == "section" and flank.map.rg != 0.0 else np.zeros((2, 2))
+    a_beam = smooth.held not in ("bore", "outer") and flank.map.rg != 0.0
+    strains = groove_strains(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
         """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii:

@@ -484,12 +484,12 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
     return out
 
 
-def jumps(feel: Array, rows: Array, stations: Array) -> Array:
-    """Compliance ``(k, k)`` of motions held at the low end, as `cantilever`, of which each also feels the wrench of all loads
-    above its station by ``feel`` ``(k, 6)``, and so by its own load moves all above."""
-    above = stations[:, None] - stations
-    moved = rows @ feel.T + above * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
-    moved[above <= 0.0] = 0.0
+def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
+    """Compliance ``(k, k)`` of motions held at ``base`` [m], as `cantilever`, of which each also feels by ``feel`` ``(k, 6)``
+    the wrench of all loads beyond its station on its section, and so by its own load moves all beyond."""
+    reach, side = stations[:, None] - stations, np.sign(stations - base)
+    moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
+    moved = np.where(reach * side > 0.0, side * moved, 0.0)
     return np.asarray(moved + moved.T)
 
 
@@ -502,12 +502,14 @@ def clamped(
     feel: Array | None = None,
 ) -> Array:
     """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]; feel: see
-    `jumps`, with both ends clamped."""
+    `jumps`."""
     low, high = ends
     if held != "both":
-        return cantilever(rows, stations, low if held == "low" else high, section)
+        base = low if held == "low" else high
+        G = cantilever(rows, stations, base, section)
+        return G if feel is None else G + jumps(feel, rows, stations, base)
     rows, stations = np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high))
     G, k = cantilever(rows, stations, low, section), len(rows) - 6
     if feel is not None:
-        G += jumps(np.concatenate([feel, np.zeros((6, 6))]), rows, stations)
+        G += jumps(np.concatenate([feel, np.zeros((6, 6))]), rows, stations, low)
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))
