@@ -57,19 +57,17 @@ SAME = 1e-3
 
 
 class Patch(NamedTuple):
-    """How finely a flank is loaded: the patch's standard deviations over the ball's radius, across the groove and along it,
-    elements of a loaded flank (half as many of the others) and in depth, highest harmonic times the ball's radius over that
-    of the contacts."""
+    """How finely a flank is loaded: the patch's standard deviation over the ball's radius, elements of a loaded flank (half
+    as many of the others) and in depth, highest harmonic times the ball's radius over that of the contacts."""
 
     width: float
-    along: float
     mesh: tuple[int, int]
     highest: float
 
 
 #: Far from a face, where only curvature counts below the patch; and beside one, as near as a contact's own size, which has
-#: the mean squares of its long axis and of its short one.
-FAR, BESIDE_FACE = Patch(NARROW, NARROW, (4, 4), 4.0), Patch(0.07, 0.01, (8, 6), 12.0)
+#: the mean square of its long axis.
+FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)
@@ -229,7 +227,7 @@ def less_smooth(
     plain = tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_loads(flank, plain, line, cuts, smooth.width, kinds)
     n = harmonics_to(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
-    return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, finer.along * flank.map.ball) - cut_motions(
+    return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
         flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer
     )
 
@@ -332,7 +330,7 @@ def cut_motions(
     width: float,
     layer: Layer | None = None,
 ) -> Array:
-    """Motions ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N] of patches of ``width`` [m] along the groove in every harmonic to the last of
+    """Motions ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic to the last of
     ``n``, at which they are sampled, of a body cut at lines ``cuts``: its face free or held at these radii [m]; motion of
     the flank pressed towards it or of the other one, by ``loads`` (`true_loads`).
 
