@@ -82,7 +82,7 @@ def stretch_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
 
 
 #: Kept for scenes whose other body differs.
-of_tube = lru_cache(maxsize=32)(tube_compliance)
+of_tube, section_of_tube = lru_cache(maxsize=32)(tube_compliance), lru_cache(maxsize=32)(by_section)
 
 
 @lru_cache(maxsize=32)
@@ -249,7 +249,7 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     end[0, 4], end[1, 3] = at - low, low - at
     beam = cantilever(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = contacts_by_end(by_section(tube, stretch_zone(geometry, tube), at), x, axes) - beam
+    motions = contacts_by_end(section_of_tube(tube, stretch_zone(geometry, tube), at), x, axes) - beam
     if backend.flank:
         motions += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], at)
     return motions
@@ -261,7 +261,7 @@ def by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
     out, reach = feel.copy(), at - stations
     out[:, 0] += reach * feel[:, 4]
     out[:, 1] -= reach * feel[:, 3]
-    return np.where(reach[:, None] > 0.0, out, 0.0)
+    return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
 def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:

@@ -185,8 +185,8 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 @dataclass(frozen=True)
 class EndResponse:
     """Beyond the smooth body as a beam between the stations low and high [m], by a wrench (forces [N], moments [N m]) on its
-    high end: contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes each); end
-    ``(6, 6)``, motions of that end."""
+    high end: contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes
+    each); end ``(6, 6)``, motions of that end."""
 
     contacts: Array
     end: Array
@@ -238,7 +238,14 @@ def _by_section(scene: Scene, backend: Backend, at: float) -> Coupling:
 
 def forget() -> None:
     """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
-    from rollbench.lowfi.compliance.between import kept_near_face, of_sections, of_tube, smooth_compliance, whole_ring
+    from rollbench.lowfi.compliance.between import (
+        kept_near_face,
+        of_sections,
+        of_tube,
+        section_of_tube,
+        smooth_compliance,
+        whole_ring,
+    )
 
     for memory in (
         geometry_only,
@@ -249,6 +256,7 @@ def forget() -> None:
         section_of,
         smooth_compliance,
         of_tube,
+        section_of_tube,
         of_sections,
         whole_ring,
         _own_flank,

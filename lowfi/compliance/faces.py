@@ -34,7 +34,16 @@ from rollbench.lowfi.compliance.groove import (
     patch_shares,
     spline,
 )
-from rollbench.lowfi.compliance.tube import Points, Tube, clamped, groove_line, motion_rows, patch_weights, points_of, radial_ends
+from rollbench.lowfi.compliance.tube import (
+    Points,
+    Tube,
+    clamped,
+    groove_line,
+    motion_rows,
+    patch_weights,
+    points_of,
+    radial_ends,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -186,21 +195,18 @@ def with_tail(flank: Flank, waves: Array) -> Array:
 
 
 def felt_by(points: Points, side: Array, strains: Array) -> Array:
-    """Motions ``(k c, 6)`` of contacts with k axes on flanks at negative z (``side`` -1) or positive z (1) of their groove by a wrench on
-    their section: `groove_strains`."""
-    out = np.zeros((points.axes[..., 0].size, 6))
+    """Motions ``(k c, 6)`` of contacts with k axes, on flanks at negative z (``side`` -1) or positive z (1) of their groove,
+    by a wrench on their section: `groove_strains`."""
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
-    out[:, 2] = stretch.ravel()
-    out[:, 3], out[:, 4] = (bend * np.sin(points.azimuth)[:, None]).ravel(), -(bend * np.cos(points.azimuth)[:, None]).ravel()
-    return out
+    c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
+    none = np.zeros_like(stretch)
+    return np.stack([none, none, stretch, s * bend, -c * bend, none], axis=-1).reshape(-1, 6)
 
 
-def less_smooth_beam(
-    flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
-) -> Array:
-    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], with what their groove
-    strains, less those on the smooth body's: harmonics 0 and 1."""
+def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]) -> Array:
+    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], with what its grooves
+    strain, less those on the smooth body's: harmonics 0 and 1."""
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
     half = len(places) // 2

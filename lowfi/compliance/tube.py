@@ -119,12 +119,13 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def stiffness_of(body: Body, kind: str) -> float:
-    """Stiffness of the cell [N/m or N m]: twice its energy when its far plane of symmetry moves by one unit (`strained`)."""
+    """Stiffness of the cell [N/m or N m] (`strained`)."""
     return strained(body, kind)[0]
 
 
 def strained(body: Body, kind: str) -> tuple[float, Array]:
-    """`stiffness_of`, and the motion ``(lines in z, lines in r, 3)`` [m].
+    """Stiffness of the cell [N/m or N m], twice its energy when its far plane of symmetry moves by one unit, and its motion
+    ``(lines in z, lines in r, 3)`` [m].
 
     axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
     """
@@ -486,20 +487,15 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
 
 def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
     """Compliance ``(k, k)`` of motions held at ``base`` [m], as `cantilever`, of which each also feels by ``feel`` ``(k, 6)``
-    the wrench of all loads beyond its station on its section, and so by its own load moves all beyond."""
+    the wrench of all loads beyond its station, half of those at it, and so by its own load moves all beyond."""
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
-    moved = np.where(reach * side > 0.0, side * moved, 0.0)
+    moved *= side * np.heaviside(reach * side, 0.5)
     return np.asarray(moved + moved.T)
 
 
 def clamped(
-    rows: Array,
-    stations: Array,
-    ends: tuple[float, float],
-    held: str,
-    section: BeamSection,
-    feel: Array | None = None,
+    rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
     """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]; feel: see
     `jumps`."""
