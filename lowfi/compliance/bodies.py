@@ -184,9 +184,9 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 @dataclass(frozen=True)
 class EndResponse:
-    """Beyond the smooth body as a beam between the stations low and high [m], by a wrench (forces [N], moments [N m]) on its
-    high end: contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes
-    each); end ``(6, 6)``, motions of that end."""
+    """Beyond the smooth body as a beam between the stations low and high [m], by a wrench (forces [N], moments [N m]) on
+    its high end: contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two
+    axes each); end ``(6, 6)``, motions of that end."""
 
     contacts: Array
     end: Array

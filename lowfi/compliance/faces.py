@@ -195,8 +195,8 @@ def with_tail(flank: Flank, waves: Array) -> Array:
 
 
 def felt_by(points: Points, side: Array, strains: Array) -> Array:
-    """Motions ``(k c, 6)`` of contacts with k axes, on flanks at negative z (``side`` -1) or positive z (1) of their groove,
-    by a wrench on their section: `groove_strains`."""
+    """Motions ``(k c, 6)`` of contacts with k axes, on flanks at negative z (``side`` -1) or positive z (1) of a groove, by
+    a wrench on their section: `groove_strains`."""
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]

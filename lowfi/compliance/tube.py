@@ -486,8 +486,8 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
 
 
 def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Compliance ``(k, k)`` of motions held at ``base`` [m], as `cantilever`, of which each also feels by ``feel`` ``(k, 6)``
-    the wrench of all loads beyond its station, half of those at it, and so by its own load moves all beyond."""
+    """Compliance ``(k, k)`` of motions held at ``base`` [m], as `cantilever`, which by ``feel`` ``(k, 6)`` feel the wrench
+    of all loads beyond its station, half of those at it, and so by its own load moves all beyond."""
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
     moved *= side * np.heaviside(reach * side, 0.5)
