@@ -54,7 +54,8 @@ def test_contacts_move_as_saint_venant_says(response):
 
 
 def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
-    """A wrench on the section at the nut's centre: the end's motions a radius below it, none a radius above, half at it."""
+    """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above, but
+    for the shift by a moment, part of which acts across in a slice."""
     at, z = CASE.nut.position, np.repeat(contact_frames(CASE, LAYOUT, True)[0][:, 2], 2)
     found, wanted = section_response(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
     wanted[:, 0] += (at - response.high) * wanted[:, 4]
@@ -62,7 +63,7 @@ def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
     far, size = 1.1 * TUBE.outer, np.abs(wanted).max(axis=0)
     for k in (2, 3, 4):
         assert np.abs(found - wanted)[z < at - far, k].max() < 0.03 * size[k]
-        assert np.abs(found)[z > at + far, k].max() < 0.13 * size[k]
+        assert np.abs(found)[z > at + far, k].max() < (0.03 if k == 2 else 0.15) * size[k]
     radial = slice(0, None, 2)
     assert np.interp(at, z[radial][: LAYOUT.z.size], found[radial, 2][: LAYOUT.z.size]) == pytest.approx(
         0.5 * wanted[0, 2], rel=0.05
