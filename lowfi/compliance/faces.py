@@ -29,11 +29,21 @@ from rollbench.lowfi.compliance.groove import (
     finer,
     flank_normals,
     flank_weights,
+    groove_strains,
     harmonics_to,
     patch_shares,
     spline,
 )
-from rollbench.lowfi.compliance.tube import Tube, clamped, groove_line, motion_rows, patch_weights, radial_ends
+from rollbench.lowfi.compliance.tube import (
+    Points,
+    Tube,
+    clamped,
+    groove_line,
+    motion_rows,
+    patch_weights,
+    points_of,
+    radial_ends,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -73,7 +83,17 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 @dataclass(frozen=True)
 class NearFace:
-    """What ring grooves and a face add to the compliance between contacts of one groove, at k distances and n harmonics."""
+    """What ring grooves and a face add to the compliance between contacts of one groove.
+
+    gain ``(2, n, 2, 2, f, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed
+    towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force on
+    either flank (f = 2), or also on those of the groove behind it (4), along or across; distance ``(k,)`` [m] of the face
+    from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
+    face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
+    far ``(n, 2, f)`` [m/N]: between contacts far from any face; alone: what a contact there moves by its own load beyond
+    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N]. strains ``(2, 2)``: `groove_strains` of a body that
+    is a beam, too, which are in none of these.
+    """
 
     #: Of the face from the middle of the groove ``(k,)`` [m].
     distance: Array
@@ -89,6 +109,7 @@ class NearFace:
     far: Array
     #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     alone: float
+    strains: Array
 
     @property
     def turns(self) -> int:
@@ -156,6 +177,8 @@ def near_face(
     """
     if near:
         _check_land(flank)
+    a_beam = smooth.held not in ("bore", "outer") and flank.map.rg != 0.0
+    strains = groove_strains(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
         """Return gains of the cuts, the body, and the distances of the cuts.
@@ -166,7 +189,7 @@ def near_face(
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
-            beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
+            beams = [less_smooth_beam(flank, smooth, section, strains, (float(z[0]), float(z[cut]))) for cut in cuts]
             gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
@@ -177,7 +200,7 @@ def near_face(
     if near:
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
-    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), alone)
+    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), alone, strains)
 
 
 def _check_land(flank: Flank) -> None:
@@ -216,21 +239,31 @@ def with_tail(flank: Flank, waves: Array) -> Array:
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
-def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
-    """Return the motions of both flanks on a beam less those on the smooth body's beam, harmonics 0 and 1.
+def felt_by(points: Points, side: Array, strains: Array) -> Array:
+    """Motions ``(k c, 6)`` of contacts with k axes, on flanks at negative z (``side`` -1) or positive z (1) of a groove, by
+    a wrench on their section: `groove_strains`."""
+    along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
+    stretch, bend = (along_r * x + along_z * y for x, y in strains)
+    c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
+    none = np.zeros_like(stretch)
+    return np.stack([none, none, stretch, s * bend, -c * bend, none], axis=-1).reshape(-1, 6)
 
-    ``(2, 2, f)`` [m/N]; clamped at both ends [m].
-    """
+
+def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]) -> Array:
+    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], with what its grooves
+    strain, less those on the smooth body's: harmonics 0 and 1."""
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
     half = len(places) // 2
     out = np.zeros((2 * half, 2 * half))
+    side = np.tile([1.0, -1.0], half)
     for sign, beam in ((1.0, section), (-1.0, plain)):
         radius = smooth.radius if sign > 0.0 else float(np.clip(smooth.radius, smooth.bore, smooth.outer))
         turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
-        out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam)
+        feel = felt_by(points_of(x, axes), side, strains) if sign > 0.0 else None
+        out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam, feel)
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
