@@ -70,13 +70,13 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
-    """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
+    """Return the compliance of the smooth body over the stretch that the nut covers, cached by geometry."""
     tube = smooth_body(geometry, screw, backend)
     return of_tube(tube, stretch_zone(geometry, tube))
 
 
 def stretch_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
-    """Stretch [m] of a smooth body that holds every contact."""
+    """Return the stretch [m] of a smooth body that contains every contact."""
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
 
@@ -127,15 +127,17 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
 def strained_by_section(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Motions ``(2 c, 6)`` of a body's contacts by a wrench on their sections, beyond those of the smooth body."""
+    """Return the motions ``(2 c, 6)`` of contacts by a wrench on their sections, beyond those of the smooth body."""
     found = kept_near_face(geometry_only(scene), screw, backend)
     points = points_of(*contact_frames(scene, layout, screw, flanks))
     return felt_by(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces, or at its flange; zero if held
-    outside; feel: see `clamped`."""
+    """Return the compliance of the nut as a Timoshenko tube ``(2 c, 2 c)`` [m/N].
+
+    Clamped at its faces, or at its flange; zero if its outside is fixed. feel: see `clamped`.
+    """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
     if held_at(geometry, False) not in CLAMPED:
@@ -219,7 +221,7 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
-    """The fields of `lowfi.compliance.bodies.EndResponse` of a screw that is held by its section."""
+    """Return the fields of `lowfi.compliance.bodies.EndResponse` of a screw that is fixed by its section."""
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
@@ -241,7 +243,7 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
 
 
 def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """`lowfi.compliance.bodies.section_response` of contacts wherever they are."""
+    """Return `lowfi.compliance.bodies.section_response` of contacts wherever they are."""
     geometry = geometry_only(scene)
     tube = smooth_body(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
@@ -260,8 +262,10 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
 
 
 def by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
-    """Motions ``(2 c, 6)`` by a wrench on the section at the station ``at`` [m] of what feels by ``feel`` the wrench on its
-    own one, if that is below."""
+    """Return the motions ``(2 c, 6)`` by a wrench on the section at the station ``at`` [m].
+
+    feel ``(2 c, 6)``: motion by the wrench on the section of the contact itself, which only those below ``at`` feel.
+    """
     out, reach = feel.copy(), at - stations
     out[:, 0] += reach * feel[:, 4]
     out[:, 1] -= reach * feel[:, 3]

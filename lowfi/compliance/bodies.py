@@ -213,14 +213,13 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 @dataclass(frozen=True)
 class EndResponse:
-    """Beyond the smooth body as a beam between the stations low and high [m], by a wrench (forces [N], moments [N m]) on
-    its high end: contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two
-    axes each); end ``(6, 6)``, motions of that end."""
+    """Response of a stretch of the screw to a wrench (forces [N], moments [N m]) on its high end, beyond the beam."""
 
     #: Motions of the contacts of both flanks, all left ones, then all right ones, two axes each ``(4 N, 6)``.
     contacts: Array
     #: Motions of that end ``(6, 6)``.
     end: Array
+    #: Stations of the low and the high end [m].
     low: float
     high: float
 
@@ -250,8 +249,10 @@ def _known(scene: Scene, backend: Backend) -> EndResponse:
 
 
 def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Motions ``(4 N, 6)`` of the contacts, as `EndResponse.contacts`, by a wrench on the section at the station ``at`` [m]
-    inside the stretch of a screw that has an `end_response`. Kept as that one."""
+    """Return the motions ``(4 N, 6)`` of the contacts, as `EndResponse.contacts`, by a wrench on a section between them.
+
+    at: its station [m], inside the stretch of a screw that has an `end_response`. Cached as that one.
+    """
     parts, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
         return _by_section(parts, backend, at).G

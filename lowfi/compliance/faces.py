@@ -83,17 +83,7 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 @dataclass(frozen=True)
 class NearFace:
-    """What ring grooves and a face add to the compliance between contacts of one groove.
-
-    gain ``(2, n, 2, 2, f, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed
-    towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force on
-    either flank (f = 2), or also on those of the groove behind it (4), along or across; distance ``(k,)`` [m] of the face
-    from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
-    face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
-    far ``(n, 2, f)`` [m/N]: between contacts far from any face; alone: what a contact there moves by its own load beyond
-    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N]. strains ``(2, 2)``: `groove_strains` of a body that
-    is a beam, too, which are in none of these.
-    """
+    """What ring grooves and a face add to the compliance between contacts of one groove, at k distances and n harmonics."""
 
     #: Of the face from the middle of the groove ``(k,)`` [m].
     distance: Array
@@ -109,6 +99,7 @@ class NearFace:
     far: Array
     #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     alone: float
+    #: `groove_strains` ``(2, 2)`` of a body that is a beam, too; in none of the others.
     strains: Array
 
     @property
@@ -240,8 +231,10 @@ def with_tail(flank: Flank, waves: Array) -> Array:
 
 
 def felt_by(points: Points, side: Array, strains: Array) -> Array:
-    """Motions ``(k c, 6)`` of contacts with k axes, on flanks at negative z (``side`` -1) or positive z (1) of a groove, by
-    a wrench on their section: `groove_strains`."""
+    """Return the motions ``(k c, 6)`` of contacts with k axes by a wrench on their section: `groove_strains`.
+
+    side: -1 for a flank at negative z of its groove, 1 at positive z.
+    """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
@@ -250,8 +243,10 @@ def felt_by(points: Points, side: Array, strains: Array) -> Array:
 
 
 def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]) -> Array:
-    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], with what its grooves
-    strain, less those on the smooth body's: harmonics 0 and 1."""
+    """Return the motions ``(2, 2, f)`` [m/N] of both flanks on a beam, less those on the smooth body's: harmonics 0 and 1.
+
+    section: of the beam, clamped at both ends [m]; strains: of its grooves (`groove_strains`).
+    """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
     half = len(places) // 2

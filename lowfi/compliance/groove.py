@@ -58,9 +58,11 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
 
 def groove_strains(flank: Flank, smooth: Tube) -> Array:
-    """Motions ``(2, 2)`` (r, z) [m/N, 1/N] of a contact on the flank at positive z, beyond those of its section of the beam
-    and of the smooth body, by a unit tension and by a unit moment that stretches the body's side with the contact: at a
-    groove a body is thin, and strains more than it does on average."""
+    """Return the motions ``(2, 2)`` (r, z) [m/N, 1/N] of a contact by a unit tension and a unit moment on its section.
+
+    Of a contact on the flank at positive z, beyond those of the section of the beam and of the smooth body; the moment
+    stretches the body's side with the contact. At a groove a body is thin, and strains more than it does on average.
+    """
     grid, (radius, zeta) = flank.grid(), flank.contact()
     line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_ends(smooth)
     share = flank_weights(grid, line, zeta, NARROW * flank.map.ball)[0]

@@ -157,10 +157,9 @@ def stiffness_of(body: Body, kind: str) -> float:
 
 
 def strained(body: Body, kind: str) -> tuple[float, Array]:
-    """Stiffness of the cell [N/m or N m], twice its energy when its far plane of symmetry moves by one unit, and its motion
-    ``(lines in z, lines in r, 3)`` [m].
+    """Return the stiffness of the cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m].
 
-    axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
+    The stiffness is twice the energy when its far plane of symmetry moves by one unit. axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
@@ -386,8 +385,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
 
 def by_section(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
-    """Motion ``(2, 3, k)`` (`TubeCompliance.ends`) of the loaded line of a shaft held by its section, by loads on the mean
-    rigid motions, by least squares, of its material in a slice at the station ``at`` [m] of its stretch."""
+    """Return the motion ``(2, 3, k)`` (`TubeCompliance.ends`) of the loaded line of a shaft by loads on a section.
+
+    The shaft is fixed by its low section; the loads act on the mean rigid motions, by least squares, of the material in a
+    slice at the station ``at`` [m] of its stretch.
+    """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(r_ends, axial_ends(tube, zone))
     body, z, half = tube.body(grid), grid.z[:, 0], min(SLICE * tube.outer, at - tube.ends[0], tube.ends[1] - at)
@@ -408,8 +410,10 @@ def by_section(tube: Tube, zone: tuple[float, float], at: float) -> TubeComplian
 
 
 def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
-    """Shares ``(k,)`` of the nodes of quadratic elements z ``(k,)`` in the mean over a slice ``half`` [m] on both sides of
-    a station [m], and in that of what is there times its distance [m] from it."""
+    """Return the shares ``(k,)`` of nodes z ``(k,)`` of quadratic elements in two means over a slice around a station [m].
+
+    The mean of what is in the slice, ``half`` [m] on either side, and that of it times its distance [m] from the station.
+    """
     out = np.zeros((2, z.size))
     for a in range(0, z.size - 2, 2):
         low, high = max(z[a], at - half), min(z[a + 2], at + half)
@@ -550,8 +554,11 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
 
 
 def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Compliance ``(k, k)`` of motions held at ``base`` [m], as `cantilever`, which by ``feel`` ``(k, 6)`` feel the wrench
-    of all loads beyond its station, half of those at it, and so by its own load moves all beyond."""
+    """Return what ``feel`` ``(k, 6)`` adds to the compliance ``(k, k)`` of motions fixed at ``base`` [m], as `cantilever`.
+
+    feel: motion of each by the wrench, on its section, of all loads beyond its station and half of those at it. By
+    reciprocity its load moves all that is beyond.
+    """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
     moved *= side * np.heaviside(reach * side, 0.5)
@@ -561,8 +568,10 @@ def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
 def clamped(
     rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
-    """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]; feel: see
-    `jumps`."""
+    """Return the compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m].
+
+    feel: see `jumps`.
+    """
     low, high = ends
     if held != "both":
         base = low if held == "low" else high

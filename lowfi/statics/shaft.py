@@ -253,9 +253,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Shaft under one set. flanks ``(m,)``: places of its contacts' motions among those of all; stations ``(m,)`` [m]; feel
-    ``(m, 6)``, at_cut ``(6, 6)``: D^T and H by the wrench at the cut, the node above its contacts; sections: motions
-    ``(m, 6)`` of the flanks by loads on nodes below the cut, beyond those by the wrench that contacts below them feel."""
+    """Shaft under one set."""
 
     #: Indices of its contacts' motions among those of all ``(m,)``.
     flanks: Ints
@@ -267,6 +265,7 @@ class Stretch:
     at_cut: Array
     #: Number of the node above its contacts.
     cut: int
+    #: Motions of the flanks ``(m, 6)`` by loads on nodes below the cut, beyond those that the wrench at a contact makes.
     sections: dict[int, Array]
 
 

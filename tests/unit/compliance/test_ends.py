@@ -54,8 +54,8 @@ def test_contacts_move_as_saint_venant_says(response):
 
 
 def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
-    """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above, but
-    for the shift by a moment, part of which acts across in a slice."""
+    """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above,
+    but for the shift by a moment, part of which acts across in a slice."""
     at, z = CASE.nut.position, np.repeat(contact_frames(CASE, LAYOUT, True)[0][:, 2], 2)
     found, wanted = section_response(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
     wanted[:, 0] += (at - response.high) * wanted[:, 4]
