@@ -152,14 +152,15 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def stiffness_of(body: Body, kind: str) -> float:
-    """Stiffness of the cell [N/m or N m] (`strained`)."""
+    """Return the stiffness of the cell [N/m or N m] (`strained`)."""
     return strained(body, kind)[0]
 
 
 def strained(body: Body, kind: str) -> tuple[float, Array]:
     """Return the stiffness of the cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m].
 
-    The stiffness is twice the energy when its far plane of symmetry moves by one unit. axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
+    The stiffness is twice the energy when its far plane of symmetry moves by one unit. axial: u_z = 1; torsion: u_t = r;
+    bending: u_z = r cos t.
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
