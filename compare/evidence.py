@@ -258,9 +258,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
             load_table(name)  # which names the tables that there are
         computation = computations()[name]
         study.uses(computation.every_scene)
-        if name not in study.evidence:
-            study.evidence[name] = computation.compute(study)
-        found += study.evidence[name]
+        found += study.once(computation.compute)
     return found
 
 

@@ -16,7 +16,7 @@ from tests.report_samples import CHROMIUM
 #: WebGL by software.
 FLAGS = ("--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 #: Seconds after which an answer, or what is waited for, is missed.
-PATIENCE = 60.0
+PATIENCE = 200.0
 
 
 class Page:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.text.printing import Answer, listed, print_answer, text_width
+from rollbench.compare.text.printing import Answer, listed, on_terminal, print_answer, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -83,7 +83,7 @@ def run_friction(
     from rollbench.compare.studies.friction.solve import as_json, solve_friction
 
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
-        found = solve_friction(name, choices)
+        found = solve_friction(name, choices, lambda line: on_terminal(f"rollbench: {line}"))
     code = 1 if not found.converged or (strict and found.warning) else 0
     return Answer(with_schema(as_json(found)), as_table(found, balls=balls, details=details), code, folded=True)
 

@@ -7,7 +7,6 @@ text; ``{seconds=600}`` in it is its limit of time (`model_command` writes it).
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -15,24 +14,25 @@ import re
 import shlex
 import shutil
 import signal
-import subprocess
-import tempfile
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, one_line
-from rollbench.compare.models.loads_file import GivenLoads, read_loads
-from rollbench.lowfi.statics.contacts import error_free, hertz_C
-from rollbench.lowfi.statics.problem import distances
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    import subprocess
+
+    from rollbench.compare.models.loads_file import GivenLoads
 
 #: What stands for the two files in a command, and for its limit of time.
 SCENE, LOADS, LIMIT = "{scene.json}", "{loads.csv}", re.compile(r"\{seconds=([^{}]*)\}")
@@ -113,6 +113,8 @@ class Program:
     @property
     def files(self) -> str:
         """Files that the command names, with a digest of what they hold: whether it is the same program as before."""
+        import hashlib
+
         paths = [Path(shutil.which(self.words[0]) or self.words[0]), *map(Path, self.words[1:])]
         found = [f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()[:16]}" for p in paths if p.is_file()]
         return ", ".join(found)
@@ -124,6 +126,8 @@ class Program:
         Its files lie in a folder of their own, which goes with the call however that ends. Raises ProgramError where the
         program cannot be started, ends with another exit code than 0, is late, or writes no loads of every contact.
         """
+        import tempfile
+
         with tempfile.TemporaryDirectory(prefix="rollbench-", ignore_cleanup_errors=True) as name:
             folder = Path(name)
             asked, loads, said = (folder / x for x in ("scene.json", "loads.csv", "output"))
@@ -144,6 +148,8 @@ class Program:
 
     def _run(self, words: list[str], said: Path) -> str:
         """Run the program with its output in a file; why it did not end well, empty where it did."""
+        import subprocess
+
         with said.open("wb") as output:
             try:
                 process = subprocess.Popen(
@@ -168,6 +174,8 @@ class Program:
 
     def _read(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
         """The answer of a file. Raises InputError."""
+        from rollbench.compare.models.loads_file import read_loads
+
         given = read_loads(path, scene.ball_count, scene)
         given.load[given.load < LEAST] = 0.0
         lacking = [side for side in SIDES if side not in given.flanks]
@@ -214,6 +222,9 @@ def scene_json(scene: Scene) -> str:
     line) azimuth [rad] and station [m], closures [m] of its two pairs of flanks in the nominal place by all errors
     (positive: pressed), and Hertz's constants C [m/N^(2/3)] of its contacts: approach C F^(2/3).
     """
+    from rollbench.lowfi.statics.contacts import error_free, hertz_C
+    from rollbench.lowfi.statics.problem import distances
+
     layout = ball_layout(scene)
     drawn = specimen(scene, layout)
     _, closure = distances(scene, drawn)

@@ -28,7 +28,7 @@ class Study:
     drawn screws of an ensemble (None: as many as the scene says; 0: no ensemble is made, and what needs one stays open);
     quick: coarse meshes only; timed: run times are measured, not taken from those that are kept; cache: folder of
     meshes and condensed parts (None: none); others:
-    scenes of a kind that only friction solves, whose results the evidence itself keeps; evidence: by printed table.
+    scenes of a kind that only friction solves, whose results the evidence itself keeps.
     """
 
     stores: Sequence[Path] | None = None
@@ -40,7 +40,6 @@ class Study:
     others: dict[str, Described] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     computed: dict[Any, Any] = field(default_factory=dict)
-    evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
         """Shipped scene by name."""

@@ -38,9 +38,6 @@ PAGES = {
     "entries": "Every printed entry",
 }
 
-#: Pages of what all others used and found: they are made last.
-GATHERING = ("trust", "entries")
-
 #: Verdicts that say nothing of a model, and others as a sentence has them.
 APART = {"input": "inputs", "identity": "identities"}
 

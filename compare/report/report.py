@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Callable, Sequence
-from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -15,22 +14,19 @@ from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
 from rollbench.compare.case import every_case
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.evidence import by_table, evidence
 from rollbench.compare.files import need_writable
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
-from rollbench.compare.reference.parallel import as_done
-from rollbench.compare.report.pages import GATHERING, PAGES, SECTIONS, Listed, kept_parts, lacking, live_check, pages
+from rollbench.compare.report.pages import SECTIONS, Listed, kept_parts, lacking, live_check, pages
 from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import cores, gmsh_fault, libraries, machine, need_packages
+from rollbench.compare.running import gmsh_fault, libraries, machine, need_packages
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
-from rollbench.meshes import kept
-from rollbench.meshes.libraries import PAGES as PACKAGES
+from rollbench.meshes.libraries import PAGES
 from rollbench.meshes.processes import held_to_one_thread
 from rollbench.reports.content import Report, Section
 
@@ -151,65 +147,16 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
-@cache
-def _study(stores: Sequence[Path] | None, quick: bool, timed: bool, cache: Path | None) -> Study:
-    """The study of this process, a worker: its pages share results."""
-    return Study(stores, quick=quick, timed=timed, cache=cache)
-
-
-def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
-    """The sections of a part; with the ladder also what the model-form estimate rests on."""
-    module, _, function = part.module.partition(":")
-    made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
-    if part.name == "ladder":
-        save_model_form(study)
-    return (made,) if isinstance(made, Section) else tuple(made)
-
-
-def _page(
-    parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
-) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Sections of a page by name of their part, made in a worker, and what its study used; with evidence of printed
-    tables. keeping: bodies of geometries on disc, as the command line does."""
-    if keeping:
-        kept.switch_on()
-    study, made = _study(*given), {}
-    for part in parts:
-        start = perf_counter()
-        made[part.name] = _made(part, lambda _: None, study)
-        say(f"      {part.name}: {perf_counter() - start:.1f} s")
-    if tables:
-        evidence(study, *tables)
-    return made, Study(scenes=study.scenes, others=study.others, evidence=study.evidence)
-
-
-def make_sections(
-    parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = _printed
-) -> dict[str, Sequence[Section]]:
-    """Sections by name of their part, one after the other, or page by page in processes side by side; those that gather
-    what all others used and found come last."""
+def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: Study) -> dict[str, Sequence[Section]]:
+    """Sections by name of their part, one after the other; with the ladder also what the model-form estimate rests on."""
     sections: dict[str, Sequence[Section]] = {}
-    last = [part for part in parts if part.page in GATHERING]
-    tables: dict[str, list[str]] = {}
-    for table, one in by_table().items() if last else ():
-        tables.setdefault(one.case.name, []).append(table)
-    by_page = {name: [p for p in parts if p.page == name and p not in last] for name in PAGES}
-    names = [name for name, on_page in by_page.items() if on_page or name in tables]
-    if workers > 1 and len(names) > 1:
-        given = (study.stores, study.quick, study.timed, study.cache)
-        page = partial(_page, keeping=kept.switched_on())
-        jobs = [(page, (by_page[name], tables.get(name, ()), given, say)) for name in names]
-        for _, (made, used) in as_done(jobs, workers=workers):
-            for name in made:
-                announce(name)
-            sections |= made
-            study.scenes |= used.scenes
-            study.others |= used.others
-            study.evidence |= used.evidence
-        parts = last
     for part in parts:
         announce(part.name)
-        sections[part.name] = _made(part, step, study)
+        module, _, function = part.module.partition(":")
+        made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
+        sections[part.name] = (made,) if isinstance(made, Section) else tuple(made)
+    if "ladder" in sections:
+        save_model_form(study)
     return sections
 
 
@@ -236,7 +183,7 @@ def make_report(
     kept; with ``fresh`` of a new one.
     Raises InputError for a bad section name or folder.
     """
-    need_packages(*PACKAGES, "scikit-fem")
+    need_packages(*PAGES, "scikit-fem")
     before = None if against is None else tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:
@@ -268,8 +215,7 @@ def make_report(
     if checking:
         progress.section("one shipped run recomputed")
         checked = live_check((shipped_store(),), progress.step)
-    workers = min(engine.workers or 1, cores()) if engine.backend == "joblib" else 1
-    sections = make_sections(wanted, progress.section, progress.step, study, workers=workers, say=say)
+    sections = make_sections(wanted, progress.section, progress.step, study)
     progress.section("drawing and writing")
     texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"

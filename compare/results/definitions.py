@@ -27,7 +27,7 @@ from rollbench.compare.results.data import (
     Statistics,
 )
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
-from rollbench.compare.results.side_by_side import Alternative
+from rollbench.compare.results.side_by_side import Alternative, SideBySide
 from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.results.table import TableRow
 from rollbench.compare.scenes.duty_cycle import LoadCase
@@ -97,10 +97,7 @@ TABLES = (
         (("rows[].", TableRow),),
     ),
     Table(
-        "Scenes side by side",
-        "Of `solve A B`, in `scenes[]`; `difference_percent` has the same keys, each with a list: difference from the "
-        "first scene in per cent of its value, of a torque by the middle of its range.",
-        (("scenes[].", Alternative),),
+        "Scenes side by side", "Of `solve A B`, in the order of the scenes.", (("scenes[].", Alternative), ("", SideBySide))
     ),
     Table(
         "Contact, ellipse and static safety",

@@ -16,7 +16,7 @@ from rollbench.compare.results.solved import Result
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import Stated, quantity, record
 
 Band = tuple[float, float]
 #: What scenes of one axis share: attribute, words where it differs.
@@ -88,6 +88,12 @@ class SideBySide(Record):
         """Whether every scene has an equilibrium."""
         return all(one.status == "converged" for one in self.scenes)
 
+    @Stated(
+        "difference_percent",
+        "difference of the number of this key from that of the first scene, in per cent of that; of a torque by the middle "
+        "of its range",
+        parts=".*[]",
+    )
     def difference_percent(self, key: str) -> tuple[float | None, ...]:
         """Difference of a number, by its key in JSON, from that of the first scene [% of that]; of a torque by the middle
         of its range. None where one is not known, or the first is zero."""

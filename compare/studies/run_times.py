@@ -74,42 +74,39 @@ def as_a_users(extra: dict[str, str] | None = None) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Launched:
-    """A process that ended: seconds of wall clock to its end and to its first line on standard output (None: it wrote
-    none), CPU seconds of it and its own processes, exit code, and what it wrote."""
+    """A process that ended: seconds of wall clock to its end and to its first line (None: it wrote none), CPU seconds of it
+    and its own processes, exit code, and what it wrote, as on a terminal."""
 
     seconds: float
     first_line: float | None
     cpu: float
     code: int
-    stdout: str
-    stderr: str
+    output: str
 
 
 def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
     """Run a Python process, which imports nothing from its working folder, as a user would on a terminal. It is ended
     after `PATIENCE`."""
     environment = as_a_users({"PYTHONUNBUFFERED": "1"} | (extra or {}))
-    with tempfile.TemporaryFile("w+") as errors:
-        before, begin = os.times(), perf_counter()
-        process = subprocess.Popen(
-            [sys.executable, "-P", *arguments],
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            text=True,
-            env=environment,
-            cwd=folder,
-        )
-        patience = threading.Timer(PATIENCE, process.kill)
-        patience.start()
-        with process:
-            assert process.stdout is not None
-            line = process.stdout.readline()
-            first = perf_counter() - begin if line else None
-            written = line + process.stdout.read()
-        patience.cancel()
-        seconds, after = perf_counter() - begin, os.times()
-        errors.seek(0)
-        return Launched(seconds, first, _cpu(before, after), process.returncode, written, errors.read())
+    before, begin = os.times(), perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, "-P", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=environment,
+        cwd=folder,
+    )
+    patience = threading.Timer(PATIENCE, process.kill)
+    patience.start()
+    with process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        first = perf_counter() - begin if line else None
+        written = line + process.stdout.read()
+    patience.cancel()
+    seconds = perf_counter() - begin
+    return Launched(seconds, first, _cpu(before, os.times()), process.returncode, written)
 
 
 def _cpu(before: os.times_result, after: os.times_result) -> float:
@@ -482,7 +479,7 @@ def typed(command: str) -> Typed:
         busy.wait()
     for one in found:
         if one.code != 0:
-            last = one.stderr.strip().splitlines()[-1:] or ["no message"]
+            last = one.output.strip().splitlines()[-1:] or ["no message"]
             return Typed(command, note=f"not measured: {last[0][:120]}")
     alone, again, beside = found
     spent = again.seconds, again.cpu, beside.seconds, beside.cpu

@@ -125,13 +125,13 @@ def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpr
     if not result.converged:
         return row | {"status": str(result.status), "seconds": seconds}
     verdict = judge(title_of(model), result.load, found, Limits(limit))[0]
-    error = load_error(result.load, found.load, found.contacts)
+    off = load_error(result.load, found.load, found.contacts)
     pressed = np.cbrt(result.load.max() / found.load.max())  # Hertz
     return row | {
         "status": survey.ANSWERED,
-        "largest_percent": error.max_percent,
-        "at": f"{error.ball} {error.side}",
-        "rms_percent": error.rms_percent,
+        "largest_percent": off.max_percent,
+        "at": f"{off.ball} {off.side}",
+        "rms_percent": off.rms_percent,
         "pressure_percent": float(error_percent(pressed, 1.0)),
         "uncertainty_percent": uncertainty_percent(found),
         "gate_percent": verdict.error_percent,

@@ -6,7 +6,7 @@ scenes, with the mean torque over all revolutions.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -33,17 +33,19 @@ from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
 
+Say = Callable[[str], None]
 
-def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
-    """Solve a shipped scene or a file of any kind. Raises InputError."""
+
+def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> FrictionAnswer:
+    """Solve a shipped scene or a file of any kind; say: as for `solve_scene`. Raises InputError."""
     scene = catalogue.any_scene(name)
-    return solve_any(scene, choices, f"with {name}")
+    return solve_any(scene, choices, f"with {name}", say)
 
 
-def solve_any(scene: Described, choices: Choices, origin: str) -> FrictionAnswer:
-    """Friction of a scene of any kind; origin: what an error names. Raises InputError."""
+def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda _: None) -> FrictionAnswer:
+    """Friction of a scene of any kind; origin: what an error names; say: as for `solve_scene`. Raises InputError."""
     if isinstance(scene, Scene):
-        return solve_scene(scene, choices)
+        return solve_scene(scene, choices, say)
     if isinstance(scene, DutyCycle):
         return solve_cycle(scene, choices)
     if isinstance(scene, Assembly):

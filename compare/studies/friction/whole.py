@@ -4,10 +4,11 @@ follow; and what decides a torque apart from the scene's numbers: coefficient, p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from rollbench.compare.models.loading import preload
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import as_json, count_of, number
 from rollbench.compare.results.data import FrictionOnset
+from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, balance, three
@@ -283,8 +285,9 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     return [scene.friction]
 
 
-def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
-    """Loads by the chosen model, then friction for every coefficient; the balls are shown for the first one.
+def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lambda _: None) -> FrictionAnswer:
+    """Loads by the chosen model, then friction for every coefficient; the balls are shown for the first one. say: takes the
+    torque at the loads as soon as it is known, where the rest of the answer, drag and band, takes long.
 
     Raises InputError for a scene that the model cannot describe, or without coefficient of friction.
     """
@@ -296,6 +299,7 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
         allowed = "the model condensed"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
+    begin = monotonic()
     result = run_model(scene, model, options)
     named = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}
     head: dict[str, object] = named | {"member": choices.member if scene.errors.random else None}
@@ -308,6 +312,8 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
         states = [kept_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
+    if states[0].settled and monotonic() - begin > FIRST:
+        say(f"friction torque {three(1e3 * states[0].torque.friction)} N mm; drag and band follow")
     bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
     answer = _answer(scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare))

@@ -19,8 +19,9 @@ from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Balls up to which nobody waits for the kernels to be compiled: interpreted ones take some 0.1 s a ball.
-UNCOMPILED = 50
+#: Balls up to which nobody waits for the kernels to be compiled: interpreted ones take some 0.05 s a ball and state, and
+#: a whole answer, with its drag and the band of coefficients, has up to seven.
+UNCOMPILED = 120
 #: Gap [m] up to which neighbours count as touching.
 TOUCHING = 1e-6
 

@@ -18,7 +18,7 @@ def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
     done = run_times.launch(["-c", code], {"OWN": "x"})
     assert done.seconds >= done.first_line > 0.0
-    assert done.stdout == "None x\n"
+    assert done.output == "None x\n"
 
 
 def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process():

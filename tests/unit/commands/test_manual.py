@@ -33,7 +33,7 @@ def test_reference_has_every_command_key_and_quantity_with_its_unit(written) -> 
     assert "Table B.1" in (written / "misprints.md").read_text(encoding="utf-8")
 
 
-def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
+def test_workflow_keeps_the_reference_also_when_the_job_fails(written) -> None:
     workflow = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))
     reference, job = workflow["jobs"]["reference"]["steps"], workflow["jobs"]["gate"]
     restore = next(step for step in reference if step.get("uses", "").startswith("actions/cache/restore@"))
@@ -42,18 +42,25 @@ def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
     assert "job.status == 'success'" in save["with"]["key"]
     assert restore["with"]["restore-keys"].startswith("rollbench-part-")
     assert "part-{0}-{1}" in save["with"]["key"]
-    assert any("-c constraints.txt" in step.get("run", "") for step in reference)
+    assert any("-c rollbench/.ci/constraints.txt" in step.get("run", "") for step in reference)
     assert set(workflow[True]) == {"push", "pull_request"}  # the word "on" is true in YAML 1.1
     for one in workflow["jobs"].values():
         assert all({"uses", "run"} & step.keys() for step in one["steps"])
         assert one["runs-on"]
-    assert any("gate.xml" in step.get("with", {}).get("path", "") for step in job["steps"])
     uses = [step.get("uses", "") for step in job["steps"]]
     assert any(use.startswith("actions/cache/restore@") for use in uses)
     for step in job["steps"]:
         if step.get("uses", "").startswith(("actions/cache/save@", "actions/upload-artifact@")):
             assert step["if"] == "always()"
-    assert sum("rollbench check" in step.get("run", "") for step in job["steps"]) == 1
+    action = yaml.safe_load((ROOT / ".github/actions/check/action.yml").read_text(encoding="utf-8"))
+    (judged,) = [step["with"] for step in job["steps"] if step.get("uses", "").endswith("/.github/actions/check")]
+    assert set(judged) <= set(action["inputs"])
+    assert {name for name, one in action["inputs"].items() if one.get("required")} <= set(judged)
+    script = next(step["run"] for step in action["runs"]["steps"] if step.get("id") == "check")
+    check = (written / "commands.md").read_text(encoding="utf-8").partition("## `rollbench check`")[2].partition("\n## ")[0]
+    assert [option for option in re.findall(r"--[\w-]+", script) if option not in check] == []
+    (kept,) = [step["with"] for step in job["steps"] if step.get("uses", "").startswith("actions/upload-artifact@")]
+    assert kept["path"] == action["inputs"]["report"]["default"]
 
 
 @of_report

@@ -89,7 +89,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
         "import sys, runpy; from rollbench.reports import offscreen\ntry: "
         "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
         "print(error)\nfrom rollbench.compare.studies.run_times import launch\nprint(launch(['-c', 'import "
-        "numpy; print(numpy.__file__)']).stdout)\n"
+        "numpy; print(numpy.__file__)']).output)\n"
     )
     root = str(Path(__file__).parents[3] / "src")
     done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": root})

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
+from dataclasses import replace
 from math import tau
 
 import numpy as np
@@ -23,7 +24,7 @@ from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep import sample as sampling
 from rollbench.compare.studies.sweep.summary import summary, sweep_of
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.meshes.parts import SIDES, Motion
+from rollbench.meshes.parts import SIDES, Load, Motion
 
 VARY = ("supports[0].displace.ux=2 um:5 um", "errors.balls.oversize=4 um:7 um")
 SCENE = "two-balls"
@@ -267,3 +268,23 @@ def test_outputs_of_load_cases_and_of_several_sets_can_be_left_out():
     text = catalogue.scene_text("double-nut")
     found = sampling.solve_sample(text, "double-nut.toml", (), (), "lin", "compiled", ["idle_balls"])
     assert set(found) == {"status", "largest_load_N", "idle_balls", "at"}
+
+
+def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
+    text = catalogue.scene_text("double-nut").replace("[[loads]]", "[[cases]]\nname = 'a'\nshare = 0.5\n[[cases.loads]]", 1)
+    head, tables = text.split("[[cases]]", 1)
+    one, rest = tables.split("[friction]", 1)
+    more = one.replace("'a'", "'b'").replace("2 kN", "5 kN")
+    text = f"{head}[friction]{rest}\n[[cases]]{one}\n[[cases]]{more}"
+    wanted = ["largest_growth", "least_growth"]
+    found = sampling.solve_sample(text, "my.toml", (), (), "lin", "compiled", wanted)
+    scene = catalogue.any_scene("double-nut")
+    low, high = (
+        [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", Options()).sets]
+        for f in (2e3, 5e3)
+    )
+    ratios = [max(a, b) / a for a, b in zip(low, high, strict=True)]
+    assert [found[name] for name in wanted] == pytest.approx([max(ratios), min(ratios)], rel=1e-9)
+    assert max(ratios) > 1.1
+    alone = sampling.solve_sample(catalogue.scene_text("double-nut"), "my.toml", (), (), "lin", "compiled", wanted)
+    assert [alone[name] for name in wanted] == [None, None]
