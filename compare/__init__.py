@@ -1,4 +1,4 @@
-"""Scenes, printed numbers, errors, gates and the command line: where models meet references."""
+"""Scenes, printed numbers, errors, gates and the command line: comparison of models with references."""
 
 import sys
 from types import ModuleType
@@ -8,10 +8,10 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """This package, which was a function of the library up to 0.14."""
+    """Package that was a function of the library up to 0.14."""
 
     def __call__(self, *_: object, **__: object) -> NoReturn:
-        """Name the function that was called so."""
+        """Raise an error that names the present name of the function."""
         raise TypeError("rollbench.compare is a package: the function is rollbench.compare_models")
 
 

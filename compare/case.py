@@ -1,7 +1,7 @@
-"""The cases: what a publication printed, the scenes, how each number is computed, and its page of the report.
+"""Cases: publications with their printed numbers, scenes, computations and page of the report.
 
-Ours are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry point of the group
-``rollbench.cases`` that names its `Case`; it is loaded when printed data are judged.
+Those of this package are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry point
+of the group ``rollbench.cases`` that names its `Case`; it is imported when printed data are judged.
 """
 
 from __future__ import annotations
@@ -21,33 +21,37 @@ GROUP = "rollbench.cases"
 
 @dataclass(frozen=True)
 class Case:
-    """A publication, or several of a kind, that answers are held against.
+    """A publication, or several of a kind, with which results are compared.
 
     The folder of its package holds ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
     ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
     """
 
     #: Names of its tables begin with it and a hyphen.
+    #: Name of the case.
     name: str
     #: The publication as answers name it; empty where no table is printed.
+    #: Title of the publication.
     title: str
     #: Import name of the package with all of it.
+    #: Python package with its folder.
     package: str
     #: Module below ``package`` whose ``section(study, step)`` gives the section of its page in the report, or several in
     #: order; or a package of such modules.
+    #: Title of its page in the report; empty: no page.
     page: str = ""
 
     @property
     def folder(self) -> Path:
-        """Where its files are."""
+        """Folder with its files."""
         return Path(str(resources.files(self.package)))
 
     def files(self, folder: str) -> dict[str, Path]:
-        """Its TOML files in a folder, ``printed`` or ``scenes``, by name without ending."""
+        """Return its TOML files in a folder, ``printed`` or ``scenes``, by name without ending."""
         return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
 
     def load(self, function: str) -> Any:
-        """The object that ``module:name`` names in its package, imported now."""
+        """Import and return the object that ``module:name`` names in its package."""
         module, _, name = function.partition(":")
         return getattr(import_module(f"{self.package}.{module}"), name)
 
@@ -65,8 +69,10 @@ CASES = (
 
 @cache
 def others() -> tuple[Case, ...]:
-    """Cases of other packages, sorted by name. Raises InputError for one that cannot be loaded, is no `Case`, or has the
-    name of another."""
+    """Return the cases of other packages, sorted by name.
+
+    InputError if one cannot be imported, is no `Case`, or has the name of another.
+    """
     from importlib.metadata import entry_points  # takes longer to import than all of this
 
     found: dict[str, Case] = {}
@@ -87,13 +93,13 @@ def others() -> tuple[Case, ...]:
 
 
 def every_case() -> tuple[Case, ...]:
-    """Ours, then those of other packages."""
+    """Return the cases of this package, then those of other packages."""
     return (*CASES, *others())
 
 
 @cache
 def shipped_files(folder: str) -> dict[str, Path]:
-    """Shipped TOML files in a folder, ``scenes`` or ``printed``, by name without ending, sorted."""
+    """Return the shipped TOML files in a folder, ``scenes`` or ``printed``, by name without ending, sorted."""
     files = {path.stem: path for path in place(folder).glob("*.toml")}
     for case in CASES:
         files |= case.files(folder)
@@ -101,11 +107,11 @@ def shipped_files(folder: str) -> dict[str, Path]:
 
 
 def file_of(folder: str, name: str) -> Path | None:
-    """The file of a scene or printed table by name: ours, or of another package's case; None where there is none."""
+    """Return the file of a scene or printed table of any case by name; None if there is none."""
     path = shipped_files(folder).get(name)
     return path or next((files[name] for case in others() if name in (files := case.files(folder))), None)
 
 
 def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
-    """The files of that name, one a case, of the cases that have one."""
+    """Return the files of a name, by the case that has one."""
     return {case: path for case in cases if (path := case.folder / name).is_file()}

@@ -1,4 +1,4 @@
-"""The command line: its commands in one table, each a module of ``compare.commands``, and how a run of one ends."""
+"""The command line: a table of its commands, each a module of ``compare.commands``, and exit codes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from cyclopts import App, CycloptsError, Group
 
 from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
+from rollbench.compare.running import clear
 from rollbench.compare.text.printing import OutputLost, writing
 from rollbench.meshes import kept
 from rollbench.meshes.processes import one_thread
 
-#: Longest wait [s] after an interrupt for threads that tidy up.
+#: Longest time to wait after an interrupt for threads that clean up [s].
 TIDYING = 2.0
 #: Arguments of the library whose options have other names, and those that are given without one.
 OPTIONS = {
@@ -59,13 +60,12 @@ COMMANDS = {
         "completion": "doctor",
     },
 }
-#: The command that knows all others.
+#: Command that needs all others.
 OF_ALL = "completion"
 
 
 def commands(first: str = "") -> App:
-    """The application with the command that the command line begins with, all of them where it begins with none that is
-    known, or with one that knows all."""
+    """Return the application with the command that the command line begins with; with all if it is not known."""
     modules = {name: module for group in COMMANDS.values() for name, module in group.items()}
     for name in modules if first not in modules or first == OF_ALL else (first,):
         import_module(f"rollbench.compare.commands.{modules[name]}")
@@ -74,9 +74,11 @@ def commands(first: str = "") -> App:
 
 
 def unwrapped(doc: str | None) -> str:
-    """A docstring with every paragraph on one line, for help to wrap at the width of the terminal.
+    r"""Return a docstring with every paragraph on one line, so that help can wrap it at the width of the terminal.
 
-    >>> unwrapped("Solve.\\n\\nParameters\\n----------\\nscene\\n    A name,\\n    or a file.").splitlines()[-1]
+    Examples
+    --------
+    >>> unwrapped("Solve.\n\nParameters\n----------\nscene\n    A name,\n    or a file.").splitlines()[-1]
     '    A name, or a file.'
     """
     paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"
@@ -84,7 +86,7 @@ def unwrapped(doc: str | None) -> str:
 
 
 def arrange(app: App) -> None:
-    """Put the commands of ``app`` under the headings of `COMMANDS`."""
+    """Group the commands of ``app`` under the headings of `COMMANDS`."""
     for place, (heading, names) in enumerate(COMMANDS.items()):
         group = Group(heading, sort_key=place)
         for number, name in enumerate(names):
@@ -99,8 +101,10 @@ def arrange(app: App) -> None:
 
 
 def option(argument: str) -> str:
-    """What gives an argument of the library on the command line.
+    """Return the option of the command line for an argument of the library.
 
+    Examples
+    --------
     >>> option("max_error"), option("levels=1"), option("spread=True"), option("compute=False")
     ('--max-error', '--levels 1', '--spread', '--no-compute')
     """
@@ -112,7 +116,7 @@ def option(argument: str) -> str:
 
 
 def in_options(error: InputError) -> InputError:
-    """The error with options in place of the library's arguments."""
+    """Return an error that names options instead of the library's arguments."""
     said = copy(error)
     for part in ("allowed", "advice"):
         setattr(said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option(found[1]), getattr(error, part)))
@@ -127,7 +131,7 @@ def _drop_output() -> None:
 
 
 class Terminated(KeyboardInterrupt):
-    """The signal TERM came: handled as an interrupt, with the same tidying up."""
+    """The signal TERM was received; handled like an interrupt."""
 
 
 def _terminated(_number: int, _frame: FrameType | None) -> None:
@@ -148,15 +152,18 @@ def _terminable() -> Iterator[None]:
 
 
 def _say(lines: Iterable[str]) -> None:
-    """Lines on standard error; no failure where it is closed, because the exit code counts."""
+    """Print lines on standard error; no failure if it is closed, because the exit code counts."""
+    clear()
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
         sys.stderr.flush()
 
 
 def _let_threads_end() -> None:
-    """Wait for threads that tidy up after workers: cut off between the removal of a semaphore and its report to joblib's
-    tracker, they would make this warn of a leak."""
+    """Wait for threads that clean up after workers.
+
+    Cut off between the removal of a semaphore and its report to joblib's tracker, they would make this warn of a leak.
+    """
     until = time.monotonic() + TIDYING
     for thread in threading.enumerate():
         if thread is not threading.current_thread():
@@ -165,9 +172,11 @@ def _let_threads_end() -> None:
 
 @_terminable()
 def main(tokens: list[str] | None = None) -> None:
-    """Entry point: bad input gives one line on standard error and exit code 2, a user's program that fails 1, an
-    interrupt 130, TERM 143; an output that nobody reads any more ends quietly with 141, one that cannot be written with 74
-    and one line."""
+    """Run the command line and exit.
+
+    Bad input gives one line on standard error and exit code 2, a user's program that fails 1, an interrupt 130, TERM 143;
+    an output that nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line.
+    """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process

@@ -1,44 +1,79 @@
-"""What is said about bad input: one line with file, key, value found, range allowed and advice."""
+"""Errors for bad input: one line with file, key, value, allowed range and advice."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+#: Longest text of a user that a message shows.
 _LONGEST = 120
-#: The same for what this program says itself.
+#: Longest text of a message of this program.
 _WHOLE = 2000
 
 
 def escaped(text: str) -> str:
-    """``text`` with all that is not printable (controls, line ends, marks of direction) as escapes."""
+    """Replace what is not printable (controls, line ends, direction marks) by escapes.
+
+    Parameters
+    ----------
+    text
+        Any text.
+    """
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def one_line(text: str, longest: int = _LONGEST) -> str:
-    """``text`` as one printable line of at most ``longest`` characters (controls escaped, the rest cut)."""
+    """Return a text as one printable line.
+
+    Parameters
+    ----------
+    text
+        Any text.
+    longest
+        Largest number of characters; the rest is cut and replaced by ``...``.
+    """
     plain = escaped(text)
     return plain if len(plain) <= longest else plain[: longest - 3] + "..."
 
 
 class InputError(Exception):
-    """Something that the user gave cannot be used.
+    """Error for input that cannot be used; ``str()`` gives one line.
 
-    ``file``: where it was found; ``key``: dotted path of the key (``balls.radius``, ``supports[0].fix``), or
-    what stands for it; ``value``: what was found, as written; ``allowed``: the range or the choices;
-    ``advice``: what to do next; ``more``: how many further faults were found. ``str()`` gives one line.
+    Arguments of functions are in single backticks in ``allowed`` and ``advice``, also as `compute=False`; the command line
+    shows them as options.
 
-    Arguments of functions stand between single backticks in ``allowed`` and ``advice``, as compute=False may: the command
-    line writes them as options.
+    Parameters
+    ----------
+    file
+        File or scene with the fault; may be empty.
+    key
+        Dotted path of the key (``balls.radius``, ``supports[0].fix``), or name of the argument.
+    value
+        Value as it was given.
+    allowed
+        Allowed range or choices.
+    advice
+        What to do.
+    more
+        Number of further faults.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> try:
+    ...     rollbench.check("lin-case1", max_error=700)
+    ... except rollbench.InputError as error:
+    ...     print(error)
+    max_error: got 700; allowed: above 0 to 100 per cent; advice: the gate uses 7
     """
 
     #: Exit code of a command that it ends.
     code = 2
 
     def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
-        """Keep the parts; the text is put together by ``str()``."""
+        """Keep the parts of the message, as attributes."""
         super().__init__(file, key, value, allowed, advice, more)
         self.file = file
         self.key = key
@@ -48,11 +83,17 @@ class InputError(Exception):
         self.more = more
 
     def lines(self) -> list[str]:
-        """What is printed: one line for every fault."""
+        """Return a line for every fault.
+
+        Returns
+        -------
+        list of str
+            The lines.
+        """
         return [str(self)]
 
     def __str__(self) -> str:
-        """One line: ``file: key: got value; allowed: ...; advice: ...``, and the number of further faults."""
+        """Return one line: ``file: key: got value; allowed: ...; advice: ...``, and the number of further faults."""
         rest = "" if self.more == 0 else f" (and {self.more} more fault{'s' if self.more > 1 else ''})"
         place = f"{one_line(self.file)}: " if self.file else ""
         return (
@@ -62,37 +103,71 @@ class InputError(Exception):
 
 
 class ArgumentError(InputError):
-    """An argument of a function cannot be used; several have commas between their names. file: where it leads, if any."""
+    """Error for an argument of a function that cannot be used.
+
+    Parameters
+    ----------
+    argument
+        Name of the argument; several are joined by commas.
+    value
+        Value as it was given.
+    allowed
+        Allowed range or choices.
+    advice
+        What to do.
+    file
+        File that the argument names, if any.
+    """
 
     def __init__(self, argument: str, value: str, allowed: str, advice: str, file: str = "") -> None:
-        """Keep the parts; the text is put together by ``str()``: ``max_error: got 700; allowed: ...; advice: ...``."""
+        """Keep the parts of the message; ``str()`` gives ``max_error: got 700; allowed: ...; advice: ...``."""
         super().__init__(file, argument, value, allowed, advice)
         self.args = (argument, value, allowed, advice, file)
 
 
 class Refusal(InputError):
-    """A scene that a model cannot take: where, and the model's own words, in full, because they hold cause and remedy."""
+    """Error for a scene that a model does not cover.
+
+    Parameters
+    ----------
+    file
+        File or name of the scene.
+    key
+        Key of the scene, or the model.
+    reason
+        Why the model does not cover it, which is not cut.
+    advice
+        What to do.
+    """
 
     def __init__(self, file: str, key: str, reason: str, advice: str) -> None:
-        """Keep the parts; the text is put together by ``str()``."""
+        """Keep the parts of the message."""
         super().__init__(file, key, reason, "", advice)
         self.args = (file, key, reason, advice)
 
     def __str__(self) -> str:
-        """One line: ``file: key: reason; advice: ...``."""
+        """Return one line: ``file: key: reason; advice: ...``."""
         reason = one_line(" ".join(self.value.split()), _WHOLE).rstrip(".; ")
         return f"{one_line(self.file)}: {one_line(self.key)}: {reason}; advice: {one_line(self.advice, 300)}"
 
 
 class ProgramError(Refusal):
-    """A user's program, as a model, that did not answer a scene: it, the scene, what went wrong and its last line."""
+    """Error for a user's program that failed for a scene: program, scene, reason and the last line that it printed."""
 
     code = 1
 
 
 @contextmanager
 def named(name: str, origin: str) -> Iterator[None]:
-    """Refusals of the scene ``name`` inside name its file ``origin`` instead."""
+    """Let refusals of a scene inside the block name its file.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    origin
+        File or name that is shown instead.
+    """
     try:
         yield
     except Refusal as error:
@@ -101,23 +176,37 @@ def named(name: str, origin: str) -> Iterator[None]:
         raise Refusal(origin, error.key, error.value, error.advice) from error
 
 
-#: How many faults of a file are listed.
+#: Largest number of faults of a file that are listed.
 _MANY = 30
 
 
 class SceneError(InputError):
-    """A scene file cannot be read, or describes something that cannot be built; ``others``: its further faults."""
+    """Error for a scene file that cannot be read, or describes parts that cannot be built.
+
+    Parameters
+    ----------
+    file, key, value, allowed, advice, more
+        As for `InputError`.
+    others
+        Errors for further faults of the file.
+    """
 
     def __init__(
         self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0, others: tuple[SceneError, ...] = ()
     ) -> None:
-        """Keep the parts; the text is put together by ``str()`` and ``lines()``."""
+        """Keep the parts of the message; ``lines()`` gives a line for every fault."""
         super().__init__(file, key, value, allowed, advice, more)
         self.args = (file, key, value, allowed, advice, more, others)
         self.others = others
 
     def lines(self) -> list[str]:
-        """Every fault as a line of its own; how many more there are beyond the first 30."""
+        """Return a line for every fault.
+
+        Returns
+        -------
+        list of str
+            The lines of the first 30 faults, then how many more there are.
+        """
         each = [self, *self.others][:_MANY]
         lines = [InputError.__str__(InputError(e.file, e.key, e.value, e.allowed, e.advice)) for e in each]
         left = len(self.others) + 1 - len(lines)

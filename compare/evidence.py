@@ -1,8 +1,7 @@
-"""Evidence: what is computed for each printed number and claim, once, and its verdict; gate, report and literature tests
-read it.
+"""Comparison of every printed number and claim with a computed value, made once for gate, report and literature tests.
 
-`computations.toml` of a case names the function that computes the numbers of a printed table and the test that asserts it.
-The verdict that is expected of an entry stands beside the printed value; `Evidence.change` is how the two differ.
+`computations.toml` of a case names the function that computes the numbers of a printed table and the test that asserts
+them. The expected verdict of an entry is stored with the printed value; `Evidence.change` is the difference.
 """
 
 from __future__ import annotations
@@ -27,34 +26,36 @@ from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_ta
 
 @dataclass(frozen=True)
 class Evidence:
-    """One printed entry and what is computed for it.
+    """One printed entry with the computed value."""
 
-    value: the right value in the printed unit; as_printed: the value with the source's faults repeated; reading: the
-    value under an assumption that was inferred from the printed results, which confirms nothing; reference: what the 3D
-    reference gives; holds: whether a claim is borne out; words: the figures behind it.
-    """
-
+    #: The printed entry.
     printed: Printed
+    #: Correct value, in the printed unit.
     value: float | None = None
+    #: Value with the faults of the source repeated.
     as_printed: float | None = None
+    #: Value under an assumption that was inferred from the printed results, and so confirms nothing.
     reading: float | None = None
+    #: Value of the 3D reference.
     reference: float | None = None
+    #: Whether a claim is true.
     holds: bool | None = None
+    #: Numbers behind a claim, or a remark.
     words: str = ""
 
     @property
     def compared(self) -> float | None:
-        """The value that is held against the printed one."""
+        """Value that is compared with the printed one."""
         return self.as_printed if self.printed.cls == "as-printed" else self.value
 
     @property
     def error_percent(self) -> float | None:
-        """Error of the compared value against the printed number."""
+        """Error of the compared value against the printed number [%]."""
         return self._against_printed(self.compared)
 
     @property
     def reading_error_percent(self) -> float | None:
-        """Error of the value under the inferred reading against the printed number."""
+        """Error of the value under the inferred assumption against the printed number [%]."""
         return self._against_printed(self.reading)
 
     def _against_printed(self, value: float | None) -> float | None:
@@ -65,7 +66,7 @@ class Evidence:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the entry is reproduced; None where that cannot be said."""
+        """Whether the entry is reproduced; None if that cannot be decided."""
         p = self.printed
         if p.value is None:
             return self.holds
@@ -78,7 +79,7 @@ class Evidence:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the entry."""
+        """Verdict on the entry."""
         p = self.printed
         if p.cls == "open":
             return "contradicted" if p.contradicted else "not identifiable"
@@ -93,13 +94,13 @@ class Evidence:
 
     @property
     def reason(self) -> str:
-        """Why, in sentences; empty where that needs none."""
+        """Reason for the verdict; empty if it needs none."""
         why = self.printed.contradicted
         return sentences(why[:1].upper() + why[1:], sentences(self.printed.remark, self.words))
 
     @property
     def change(self) -> str:
-        """How the verdict differs from the expected one, in words; empty where it does not."""
+        """Difference from the expected verdict in words; empty without."""
         expected = self.printed.verdict
         if expected == self.verdict:
             return ""
@@ -108,8 +109,15 @@ class Evidence:
 
 
 class Sheet:
-    """Evidence of one printed table, filed entry by entry; an entry that nothing is filed for stays open.
+    """Computed values of one printed table, entered one by one; entries without a value stay open.
 
+    Parameters
+    ----------
+    table
+        Name of the printed table.
+
+    Examples
+    --------
     >>> sheet = Sheet("lin-2.2")
     >>> sheet.words("time_proposed_1", "another machine")
     >>> [e.words for e in sheet.evidence() if e.words]
@@ -117,7 +125,7 @@ class Sheet:
     """
 
     def __init__(self, table: str) -> None:
-        """Start with every entry of ``table`` open. Raises InputError for an unknown table."""
+        """Start with every entry of ``table`` open; InputError for an unknown table."""
         self._entries = {row.key: Evidence(row) for row in load_table(table)}
         self.table = table
 
@@ -136,28 +144,49 @@ class Sheet:
         reading: float | None = None,
         reference: float | None = None,
     ) -> None:
-        """File a number in the printed unit. Raises KeyError for an unknown key."""
+        """Enter a number in the printed unit.
+
+        Parameters
+        ----------
+        key
+            Key of the entry.
+        value
+            Correct value.
+        words
+            Remark.
+        as_printed
+            Value with the faults of the source repeated.
+        reading
+            Value under an assumption inferred from the printed results.
+        reference
+            Value of the 3D reference.
+
+        Raises
+        ------
+        KeyError
+            If there is no such entry.
+        """
         self._file(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
 
     def numbers(self, values: Mapping[str, float]) -> None:
-        """File right values by key. Raises KeyError for an unknown key."""
+        """Enter correct values by key; KeyError for an unknown key."""
         for key, value in values.items():
             self.number(key, float(value))
 
     def printed(self, key: str) -> float:
-        """Printed number of an entry, for arithmetic. Raises KeyError for a claim or an unknown key."""
+        """Return the printed number of an entry, for arithmetic; KeyError for a claim or an unknown key."""
         return value_of(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
-        """File whether a claim holds, and the figures behind it. Raises KeyError for an unknown key."""
+        """Enter whether a claim is true, and the numbers behind it; KeyError for an unknown key."""
         self._file(key, holds=bool(holds), words=words)
 
     def words(self, key: str, words: str) -> None:
-        """File why nothing is compared, or a remark on what is filed already. Raises KeyError for an unknown key."""
+        """Enter why nothing is compared, or a remark; KeyError for an unknown key."""
         self._file(key, words=words)
 
     def evidence(self) -> tuple[Evidence, ...]:
-        """All entries in the order of the table."""
+        """Return all entries in the order of the table."""
         return tuple(self._entries.values())
 
 
@@ -168,7 +197,7 @@ def sentences(*texts: str) -> str:
 
 
 def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """ "k of n" of a mask."""
+    """Return "k of n" for a mask."""
     return f"{int(mask.sum())} of {mask.size}"
 
 
@@ -178,18 +207,21 @@ Behind = tuple[str, ...] | str
 
 @dataclass(frozen=True)
 class Computation:
-    """One printed table of a case: the function ``module:name`` that files its evidence (empty: nothing is computed), the
-    test file that asserts every entry of it, and what is behind its entries, by pattern of the key (the first that fits
-    counts)."""
+    """How the entries of one printed table are computed."""
 
+    #: Case of the table.
     case: Case
+    #: Name of the table.
     table: str
+    #: Function ``module:name`` that enters the values; empty: nothing is computed.
     computed_by: str
+    #: Test file that asserts every entry.
     test: str
+    #: Scenes, or the reason for none, by pattern of the key; the first that matches counts.
     behind: tuple[tuple[str, Behind], ...]
 
     def compute(self, study: Study) -> tuple[Evidence, ...]:
-        """Evidence of every entry: the function, imported now, files it in a sheet of the table."""
+        """Compute the values of every entry; the function is imported now."""
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
         sheet = Sheet(self.table)
@@ -208,11 +240,11 @@ class Computation:
 
     @property
     def every_scene(self) -> tuple[str, ...]:
-        """Scenes behind any entry, each once."""
+        """All scenes of the entries, each once."""
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Scenes behind an entry, and where there are none, why."""
+        """Return the scenes of an entry; if there are none, the reason."""
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
             return origin, ""
@@ -223,8 +255,10 @@ class Computation:
 
 @cache
 def computations() -> dict[str, Computation]:
-    """Those of every case's ``computations.toml`` by table, in the order of cases and files. Raises InputError for a file
-    that cannot be read, printed tables that it does not name, and tables that are not printed."""
+    """Return the computations of all cases by table, in the order of cases and files.
+
+    InputError for a file that cannot be read, printed tables that it does not name, and tables that are not printed.
+    """
     out: dict[str, Computation] = {}
     for case in every_case():
         path = case.folder / "computations.toml"
@@ -245,27 +279,45 @@ def computations() -> dict[str, Computation]:
 
 @cache
 def by_table() -> dict[str, Computation]:
-    """Computations by printed table, without tables that nothing is computed for."""
+    """Return the computations by printed table, without tables for which nothing is computed."""
     return {name: one for name, one in computations().items() if one.computed_by}
 
 
 def evidence(study: Study, *names: str) -> list[Evidence]:
-    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once per study, which
-    notes their scenes. Raises InputError for an unknown table."""
+    """Compute the entries of printed tables.
+
+    Parameters
+    ----------
+    study
+        Keeps the values, each table computed once, and the scenes used.
+    *names
+        Tables; all unless given.
+
+    Returns
+    -------
+    list of Evidence
+        Entries in the order of the tables.
+
+    Raises
+    ------
+    InputError
+        If a table is unknown.
+    """
     found: list[Evidence] = []
     for name in names or by_table():
         if name not in computations():
             load_table(name)  # which names the tables that there are
         computation = computations()[name]
         study.uses(computation.every_scene)
-        found += study.once(computation.compute)
+        if name not in study.evidence:
+            study.evidence[name] = computation.compute(study)
+        found += study.evidence[name]
     return found
 
 
 @dataclass(frozen=True)
 class Trace:
-    """Where a printed entry comes from: its scenes or why there are none, its one computation (``module:function``), its
-    test."""
+    """Origin of a printed entry: its scenes or why there are none, its computation (``module:function``), its test."""
 
     table: str
     key: str
@@ -278,7 +330,7 @@ class Trace:
 
 
 def traces(table: str = "") -> Iterator[Trace]:
-    """Every printed entry of one shipped table, or of all, in order. Raises InputError for an unknown table."""
+    """Yield the origin of every printed entry of one table, or of all; InputError for an unknown table."""
     for name in [table] if table else tables():
         rows, computation = load_table(name), computations()[name]
         for row in rows:
@@ -293,7 +345,7 @@ APART: tuple[Verdict, ...] = ("input", "identity")
 
 @cache
 def misprints() -> list[dict[str, str]]:
-    """Misprints and faults of all sources: source, place, wrong, right, evidence, command that shows it, test."""
+    """Return the misprints and faults of all sources: source, place, wrong, right, evidence, command, test."""
     out = []
     for case, path in files_named("misprints.toml", every_case()).items():
         for row in tomllib.loads(path.read_text(encoding="utf-8"))["row"]:
@@ -304,30 +356,34 @@ def misprints() -> list[dict[str, str]]:
 
 
 def left_out() -> list[dict[str, Any]]:
-    """Groups of printed numbers that are no entries: source, place, what, count, reason."""
+    """Return groups of printed numbers that are no entries: source, place, what, count, reason."""
     rows: list[dict[str, Any]] = files.table("cases/left-out.toml")["row"]
     return rows
 
 
 def sources() -> list[str]:
-    """Titles of the sources with printed tables."""
+    """Return the titles of the sources with printed tables."""
     return [case.title for case in every_case() if case.title]
 
 
 def audit(study: Study, *names: str) -> list[Evidence]:
-    """Every printed entry of the tables ``names`` (all unless given) with what is computed for it and its verdict, in the
-    order of the tables. Raises InputError for an unknown table."""
+    """Return every printed entry of tables (all unless named) with its computed value and verdict.
+
+    InputError for an unknown table.
+    """
     return evidence(study, *(names or sorted(computations())))
 
 
 def source(printed: Printed) -> str:
-    """Title of the source of an entry."""
+    """Return the title of the source of an entry."""
     return computations()[printed.table].case.title
 
 
 def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
-    """Entries by source and verdict, one row a source and one for all: verdicts, ``judged`` (without inputs and
-    identities), ``all``."""
+    """Count the entries by source and verdict, a row for each source and one for all.
+
+    Rows have the verdicts, ``judged`` (without inputs and identities) and ``all``.
+    """
     out = []
     for title in (*sources(), "all"):
         by_verdict = Counter(row.verdict for row in rows if title in (source(row.printed), "all"))
@@ -339,7 +395,7 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
 
 
 def trust(row: Mapping[str, Any]) -> str:
-    """How much of a source can be trusted, in one sentence, from its row of ``counts``."""
+    """Return a sentence on how reliable a source is, from its row of ``counts``."""
     n = row["judged"]
     if n == 0:
         return f"{row['source']}: nothing that a model could be judged by."

@@ -1,7 +1,6 @@
-"""Files: shipped ones by their path below the folder ``compare``, a user's as text, and writing whole or not at all.
+"""Files: shipped ones by their path below the folder ``compare``, reading text, and writing completely or not at all.
 
-A user's file is UTF-8, or UTF-16 where a mark at its begin says so; a name that does not exist is answered with those like
-it.
+A user's file is UTF-8, or UTF-16 if a byte order mark says so. For a name that does not exist, similar names are suggested.
 """
 
 from __future__ import annotations
@@ -27,42 +26,44 @@ if TYPE_CHECKING:
 
 
 def place(path: str) -> Path:
-    """Where a shipped file or folder is."""
+    """Return the path of a shipped file or folder."""
     return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
 def text(path: str) -> str:
-    """The text of a shipped file."""
+    """Return the text of a shipped file."""
     return place(path).read_text(encoding="utf-8")
 
 
 @cache
 def table(path: str) -> dict[str, Any]:
-    """A shipped TOML file, read once and cached: do not change it."""
+    """Return a shipped TOML file; cached: do not change it."""
     return tomllib.loads(text(path))
 
 
-#: What is allowed, in words.
+#: Allowed encodings, in words.
 ENCODING = "text in UTF-8"
 
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
-#: Bytes below a blank that text has: tab and line ends.
+#: Bytes below the space character that text may have: tab and line ends.
 _LAYOUT = b"\t\n\r\f\v"
 
 
 class NoText(ValueError):
-    """Bytes that cannot be read as text; value: what they are, advice: what to do."""
+    """Error for bytes that cannot be read as text; value: what they are, advice: what to do."""
 
     def __init__(self, value: str, advice: str) -> None:
-        """Keep both."""
+        """Keep value and advice."""
         super().__init__(value)
         self.value, self.advice = value, advice
 
 
 def text_of(data: bytes) -> str:
-    """The text of a file. Raises NoText for text in another encoding, and for what is no text.
+    """Return the text of a file's bytes; NoText for another encoding, and for what is no text.
 
+    Examples
+    --------
     >>> text_of("µ".encode("utf-16")), text_of("µ".encode("utf-8"))
     ('µ', 'µ')
     """
@@ -77,7 +78,7 @@ def text_of(data: bytes) -> str:
 
 
 def _no_text(data: bytes, at: int) -> NoText:
-    """What bytes are that go wrong at one of them."""
+    """Return the error for bytes that fail at a position."""
     line = data.count(b"\n", 0, at) + 1
     place = f"line {line}, byte 0x{data[at]:02X}"
     if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
@@ -89,14 +90,16 @@ def _no_text(data: bytes, at: int) -> NoText:
 
 
 def question(found: Iterable[str]) -> str:
-    """``did you mean A or B?``, each as a shell takes it; empty without any."""
+    """Return ``did you mean A or B?``, with names quoted for a shell; empty without any."""
     words = " or ".join(map(shlex.quote, found))
     return f"did you mean {words}?" if words else ""
 
 
 def alike(name: str, names: Iterable[str]) -> list[str]:
-    """Up to three names like one, with or without ending, in capitals or not.
+    """Return up to three names similar to one, with or without ending, in capitals or not.
 
+    Examples
+    --------
     >>> alike("Srcew", ["nut.toml", "screw.toml"])
     ['screw.toml']
     """
@@ -112,7 +115,7 @@ def alike(name: str, names: Iterable[str]) -> list[str]:
 
 
 def like_path(path: Path, others: Iterable[str] = ()) -> str:
-    """The `question` for a file that does not exist: files of its folder with the same ending, or else other names."""
+    """Return the `question` for a file that does not exist: files of its folder with the same ending, else other names."""
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
     except (OSError, ValueError):
@@ -122,7 +125,7 @@ def like_path(path: Path, others: Iterable[str] = ()) -> str:
 
 @contextmanager
 def written(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
-    """Raise InputError where the file ``path`` cannot be written inside."""
+    """Raise InputError if writing the file ``path`` inside the block fails."""
     try:
         yield
     except OSError as error:
@@ -130,9 +133,9 @@ def written(path: Path, allowed: str = "a folder that can be written to") -> Ite
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write ``text`` to a file that must not exist yet; nothing half-written is left behind.
+    """Write ``text`` to a file that must not exist yet; nothing half-written is left.
 
-    Raises InputError where the file exists or cannot be written.
+    InputError if the file exists or cannot be written.
     """
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
@@ -149,7 +152,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def replace_file(path: Path, text: str) -> None:
-    """Write ``text`` to a file, whole or not at all; an earlier file is replaced. Raises InputError if it cannot be."""
+    """Write ``text`` to a file, completely or not at all, replacing an earlier one; InputError if it cannot be written."""
     with written(path):
         folder_for_group(path.parent)
         name = temporary(path)
@@ -163,7 +166,7 @@ def replace_file(path: Path, text: str) -> None:
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write rows by the names of their columns as CSV, as `replace_file` does; texts so that no program runs them."""
+    """Write rows by the names of their columns as CSV, like `replace_file`; no text can be run as a formula."""
     import csv
 
     from rollbench.reports.cells import harmless
@@ -176,13 +179,13 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def no_figure() -> str:
-    """Why no figure can be drawn, and what helps; empty where one can."""
+    """Return why no figure can be drawn, and what helps; empty if one can."""
     reason = fault("matplotlib")
     return f"no figure ({reason}: {pip('matplotlib')})" if reason else ""
 
 
 def write_figure(path: Path, figure: Figure) -> str:
-    """Draw a figure into a file, SVG; the file's name, or why there is none. Raises InputError if it cannot be written."""
+    """Write a figure as SVG; return the name of the file, or why there is none. InputError if it cannot be written."""
     if reason := no_figure():
         return reason
     from rollbench.reports.figures import draw

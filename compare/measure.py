@@ -1,4 +1,4 @@
-"""The one definition of error that every percentage of the project goes through."""
+"""Definition of error: every percentage of the project is computed here."""
 
 from __future__ import annotations
 
@@ -13,10 +13,24 @@ from rollbench.meshes.parts import SIDES
 
 
 def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | None = None) -> Array:
-    """Error in per cent: 100 (value - reference) / |scale|, the scale being the reference itself unless given.
+    """Return the error 100 (value - reference) / abs(scale) in per cent.
 
-    Zero where value and reference are equal (even both zero); nan where the scale is zero and they differ, because a
-    percentage of nothing means nothing.
+    Parameters
+    ----------
+    value, reference
+        Numbers of any shapes that broadcast.
+    scale
+        What the error is related to; the reference unless given.
+
+    Returns
+    -------
+    Array
+        Error [%]; zero where value and reference are equal (even both zero), nan where the scale is zero and they differ.
+
+    Examples
+    --------
+    >>> error_percent([102.0, 0.0, 1.0], [100.0, 0.0, 0.0]).tolist()
+    [2.0, 0.0, nan]
     """
     v, r = np.broadcast_arrays(np.asarray(value, float), np.asarray(reference, float))
     base = np.abs(r if scale is None else np.broadcast_to(np.asarray(scale, float), r.shape))
@@ -26,38 +40,77 @@ def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | Non
     return np.asarray(np.where(difference == 0.0, 0.0, np.where(base > 0.0, percent, np.nan)))
 
 
-#: A contact whose reference load is below this share of the mean load is judged in per cent of the mean load [-].
+#: A contact whose reference load is below this share of the mean load is judged in per cent of the mean load [1].
 SMALL = 0.1
 
 
 def gate_scale(reference: ArrayLike, mean: float) -> Array:
-    """What the gate takes errors of contact loads in per cent of [N]: each contact's own ``reference`` load, or the mean
-    load where that is below ``SMALL`` of it."""
+    """Return the loads to which the gate relates errors of contact loads [N].
+
+    Parameters
+    ----------
+    reference
+        Contact loads of the reference, any shape [N].
+    mean
+        Mean contact load [N].
+
+    Returns
+    -------
+    Array
+        Reference load of each contact, or the mean load where that is below ``SMALL`` times the mean.
+
+    Examples
+    --------
+    >>> gate_scale([150.0, 5.0], 100.0).tolist()
+    [150.0, 100.0]
+    """
     own = np.asarray(reference, float)
     return np.asarray(np.where(own >= SMALL * mean, own, mean))
 
 
 @dataclass(frozen=True)
 class LoadError:
-    """Difference of two load distributions in per cent.
+    """Difference of two load distributions in per cent."""
 
-    max_percent, rms_percent: of the reference's mean load (`meshes.loads.mean_load`), over all contacts loaded in either;
-    own_max_percent, own_rms_percent: each contact against its own reference load (as the source does), over the contacts
-    loaded in the reference; ball (from 1) and side: where max_percent is met; gate_percent: largest by the gate's rule
-    (`gate_scale`), over all contacts loaded in either.
-    """
-
+    #: Largest error over all contacts loaded in either [% of the reference's mean load, `meshes.loads.mean_load`].
     max_percent: float
+    #: Root mean square error over the same contacts [% of the same].
     rms_percent: float
+    #: Largest error over the contacts loaded in the reference [% of each contact's reference load], as Lin takes it.
     own_max_percent: float
+    #: Root mean square error over the same contacts [% of the same].
     own_rms_percent: float
+    #: Ball with the largest error, from 1.
     ball: int
+    #: Flank with the largest error: SL, SR, NL, NR.
     side: str
+    #: Largest error as the gate takes it (`gate_scale`), over all contacts loaded in either.
     gate_percent: float
 
 
 def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
-    """Errors of the loads ``value`` (n, 4) [N] against ``reference`` (n, 4) [N]; contacts: see `meshes.loads.mean_load`."""
+    """Compute the errors of contact loads.
+
+    Parameters
+    ----------
+    value
+        Contact loads, (n, 4) [N].
+    reference
+        Contact loads of the reference, (n, 4) [N].
+    contacts
+        Number of contacts in the mean load, see `meshes.loads.mean_load`.
+
+    Returns
+    -------
+    LoadError
+        The errors; zero if the reference has no load.
+
+    Examples
+    --------
+    >>> found = load_error(np.array([[103.0, 0.0, 0.0, 97.0]]), np.array([[100.0, 0.0, 0.0, 100.0]]))
+    >>> round(found.max_percent, 9), found.ball, found.side
+    (3.0, 1, 'SL')
+    """
     either = (value > 0.0) | (reference > 0.0)
     loaded = reference > 0.0
     if not either.any() or not loaded.any():

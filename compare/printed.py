@@ -1,4 +1,4 @@
-"""Numbers and claims printed in the sources, as data with class and tolerance. Models never read them."""
+"""Numbers and claims printed in the sources, with class and tolerance; models never read them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
 
 Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
 
-#: Verdicts in words; those that say something of a model first.
+#: Verdicts in words, those on a model first.
 VERDICTS: dict[Verdict, str] = {
     "reproduced": "the text determines it, and it comes out to the digits printed",
     "only as printed": "it comes out only when a fault of the source is repeated",
@@ -57,54 +57,59 @@ _NUMBERS = ("tolerance", "low", "high")
 
 @dataclass(frozen=True)
 class Printed:
-    """One printed number or claim.
+    """One printed number or claim."""
 
-    table, key: where it is filed; label: what it is; value: the number in ``unit``, None for a claim;
-    unit and printed: as the source prints them; place: section or table of the source;
-    cls: ``"hard"`` (must be reproduced), ``"as-printed"`` (only by repeating a fault of the source),
-    ``"band"`` (against ``low`` to ``high``, of stated ``origin``, narrow enough to fail),
-    ``"open"`` (shown, never gated on) or ``"input"`` (given by the source, or what something was inferred from: a scene
-    holds it, nothing reproduces it);
-    kind: a key of ``KINDS``;
-    tolerance: absolute, in ``unit``, half a unit of the last printed digit unless the table says otherwise;
-    remark: what to know about it; claim: the statement in words, where there is no number;
-    verdict: the one that is expected of it, one of `VERDICTS`, None where it was never judged; contradicted: of an open
-    entry, what contradicts it.
-    """
-
+    #: Name of its table.
     table: str
+    #: Key in the table.
     key: str
+    #: Description.
     label: str
+    #: Number in ``unit``; None for a claim.
     value: float | None
+    #: Unit as printed.
     unit: str
+    #: Section or table of the source.
     place: str
+    #: Class: "hard" (must be reproduced), "as-printed" (only by repeating a fault of the source), "band" (must lie between
+    #: ``low`` and ``high``), "open" (shown, never gated) or "input" (given by the source, or inferred from; nothing
+    #: reproduces it).
     cls: Class
+    #: Absolute tolerance in ``unit``: half a unit of the last printed digit unless stated.
     tolerance: float
+    #: Remark.
     remark: str
+    #: Number as printed.
     printed: str = ""
+    #: Low end of a band.
     low: float | None = None
+    #: High end of a band.
     high: float | None = None
+    #: Origin of a band.
     origin: str = ""
+    #: Statement in words, if there is no number.
     claim: str = ""
+    #: Kind, a key of ``KINDS``.
     kind: Kind = "number"
+    #: Expected verdict, one of `VERDICTS`; None if it was never judged.
     verdict: Verdict | None = None
+    #: What contradicts an open entry.
     contradicted: str = ""
 
     @property
     def name(self) -> str:
-        """ "table:key"."""
+        """Table and key, ``table:key``."""
         return f"{self.table}:{self.key}"
 
 
 def tables() -> list[str]:
-    """Names of the shipped tables, sorted."""
+    """Return the names of the shipped tables, sorted."""
     return list(shipped_files("printed"))
 
 
 @cache
 def load_table(name: str) -> tuple[Printed, ...]:
-    """Rows of the table ``name``, shipped or of another package's case, in order, read once. Raises InputError for an
-    unknown name or a bad row."""
+    """Return the rows of a table of any case; cached. InputError for an unknown name or a faulty row."""
     path = file_of("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
@@ -113,7 +118,7 @@ def load_table(name: str) -> tuple[Printed, ...]:
 
 
 def entry(table: str, key: str) -> Printed:
-    """Printed entry of a table by key. Raises InputError for an unknown table, KeyError for an unknown key."""
+    """Return a printed entry by table and key; InputError for an unknown table, KeyError for an unknown key."""
     for row in load_table(table):
         if row.key == key:
             return row
@@ -121,7 +126,7 @@ def entry(table: str, key: str) -> Printed:
 
 
 def value_of(table: str, key: str) -> float:
-    """Printed number of a table by key. Raises KeyError where there is none, and as `entry`."""
+    """Return a printed number by table and key; KeyError for a claim, else as `entry`."""
     value = entry(table, key).value
     if value is None:
         raise KeyError(f"{table}: {key!r} is no number")
@@ -129,7 +134,10 @@ def value_of(table: str, key: str) -> float:
 
 
 def parse_table(text: str, name: str) -> tuple[Printed, ...]:
-    """Rows of a table: ``source``, ``place`` and ``[[row]]`` entries. Raises InputError for a bad one."""
+    """Return the rows of a table from its TOML text: ``source``, ``place`` and ``[[row]]`` entries.
+
+    InputError for a faulty row.
+    """
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -147,7 +155,13 @@ def parse_table(text: str, name: str) -> tuple[Printed, ...]:
 
 
 def last_digit(printed: str) -> float:
-    """Half a unit of the last printed digit: 0.0005 for ``"0.978"``, 5e-11 for ``"1.812e-7"``."""
+    """Return half a unit of the last printed digit.
+
+    Examples
+    --------
+    >>> last_digit("0.978"), last_digit("1.812e-7")
+    (0.0005, 5e-11)
+    """
     exponent = Decimal(printed).as_tuple().exponent
     return float(Decimal(5).scaleb(int(exponent) - 1))
 

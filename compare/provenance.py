@@ -1,4 +1,4 @@
-"""Where numbers come from: commit and sources of this program, and the hashes of what a report rests on."""
+"""Provenance of results: commit and sources of this program, and hashes of a report's inputs."""
 
 from __future__ import annotations
 
@@ -12,20 +12,22 @@ from rollbench.compare import files as data
 from rollbench.compare.case import files_named, shipped_files
 from rollbench.reports.manifest import sha256
 
-#: Packages whose sources are part of what a page rests on.
+#: Packages whose sources affect a page.
 PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
-#: Files of a store.
+#: Names of files in a store.
 STORED = ("*.json", "*.npz", "*.toml")
-#: Name under which the sources stand in a manifest.
+#: Name of the sources in a manifest.
 SOURCES = "sources of rollbench"
-#: How the others begin there: scenes, printed data, files of a store.
+#: Beginnings of the other names in a manifest: scenes, printed data, files of a store.
 SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 
 @cache
 def commit() -> str:
-    """Commit of the sources where they stand in a repository, marked where they were changed since; else words. The state
-    is that of the first call: what a report itself writes there is no change of the sources."""
+    """Return the commit of the sources in a repository, marked if they were changed since; else a description.
+
+    The state is that of the first call: what a report itself writes there is no change of the sources.
+    """
     root = Path(__file__).resolve().parents[1]
     if not (root / ".git").exists():
         return "not a repository: an installed package"
@@ -40,13 +42,13 @@ def commit() -> str:
 
 
 def _source_folder(package: str) -> Path:
-    """Where a folder of the repository, as ``compare/studies/rolling``, stands in the installed package."""
+    """Return the path of a folder of the repository, such as ``compare/studies/rolling``, in the installed package."""
     first, *rest = package.split("/")
     return Path(str(resources.files("rollbench").joinpath(first, *rest)))
 
 
 def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
-    """SHA-256 over names and contents of all Python sources of the packages, or of folders in them, and over a text."""
+    """Return the SHA-256 over names and contents of all Python sources of folders, and over a text."""
     lines = [text] if text else []
     for package in folders:
         root = _source_folder(package)
@@ -56,15 +58,17 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
 
 
 def printed_files() -> dict[str, Path]:
-    """Printed data by the name that manifests have: tables, misprints of a source, what is left out."""
+    """Return the files of printed data by their names in manifests: tables, misprints, what is left out."""
     files = {f"{name}.toml": path for name, path in shipped_files("printed").items()}
     files |= {f"misprints/{case.name}.toml": path for case, path in files_named("misprints.toml").items()}
     return files | {"left-out.toml": data.place("cases/left-out.toml")}
 
 
 def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
-    """SHA-256 of what a report rests on, by name: the sources, the texts of its scenes, printed data, and the files of its
-    stores (of several of one name the first store's)."""
+    """Return the SHA-256 of all inputs of a report by name: sources, scenes, printed data, and files of its stores.
+
+    Of several files of one name in the stores the first counts.
+    """
     hashes = {SOURCES: sources_hash()}
     hashes |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
     for name, path in sorted(printed_files().items()):

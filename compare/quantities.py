@@ -1,13 +1,13 @@
-"""Quantities of results, as they are stated at the fields of records (`meshes.quantity`), in the units of their keys.
+"""Quantities of results as stated at the fields of records (`meshes.quantity`), in the units of their keys.
 
-The ending of a key says the unit: ``approach_um`` is 1e6 times the field ``approach`` in m. JSON, terminal, comparison
-and the tables of the library take them from here.
+The ending of a key gives the unit: ``approach_um`` is 1e6 times the field ``approach`` in m. JSON, terminal, comparison and
+the tables of the library use them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache, reduce
 from typing import Any, NamedTuple
@@ -17,13 +17,15 @@ from rollbench.reports.quantity import Quantity
 
 
 class Unit(NamedTuple):
-    """A unit for people, and the factor from SI units (1 for percent, hours and revolutions)."""
+    """Unit of a key."""
 
+    #: Unit for people.
     text: str
+    #: Factor from SI (1 for percent, hours and revolutions).
     factor: float = 1.0
 
 
-#: How keys of results end; the longest fits first.
+#: Endings of keys with their units; the longest that fits counts.
 UNITS = {
     "N_per_um": Unit("N/um", 1e-6),
     "N_mm": Unit("N/mm", 1e-3),
@@ -49,14 +51,16 @@ UNITS = {
 
 
 def unit_of(key: str) -> tuple[str, Unit | None]:
-    """Name and unit of a key; no unit where it names none."""
+    """Return name and unit of a key; None if it names no unit."""
     ending = next((ending for ending in UNITS if key.endswith(f"_{ending}")), None)
     return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
 
 
 def count_of(number: int, one: str) -> str:
-    """A number of things.
+    """Return a number with a noun in singular or plural.
 
+    Examples
+    --------
     >>> count_of(1, "set"), count_of(2, "set")
     ('1 set', '2 sets')
     """
@@ -64,8 +68,10 @@ def count_of(number: int, one: str) -> str:
 
 
 def split_unit(key: str) -> tuple[str, str]:
-    """Words and unit of a key; no unit where it names none.
+    """Return words and unit of a key; an empty unit if it names none.
 
+    Examples
+    --------
     >>> split_unit("rigidity_N_per_um"), split_unit("worst_ball")
     (('rigidity', 'N/um'), ('worst ball', ''))
     """
@@ -75,28 +81,34 @@ def split_unit(key: str) -> tuple[str, str]:
 
 @cache
 def quantities(kind: type) -> dict[str, Quantity]:
-    """The quantities that are stated at the fields of a record, by their keys."""
+    """Return the quantities stated at the fields of a record, by their keys."""
     return {x.key: _column(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
 def _unit(key: str) -> tuple[str, Unit | None]:
-    """Name and unit of a key; of one in a table of one unit, which the table's name ends with."""
+    """Return name and unit of a key; the unit may be that at the end of the name of its table."""
     *tables, last = map(unit_of, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
-def _column(name: str, x: Stated) -> Quantity:
+def heading_of(x: Stated) -> tuple[str, str]:
+    """Name and unit of a quantity in tables."""
     words, unit = _unit(x.key)
-    text, factor = ("", 1.0) if unit is None else unit
+    return x.heading or words.replace("_", " "), "" if unit is None else unit.text
+
+
+def _column(name: str, x: Stated) -> Quantity:
+    unit = _unit(x.key)[1]
+    factor = 1.0 if unit is None else unit.factor
 
     def value(holder: Any) -> Any:
         return _ready(x.shown(getattr(holder, name)), factor)
 
-    return Quantity(x.key, x.heading or words.replace("_", " "), text, x.form, value)
+    return Quantity(x.key, *heading_of(x), x.form, value)
 
 
 def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
-    """The quantities of a record by their keys, ready for JSON, but for those ``without``; None without a record."""
+    """Return the quantities of a record as JSON values by their keys, except those named; None without a record."""
     if holder is None:
         return None
     out: dict[str, Any] = {}
@@ -109,7 +121,7 @@ def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
 
 
 def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a record that are quantities, in SI units, from JSON with their keys; None where that has no value."""
+    """Return the fields of a record that are quantities, in SI, from JSON; None if that has no value."""
     out: dict[str, Any] = {}
     for field in fields(kind):
         one = next(iter(field.metadata.get("stated", ())), None)
@@ -123,29 +135,67 @@ def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def number(value: float) -> float | None:
-    """A JSON number: nan and infinity become null, and no zero has a sign."""
+    """Return a JSON number: nan and infinity become null, and zero has no sign."""
     value = float(value) + 0.0
     return value if math.isfinite(value) else None
 
 
 def shown(value: float, error: float | None = None, digits: int = 4) -> str:
-    """A number for people to so many significant digits, and none beyond the place after the leading digit of its error,
-    which is in its own unit; JSON has all digits.
+    """Return a number as text with some significant digits, and none beyond those of its error.
 
-    >>> shown(237.46, 4.3), shown(785.24, 11.0), shown(36523.0), shown(838.6, 840.0), shown(0.94, 2.2), shown(0.0)
-    ('237.5', '785', '36520', '840', '0.9', '0')
+    The error counts with two digits up to 3.5, else with one, as the Particle Data Group rounds.
+
+    Parameters
+    ----------
+    value
+        The number.
+    error
+        Its error, in the same unit; None: not known.
+    digits
+        Largest number of significant digits.
+
+    Examples
+    --------
+    >>> shown(237.46, 4.3), shown(785.24, 11.0), shown(36523.0), shown(251.93, 2.2), shown(0.94, 2.2), shown(0.0)
+    ('237', '785', '36520', '251.9', '0.9', '0')
     """
     if not value or not math.isfinite(value):
         return f"{value:g}"
+    if abs(value) < 1e-4:
+        return f"{value:.{digits - 1}e}"
     place = math.floor(math.log10(abs(value))) - digits + 1
     if error:
-        place = max(place, math.floor(math.log10(abs(error))) - 1)
+        leading = math.floor(math.log10(abs(error)))
+        place = max(place, leading - (abs(error) < 3.55 * 10.0**leading))
     return f"{round(value, -place) + 0.0:.{max(-place, 0)}f}"
 
 
+def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
+    """Return a range as text, or one number if its ends agree to the digits shown.
+
+    Parameters
+    ----------
+    ends
+        Lower and upper end, both in the unit shown; None: not known.
+    digits
+        Number of significant digits of each end.
+
+    Returns
+    -------
+    str
+        ``LOW to HIGH``, one number, or "not known".
+    """
+    if ends is None:
+        return "not known"
+    low, high = (shown(x, digits=digits) for x in ends)
+    return low if low == high else f"{low} to {high}"
+
+
 def _ready(value: Any, factor: float) -> Any:
-    """A value in its unit: numbers by ``factor``, also those of a mapping, tuple or array; words, truth values and counts
-    stay; records by their keys."""
+    """Return a value in its unit: numbers times ``factor``, also those in a mapping, tuple or array.
+
+    Records by their keys.
+    """
     if is_dataclass(value):
         return as_json(value)
     if isinstance(value, Mapping):

@@ -1,11 +1,12 @@
-"""Before and during a long solution: what the machine must have for the 3D reference, a line on screen after two seconds,
-and a limit of time."""
+"""Requirements of long computations (gmsh, packages, memory), messages of progress, and a time limit."""
 
 from __future__ import annotations
 
 import os
 import platform
+import re
 import select
+import shutil
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -18,7 +19,7 @@ from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missi
 
 
 def gmsh_fault() -> str:
-    """Why gmsh cannot be loaded, with the shared libraries that are missing; empty where it can."""
+    """Return why gmsh cannot be loaded, with the missing shared libraries; empty if it can."""
     reason = fault("gmsh")
     if not reason or version("gmsh") is None:
         return reason
@@ -27,12 +28,12 @@ def gmsh_fault() -> str:
 
 
 def gmsh_remedy() -> str:
-    """What to do where gmsh cannot be loaded."""
+    """Return what to do if gmsh cannot be loaded."""
     return pip("gmsh") if version("gmsh") is None else install(MESHING)
 
 
 def need_gmsh() -> None:
-    """Raise InputError where gmsh cannot be loaded."""
+    """Raise InputError if gmsh cannot be loaded."""
     reason = gmsh_fault()
     if reason:
         advice = f"{gmsh_remedy()}, or leave the 3D reference out; see rollbench doctor"
@@ -48,18 +49,18 @@ def need_packages(*packages: str) -> None:
 
 
 def need_reference() -> None:
-    """Raise InputError where no run of the 3D reference can be computed."""
+    """Raise InputError if no run of the 3D reference can be computed."""
     need_gmsh()
     need_packages(*REFERENCE)
 
 
 def libraries(packages: Sequence[str]) -> str:
-    """Packages with their versions, in words."""
+    """Return packages with their versions, in words."""
     return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
 
 
 def machine() -> str:
-    """Processor and number of cores, in words."""
+    """Return processor and number of cores, in words."""
     cpu = platform.processor() or platform.machine()
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -68,19 +69,18 @@ def machine() -> str:
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def out_of_memory(reason: object) -> InputError:
-    """The error of work that needs more memory than this machine has."""
+    """Return the error for a computation that needs more memory than this machine has."""
     advice = "end other programs, take a coarser level or fewer workers, or a cluster (`backend=dask`)"
     return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
 
 
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
-    """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
-    does not say."""
+    """Return the memory that a process can take without swapping, within its control group [GB]; None if not known."""
     limits = []
     with suppress(OSError, ValueError, StopIteration):
         lines = proc.read_text(encoding="ascii").splitlines()
@@ -91,18 +91,19 @@ def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs
     return min(limits, default=None)
 
 
-#: Seconds after which a solution says that it is still at work, and between two such lines.
+#: Seconds after which a message says that a computation is still running, and between two such messages.
 FIRST, AGAIN = 2.0, 1.0
 
-#: Signs of a full bar.
-BAR = 30
+#: Signs of a full bar; what erases the line; when the process began, for the time left.
+BAR, ERASE, START = 24, "\r\033[K", monotonic()
+_drawn = False
 
-#: Exit code of a solution that its limit of time ended: as where no equilibrium is found.
+#: Exit code if the time limit ends a computation: as without equilibrium.
 ENDED = 1
 
 
 def checked(limit: float | None) -> float | None:
-    """A limit of time [s]. Raises InputError for one that is no time."""
+    """Return a time limit [s]; InputError if it is not a valid one."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
     return limit
@@ -110,7 +111,7 @@ def checked(limit: float | None) -> float | None:
 
 @contextmanager
 def watched(label: str, limit: float | None = None) -> Iterator[None]:
-    """Show on a terminal's standard error how long ``label`` has been at work; at ``limit`` [s] say so and end the process.
+    """Show on a terminal's standard error how long ``label`` has been running, and end the process at ``limit`` [s].
 
     The process ends at once, whatever it computes (compiled kernels cannot be interrupted, but leave the interpreter
     free): only for work that writes no file.
@@ -127,29 +128,92 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """A progress bar of ``label`` on a terminal's standard error, by a function of what is computed and of the share that
-    is done. Nothing elsewhere, and nothing in the first seconds."""
-    begin, written = monotonic(), ""
+    """Show a progress bar on a terminal's standard error; the yielded function takes a text and the share that is done.
+
+    Nothing is shown elsewhere, or in the first seconds.
+    """
+    begin = monotonic()
 
     def show(what: str, share: float) -> None:
-        nonlocal written
-        if monotonic() - begin < FIRST or not sys.stderr.isatty():
-            return
-        full = round(BAR * share)
-        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * share:3.0f} %"
-        if text != written:
-            _say("\r" + text.ljust(len(written)))
-            written = text
+        if monotonic() - begin >= FIRST and sys.stderr.isatty():
+            _draw(f"{label}: {what}{_left(monotonic() - begin, share)}", share)
 
     try:
         yield show
     finally:
-        if written:
-            _say("\r" + " " * len(written) + "\r")
+        clear()
+
+
+def on_terminal(text: str) -> None:
+    """Show a message on progress on the standard error of a terminal.
+
+    A text with ``[3/12]`` or ``34%`` is shown as one line with a bar and the time left, other texts above this line. If
+    standard error is not a terminal, only a text that begins with WARNING is shown.
+
+    Parameters
+    ----------
+    text
+        The message.
+    """
+    global _drawn
+    found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
+    if not sys.stderr.isatty() and not text.startswith("WARNING"):
+        return
+    if found is None:  # above the line of progress, which another process may have drawn
+        _say(f"{ERASE * sys.stderr.isatty()}rollbench: {text}\n")
+        _drawn = False
+        return
+    done, of, percent = (int(x or 0) for x in found.groups())
+    share = done / of if of else percent / 100.0
+    _draw(text + ("" if " left" in text else _left(monotonic() - START, share)), share)
+
+
+def clear() -> None:
+    """Remove the line of progress, before anything else is printed."""
+    global _drawn
+    if _drawn and sys.stderr.isatty():
+        _say(ERASE)
+    _drawn = False
+
+
+def duration(seconds: float) -> str:
+    """Return a duration in words, with one number.
+
+    Parameters
+    ----------
+    seconds
+        The duration [s].
+
+    Returns
+    -------
+    str
+        Number and unit: s, min or h.
+
+    Examples
+    --------
+    >>> duration(42.0), duration(600.0), duration(9000.0)
+    ('40 s', '10 min', '2.5 h')
+    """
+    if seconds < 90.0:
+        return f"{10 * max(round(seconds / 10), 1)} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
+
+
+def _left(spent: float, share: float) -> str:
+    """Return in words the time left when a share (0 to 1) of the work took some seconds; empty if not known."""
+    return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
+
+
+def _draw(text: str, share: float | None = None) -> None:
+    global _drawn
+    full = round(BAR * (share or 0.0))
+    line = text if share is None else f"[{'#' * full}{'.' * (BAR - full)}] {text}"
+    _say(ERASE + line[: shutil.get_terminal_size((80, 24)).columns - 1])
+    _drawn = True
 
 
 def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
-    """Whether one of these outputs, file numbers, is a pipe that nobody reads any more (``| head``)."""
+    """Return whether one of some outputs (file numbers) is a pipe that nobody reads any more (``| head``)."""
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()
@@ -159,21 +223,20 @@ def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
 
 
 def _watch(label: str, limit: float | None, done: threading.Event) -> None:
-    begin, shown = monotonic(), False
+    begin = monotonic()
     while True:
         spent = monotonic() - begin
         if limit is not None and spent >= limit:
-            _say(f"{chr(13) if shown else ''}rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
+            clear()
+            _say(f"rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
             sys.stdout.flush()
             os._exit(ENDED)
         pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
         if done.wait(pause if limit is None else min(pause, limit - spent)):
             break
         if monotonic() - begin >= FIRST and sys.stderr.isatty():
-            _say(f"\rrollbench: {label}: at work for {monotonic() - begin:.0f} s ")
-            shown = True
-    if shown:
-        _say("\r" + " " * (len(label) + 40) + "\r")
+            _draw(f"rollbench: {label}: at work for {monotonic() - begin:.0f} s")
+    clear()
 
 
 def _say(text: str) -> None:

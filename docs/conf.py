@@ -11,11 +11,15 @@ from pathlib import Path
 
 from docutils import nodes
 from latex2mathml.converter import convert
+from numpydoc.validate import validate
 from sphinx.application import Sphinx
+from sphinx.util.logging import getLogger
 
 sys.path.insert(0, str(Path(__file__).parent))
 # commands in cells are those of the environment that builds
 os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
+# cells run in an empty folder and find the manual's example programs here
+os.environ["MANUAL"] = str(Path(__file__).parent)
 
 import rollbench
 
@@ -67,6 +71,14 @@ def displayed_formula(translator: nodes.NodeVisitor, node: nodes.math_block) -> 
     raise nodes.SkipNode
 
 
+def check_docstring(_app: Sphinx, what: str, name: str, *_rest: object) -> None:
+    """Warn where the docstring of a function of the library lacks a parameter, what it returns or its summary."""
+    checked = {"GL06", "GL07", "GL08", "PR01", "PR02", "PR03", "PR07", "RT01", "RT03", "SS03"}
+    for code, text in validate(name)["errors"] if what in ("function", "method") else ():
+        if code in checked:
+            getLogger(__name__).warning("%s: %s %s", name, code, text)
+
+
 def write(app: Sphinx) -> None:
     """Writes the pages and drawings that the program makes."""
     import drawings
@@ -82,4 +94,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Registers the formulas and the pages that the program writes."""
     app.add_html_math_renderer("mathml", (inline_formula, None), (displayed_formula, None))
     app.connect("builder-inited", write)
+    app.connect("autodoc-process-docstring", check_docstring)
     return {"parallel_read_safe": True}

@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.processes import end_with_parent, for_one_thread, peak_MB, reset_peak
+from rollbench.meshes.processes import end_with_parent, for_one_thread, peak_MB, reset_peak, restarts_unsaid
 
 
 class Job(NamedTuple):
@@ -108,7 +108,7 @@ def make(
         found: Made = others.submit(_elsewhere, job, cache).result()
         return found
 
-    with ThreadPoolExecutor(helpers) as threads:
+    with restarts_unsaid(), ThreadPoolExecutor(helpers) as threads:
         helping = [threads.submit(take, helped) for _ in range(helpers)]
         try:
             take(lambda job: _make(job, cache))

@@ -337,6 +337,15 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     """Return the result of `solve_source` from the designer's guess, as the other models' record.
 
     With Hertz constants of error-free parts, as Lin has them, where the scene asks for each contact's actual radii.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    everything
+        Whether all terms are computed; without effect on Lin's method.
+    member
+        Number of the specimen of a scene with random errors.
     """
     scene = error_free(scene)
     layout = ball_layout(scene)
@@ -421,7 +430,15 @@ def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Arr
 
 
 def best_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
-    """Return Lin's Newton from the designer's guess, or by load steps where that fails."""
+    """Return Lin's Newton from the designer's guess, or by load steps where that fails.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    kinematics
+        Motion of the flanks: rigid ``"arc"``, or as the ``"source"`` has it.
+    """
     solution = solve_source(scene, kinematics=kinematics, start="guess")
     if solution.converged:
         return solution

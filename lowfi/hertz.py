@@ -53,8 +53,7 @@ def contact_force(approach: Array | float, C: Array | float) -> Array:
         Approach of the bodies' distant points [m], negative for a gap.
     C
         Constant of the contact [m/N^(2/3)], see `HertzConstants`. Shapes broadcast. Of two contacts in series that carry
-        the
-        same force it is the sum of both.
+        the same force it is the sum of both.
 
     Examples
     --------
@@ -110,10 +109,14 @@ def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
 
     Parameters
     ----------
-    e1, e2
-        Young's moduli [Pa].
-    nu1, nu2
-        Poisson's ratios.
+    e1
+        Young's modulus of the first body [Pa].
+    nu1
+        Poisson's ratio of the first body.
+    e2
+        Young's modulus of the second body [Pa].
+    nu2
+        Poisson's ratio of the second body.
 
     Returns
     -------
@@ -225,8 +228,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
     ----------
     curvature_1, curvature_2
         Relative principal curvatures [1/m], each the sum over both bodies, positive for convex ones; in either order,
-        shapes
-        broadcast.
+        shapes broadcast.
     modulus
         Contact modulus E* [Pa] (`contact_modulus`).
 

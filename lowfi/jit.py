@@ -74,6 +74,13 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
     The compiled copy is loaded once in a process, and each kernel is compiled at its first call. Without numba it is always
     plain Python, with a message on standard error.
 
+    Parameters
+    ----------
+    package
+        Name of a kernel package in ``PACKAGES``.
+    compiled
+        Whether the kernels are compiled.
+
     Raises
     ------
     KeyError
@@ -132,8 +139,7 @@ def driver_of(system: str, driver: str) -> ModuleType:
     """Load the module ``driver`` of a kernel package once more, for the module of name ``system`` there.
 
     Its global ``system`` is that module, whose functions it calls: numba caches machine code of functions, but not of
-    closures
-    over others.
+    closures over others.
     """
     of = sys.modules[system]
     return _loaded_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
@@ -148,7 +154,13 @@ def loaded(package: str) -> bool:
 
 
 def cached(package: str = "") -> bool:
-    """Return whether machine code of these sources is on disk, of a package or of any."""
+    """Return whether machine code of these sources is on disk, of a package or of any.
+
+    Parameters
+    ----------
+    package
+        Name of a kernel package; empty: any.
+    """
     folder = code_folder()
     return folder is not None and any(folder.glob(f"{package or '*'}/*/*.nbi"))
 
@@ -279,5 +291,5 @@ def _announce() -> None:
     """Print, before the first kernel is compiled, why nothing else is printed for a while."""
     import multiprocessing
 
-    if multiprocessing.parent_process() is None:
+    if multiprocessing.parent_process() is None and sys.stderr.isatty():
         sys.stderr.write("rollbench: compiling kernels, once on this machine: 20 to 60 s\n")

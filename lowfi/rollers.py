@@ -327,7 +327,13 @@ class TaperedRow:
 
 
 def tapered(row: RollerRow) -> TaperedBearing:
-    """Return a scene's row of rollers as a `TaperedBearing`; raises ValueError where its numbers describe none."""
+    """Return a scene's row of rollers as a `TaperedBearing`; raises ValueError where its numbers describe none.
+
+    Parameters
+    ----------
+    row
+        Row of rollers of a scene.
+    """
     young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
     return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
 
@@ -375,6 +381,11 @@ def circular_crown(radius: float) -> Callable[[Array], Array]:
     """Return the profile of a circular crown: the drop at both contacts together, x^2/R [m], as a function of x [m].
 
     At each contact the drop is x^2/(2 R), for x small against the crown's radius R [m].
+
+    Parameters
+    ----------
+    radius
+        Radius R of the crown [m].
     """
     return lambda x: x**2 / radius
 

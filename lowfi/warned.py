@@ -60,7 +60,13 @@ class Warned(str):
 
 
 def above(warnings: Iterable[Warned]) -> str:
-    """Return the line printed above the results, empty where no warning has a short form."""
+    """Return the line printed above the results, empty where no warning has a short form.
+
+    Parameters
+    ----------
+    warnings
+        Warnings of a result.
+    """
     shown = [w for w in warnings if w.brief]
     outside = " outside what the models mean" * any(w.kind not in ("play", "coefficient", "held load") for w in shown)
     return f"WARNING{outside}: {'; '.join(w.brief for w in shown)}" if shown else ""

@@ -266,6 +266,11 @@ def parting(m: GrooveMap) -> Array:
     """Compute the normal of a plane through the ball's centre that keeps away from all contacts.
 
     It separates screw from nut, or left flanks from right ones.
+
+    Parameters
+    ----------
+    m
+        Map of the groove's coordinates.
     """
     _, t1, _ = directions(m, 3)
     n = directions(m, 3)[0]

@@ -146,17 +146,35 @@ def _keys(corners: Index, count: int) -> Index:
 
 
 def kind_of(mesh: Mesh) -> str:
-    """Kind of a mesh's cells: P1, P2, Q1 or Q2."""
+    """Kind of a mesh's cells: P1, P2, Q1 or Q2.
+
+    Parameters
+    ----------
+    mesh
+        Mesh of scikit-fem.
+    """
     return next(kind for kind, mesh_class in MESHES.items() if mesh.elem is mesh_class.elem)
 
 
 def points_of(mesh: Mesh) -> Array:
-    """Nodes of a mesh ``(n, 3)`` [m]."""
+    """Nodes of a mesh ``(n, 3)`` [m].
+
+    Parameters
+    ----------
+    mesh
+        Mesh of scikit-fem.
+    """
     return np.asarray(mesh.doflocs.T)
 
 
 def cells_of(mesh: Mesh) -> Index:
-    """Nodes of a mesh's cells ``(m, nodes)``, in gmsh's order."""
+    """Nodes of a mesh's cells ``(m, nodes)``, in gmsh's order.
+
+    Parameters
+    ----------
+    mesh
+        Mesh of scikit-fem.
+    """
     return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[kind_of(mesh)])], dtype=np.int64)
 
 

@@ -30,6 +30,11 @@ def switch_on() -> None:
     _stores[:] = [] if root is None else [Cache(root / FOLDER, LIMIT)]
 
 
+def switched_on() -> bool:
+    """Whether results are kept here."""
+    return bool(_stores)
+
+
 def switch_off() -> None:
     """Compute everything again."""
     _stores.clear()

@@ -57,6 +57,11 @@ _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 def pip(package: str) -> str:
     """Command that installs a Python package, by the extra that it belongs to.
 
+    Parameters
+    ----------
+    package
+        Name of the package.
+
     Examples
     --------
     >>> pip("gmsh")
@@ -95,7 +100,13 @@ def fault(package: str) -> str:
 
 
 def version(package: str) -> str | None:
-    """Version of an installed Python package; None where it is not installed."""
+    """Version of an installed Python package; None where it is not installed.
+
+    Parameters
+    ----------
+    package
+        Name of the package.
+    """
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:

@@ -83,10 +83,12 @@ def near_apex(groove: float, angle: float, ball: float) -> bool:
 
     Parameters
     ----------
-    groove, ball : float
-        Radii of groove and ball [m].
+    groove : float
+        Radius of the groove [m].
     angle : float
         Contact angle [rad].
+    ball : float
+        Radius of the ball [m].
 
     Returns
     -------
@@ -137,12 +139,16 @@ class Clearance:
         "radial_um",
         "radial internal clearance P_d of that row, all the way that one ring goes across the other, with the balls' "
         "oversize",
+        heading="radial clearance",
     )
-    axial: float = quantity("axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of that row")
+    axial: float = quantity(
+        "axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of that row", heading="axial clearance"
+    )
     angle: float = quantity(
         "rest_angle_deg",
         "contact angle at which the balls of a deep-groove row touch at either end of its axial play, "
         "without load: cos alpha_0 = 1 - P_d/(2 A), A = r_i + r_o - D; null without play",
+        heading="contact angle at rest",
     )
 
 

@@ -20,6 +20,7 @@ import os
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -98,6 +99,14 @@ def local() -> Any:
     return parallel_config(
         backend="loky", inner_max_num_threads=threads, initializer=end_with_parent, initargs=(os.getpid(),)
     )
+
+
+@contextmanager
+def restarts_unsaid() -> Iterator[None]:
+    """Keep joblib from warning of a worker that it starts anew because its jobs have kept more than 300 MB."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
+        yield
 
 
 def end_with_parent(parent: int) -> None:

@@ -23,7 +23,7 @@ class Stated:
     definition: str = ""
     #: Error of the value; empty where it has none.
     error: str = ""
-    #: Column heading in tables; empty: made of the key.
+    #: Name in tables, and the mark of an answer that `solve` always shows; empty: made of the key, shown by ``--verbose``.
     heading: str = ""
     #: Format of a number in tables.
     form: str = "g5"
@@ -32,6 +32,10 @@ class Stated:
     parts: str = ""
     #: Function of the field's value (SI units) that gives what is shown; None: the value.
     show: Callable[[Any], object] | None = field(default=None, compare=False)
+    #: Error to expect of a model: field of `compare.models.model_form.ModelForm`, and how many times of it.
+    expected: tuple[str, float] = ("", 0.0)
+    #: What stands behind it in the table of answers, with values of its record by their keys: ``"ball {ball} {side}"``.
+    note: str = ""
 
     def shown(self, value: object) -> object:
         """Value as it is shown, from that of the field."""
@@ -52,6 +56,8 @@ def quantity(
     form: str = "g5",
     parts: str = "",
     show: Callable[[Any], object] | None = None,
+    expected: tuple[str, float] = ("", 0.0),
+    note: str = "",
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
@@ -59,10 +65,12 @@ def quantity(
 
     Parameters
     ----------
-    key, definition, error, heading, form, parts, show
+    key, definition
         As the fields of `Stated`.
     *also : Stated
         Further keys, with what they show of the same value.
+    error, heading, form, parts, show, expected, note
+        As the fields of `Stated`.
     default, default_factory : Any, default MISSING
         As of ``dataclasses.field``.
 
@@ -79,7 +87,7 @@ def quantity(
     >>> Contact(2.0).force, stated_in(Contact)[0][1].definition
     (2.0, 'its load F')
     """
-    stated = Stated(key, definition, error, heading, form, parts, show), *also
+    stated = Stated(key, definition, error, heading, form, parts, show, expected, note), *also
     given: dict[str, Any] = {"default": default, "default_factory": default_factory}
     return field(**given, metadata={"stated": stated})
 

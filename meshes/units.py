@@ -152,6 +152,11 @@ class UnitError(ValueError):
 def expected(dimension: str) -> str:
     """Text that names a dimension, with an example.
 
+    Parameters
+    ----------
+    dimension
+        Dimension, such as ``"length"``.
+
     Examples
     --------
     >>> expected("length")
@@ -175,6 +180,11 @@ def example(dimension: str) -> str:
 
 def show(value: object) -> str:
     """Text of a value as it stands in a TOML file: text in quotes, booleans in lower case, the rest by ``str``.
+
+    Parameters
+    ----------
+    value
+        Value as read from TOML.
 
     Examples
     --------
@@ -286,6 +296,11 @@ def number_and_unit(text: str) -> tuple[str, str] | None:
 def has_comma(text: str) -> bool:
     """Whether a text begins with a number that has a comma, of decimals or between thousands.
 
+    Parameters
+    ----------
+    text
+        Text of a quantity.
+
     Examples
     --------
     >>> has_comma("3,254 mm"), has_comma("3.254 mm")
@@ -309,6 +324,11 @@ def _split(value: str, dimension: str) -> tuple[Decimal, str]:
 
 def tidy(unit: str) -> str:
     """Write a unit in its one spelling: micro, degree, and products with a space.
+
+    Parameters
+    ----------
+    unit
+        Unit as a user writes it.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Texts of cells: for reading, for CSV, and how a column of them is set."""
+"""Text of table cells, for pages and for CSV, and the alignment of columns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,17 @@ _NUMBER = re.compile(r"[+−-]?\d[\d., ]*(?:[eE][+-]?\d+)?")
 
 
 def write_csv(table: Table, path: Path) -> None:
-    """Write a table as CSV (RFC 4180): header ``label [unit]``, numbers in full, ``None`` as nothing."""
+    """Write a table as CSV (RFC 4180).
+
+    The header is ``label [unit]``, numbers have all digits, ``None`` is empty.
+
+    Parameters
+    ----------
+    table
+        The table.
+    path
+        The file.
+    """
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         heads = (f"{c.label} [{micro(c.unit)}]" if c.unit else c.label for c in table.columns)
@@ -26,13 +36,23 @@ def write_csv(table: Table, path: Path) -> None:
 
 
 def format_cell(value: Cell, form: str = "g4") -> str:
-    """Text of a cell for reading.
+    """Return the text of a cell for a page.
 
-    Args:
-        value: ``None`` becomes a dash, booleans yes or no; whole numbers given as integers keep all digits.
-        form: ``"g4"`` for four significant digits (any number after the g), ``"s"`` for text as it is, or a
-            format specification of Python such as ``".2f"``.
+    Parameters
+    ----------
+    value
+        ``None`` becomes a dash, booleans yes or no; integers keep all digits.
+    form
+        ``"g4"`` for four significant digits (any number after the g), ``"s"`` for text as it is, or a format specification
+        of Python such as ``".2f"``.
 
+    Returns
+    -------
+    str
+        The text.
+
+    Examples
+    --------
     >>> format_cell(225.0), format_cell(1.5e-7), format_cell(-3.14159, ".2f"), format_cell(None)
     ('225.0', '1.500×10⁻⁷', '−3.14', '–')
     """
@@ -57,7 +77,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
 
 
 def _significant(value: float, digits: int) -> str:
-    """``value`` to so many significant digits; a power of ten below 0.001 and from a million on."""
+    """Return ``value`` with some significant digits; as a power of ten below 0.001 and from a million on."""
     if value == 0.0:
         return "0"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
@@ -68,12 +88,12 @@ def _significant(value: float, digits: int) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A scalar of numpy as Python's own."""
+    """Return a scalar of numpy as one of Python."""
     return value.item() if hasattr(value, "item") else value
 
 
 def _csv_cell(value: Cell) -> str:
-    """Text of a cell for machines."""
+    """Return the text of a cell for CSV."""
     value = _plain(value)
     if value is None:
         return ""
@@ -83,8 +103,10 @@ def _csv_cell(value: Cell) -> str:
 
 
 def harmless(text: str) -> str:
-    """Text of a CSV cell with an apostrophe before what a spreadsheet would run as a formula.
+    """Return the text of a CSV cell, with an apostrophe before what a spreadsheet would run as a formula.
 
+    Examples
+    --------
     >>> harmless("=1+1"), harmless("-3.5"), harmless("+ nut")
     ("'=1+1", '-3.5', "'+ nut")
     """
@@ -93,8 +115,10 @@ def harmless(text: str) -> str:
 
 
 def micro(text: str) -> str:
-    """Text with the unit um in its proper letter.
+    """Return a text with the unit um written as µm.
 
+    Examples
+    --------
     >>> micro("2 um larger, in N/um; the sum")
     '2 µm larger, in N/µm; the sum'
     """
@@ -102,23 +126,25 @@ def micro(text: str) -> str:
 
 
 def typeset(text: str) -> str:
-    """Text as a page shows it: um as µm, a true minus before a number, ± for +-, a space that holds before a per cent sign.
+    """Return a text as a page shows it: um as µm, a minus sign, ± for +-, a no-break space before a per cent sign.
 
-    >>> typeset("-0.3 to 5 um, +-2 %")
-    '−0.3 to 5 µm, ±2\xa0%'
+    Examples
+    --------
+    >>> typeset("-0.3 to 5 um, +-2 N")
+    '−0.3 to 5 µm, ±2 N'
     """
     text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", micro(text).replace("+-", "±"))
     return re.sub(r"(?<=\d) ?%", "\xa0%", text)
 
 
 def filled(table: Table) -> tuple[list[Quantity], list[str]]:
-    """Columns of a table that hold anything, and the headings of those that hold nothing in any row."""
+    """Return the columns of a table with any value, and the headings of those that are empty in all rows."""
     empty = [c for c in table.columns if table.rows and all(_plain(row.get(c.key)) in (None, "") for row in table.rows)]
     return [c for c in table.columns if c not in empty], [c.label for c in empty]
 
 
 def is_number(column: Quantity, table: Table) -> bool:
-    """Whether a column is set to the right: every cell that is not empty is a number, however it is written."""
+    """Return whether a column is right-aligned: all its cells that are not empty are numbers, in whatever notation."""
     if column.format != "s":
         return True
     cells = [str(_plain(row.get(column.key))) for row in table.rows if _plain(row.get(column.key)) not in (None, "", "–")]
@@ -126,7 +152,7 @@ def is_number(column: Quantity, table: Table) -> bool:
 
 
 def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
-    """Text and style of one cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
+    """Return text and style of a cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
     text = format_cell(value, column.format)
     align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
     mark = ""
@@ -138,7 +164,7 @@ def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
 
 
 def verdict(text: str) -> str:
-    """``good``, ``bad``, ``open`` or ``other``, by the first word of a verdict."""
+    """Return ``good``, ``bad``, ``open`` or ``other``, by the first word of a verdict."""
     if text == "not identifiable":
         return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]

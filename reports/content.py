@@ -1,4 +1,4 @@
-"""Plain records that a report is made of. Whoever runs models fills them; this package draws them."""
+"""Plain records of a report, filled by those who run models and drawn by this package."""
 
 from __future__ import annotations
 
@@ -24,15 +24,19 @@ Row = dict[Quantity | str, Cell]
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; unfolded: a page
-    shows it open however long it is. Raises ValueError for two columns of one heading and unit, which no reader of the
-    CSV file could tell apart."""
+    """A table; ValueError for two columns of one heading and unit, which a CSV file could not tell apart."""
 
+    #: Stem of its CSV file.
     name: str
+    #: Title.
     title: str
+    #: Columns.
     columns: Sequence[Quantity]
+    #: Values by key of the column.
     rows: Sequence[Mapping[str, Cell]]
+    #: Note below the table.
     note: str = ""
+    #: Whether a page shows it open, however long it is.
     unfolded: bool = False
 
     def __post_init__(self) -> None:
@@ -46,7 +50,7 @@ class Table:
     def of(
         cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
-        """A table whose rows say what they hold: its columns are their quantities, in the order in which they appear."""
+        """Make a table whose rows have quantities as keys; its columns are these, in the order in which they appear."""
         listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
         return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
@@ -58,257 +62,349 @@ def _quantity(named: Quantity | str) -> Quantity:
 
 @dataclass(frozen=True)
 class Series:
-    """One curve: label, x, y, style (``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` up to y2); ``bars``: lower
-    and upper ends of error bars; ``light``: small and pale, not in the legend; ``texts``: written beside the points, in
-    place of a line in the legend; ``names``: of the points, for who points at them."""
+    """One curve."""
 
+    #: Label in the legend.
     label: str
+    #: Abscissae.
     x: Sequence[float]
+    #: Ordinates.
     y: Sequence[float]
+    #: ``"line"``, ``"markers"``, ``"line+markers"``, or ``"band"`` between y and y2.
     style: str = "line+markers"
+    #: Upper edge of a band.
     y2: Sequence[float] | None = None
+    #: Whether it is drawn bold.
     emphasis: bool = False
+    #: Lower and upper ends of error bars.
     bars: tuple[Sequence[float], Sequence[float]] | None = None
+    #: Whether it is small and pale, and not in the legend.
     light: bool = False
+    #: Texts next to the points, instead of a line in the legend.
     texts: Sequence[str] = ()
+    #: Names of the points, shown under the pointer.
     names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes: title, labels with units, curves.
+    """One pair of axes with curves."""
 
-    ``log`` is one of ``""``, ``"x"``, ``"y"``, ``"xy"``; ``zero`` extends the ordinate to zero; ``integer_x``
-    labels the abscissa at whole numbers only; ``names`` stand there in place of the numbers from 1 on.
-    """
-
+    #: Title.
     title: str
+    #: Label of the abscissa, with unit.
     xlabel: str
+    #: Label of the ordinate, with unit.
     ylabel: str
+    #: Curves.
     series: Sequence[Series]
+    #: Logarithmic axes: ``""``, ``"x"``, ``"y"`` or ``"xy"``.
     log: str = ""
+    #: Whether the ordinate extends to zero.
     zero: bool = False
+    #: Whether the abscissa is labelled at integers only.
     integer_x: bool = False
+    #: Labels of the abscissa instead of the numbers from 1 on.
     names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of one to six panels, ``columns`` (at most 3) per row; ``name`` is its SVG file's stem; ``size``: width and
-    height in inches of 96 pixels, None for what suits the number of panels; ``same_y``: one scale of the ordinates."""
+    """A figure of one to six panels."""
 
+    #: Stem of its SVG file.
     name: str
+    #: Title.
     title: str
+    #: Panels.
     panels: Sequence[Panel]
+    #: Caption.
     caption: str = ""
+    #: Number of panels per row, at most 3.
     columns: int = 2
+    #: Width and height [inches of 96 pixels]; None: by the number of panels.
     size: tuple[float, float] | None = None
+    #: Whether all ordinates have one scale.
     same_y: bool = False
 
 
 @dataclass(frozen=True)
 class SetView:
-    """One set of a load case. parts: balls with their grooves, or rollers; thrust: as of `meshes.axis.RollingSet`; points
-    (n, 4, 3) [m] of the contacts and forces (n, 4, 3) [N] on the balls, None of rollers and without answers; reference:
-    its label and its loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the loads (n, 4) [%] against it, or
-    None; expected: error of the loads that is to be expected [N], or None; closer: by how much each contact is closer than
-    in perfect parts, (n, 4) [m]."""
+    """One set of a load case in a view."""
 
+    #: Name of the set.
     name: str
+    #: Kind of the set.
     kind: str
+    #: Balls with their grooves, or rollers.
     parts: Scene | RollerRow
+    #: Axial position [m].
     position: float
+    #: Direction of thrust, as of `meshes.axis.RollingSet`.
     thrust: str = "both"
+    #: Contact points, (n, 4, 3) [m]; None of rollers and without equilibrium.
     points: NDArray[np.float64] | None = None
+    #: Forces on the balls, (n, 4, 3) [N].
     forces: NDArray[np.float64] | None = None
+    #: Label of the reference, its loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the loads (n, 4) [%]; or
+    #: None.
     reference: tuple[str, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
+    #: Error of the loads to expect [N].
     expected: float | None = None
+    #: By how much each contact is closer than with perfect parts, (n, 4) [m].
     closer: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
 class CaseView:
-    """One load case: its name (empty: the only one), its sets, and the shaft that they stand on (None: that of the set)."""
+    """One load case in a view."""
 
+    #: Name; empty for the only one.
     name: str
+    #: Its sets.
     sets: Sequence[SetView]
+    #: Shaft of several sets; None: that of the set.
     shaft: Assembly | None = None
 
 
 @dataclass(frozen=True)
 class View:
-    """Title, and what stands under it; load cases in the order of the results; results, JSON-ready, as of ``solve
-    --json``."""
+    """Page with a solved scene in 3D, to be turned."""
 
+    #: Title.
     title: str
+    #: Line below the title.
     subtitle: str
+    #: Load cases, in the order of the results.
     cases: Sequence[CaseView]
+    #: JSON of ``solve --json``.
     results: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class LoadedScrew:
-    """A 3D picture of the screw, nut and balls of a scene under contact loads ``(n, 4)`` [N], whose largest colours a ball;
-    contact points (m, 3) [m] with the forces on the balls there (m, 3) [N], which become arrows; ``view``: of a page on
-    which it can be turned, if there is to be one."""
+    """3D picture of screw, nut and balls under contact loads."""
 
+    #: Stem of its file.
     name: str
+    #: Title.
     title: str
+    #: The scene.
     scene: Scene
+    #: Contact loads, (n, 4) [N]; the largest of a ball gives its colour.
     load: NDArray[np.float64]
+    #: Contact points, (m, 3) [m].
     contact_points: NDArray[np.float64]
+    #: Forces on the balls there, (m, 3) [N], drawn as arrows.
     contact_forces: NDArray[np.float64]
+    #: Caption.
     caption: str = ""
+    #: Page on which it can be turned, if any.
     view: View | None = None
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """A sketch of the screw or bearing of a scene from the side, with what holds and loads it."""
+    """Side view of a screw or bearing, with supports and loads."""
 
+    #: Stem of its file.
     name: str
+    #: Title.
     title: str
+    #: The scene.
     scene: Scene
+    #: Caption.
     caption: str = ""
 
 
 @dataclass(frozen=True)
 class MeshPart:
-    """A piece of a mesh in a picture: points (n, 3) [m], cells of ``kind`` ``"P1"``, ``"P2"`` (4, 10-node tetrahedra) or
-    ``"Q2"`` (27-node hexahedra), nodes in gmsh's order; ``values`` (n) colour it, else ``colour`` does; ``edges``: draw
-    the cells' edges; ``outline``: draw the rim of a section through it;
-    ``line``: width of the edges in pixels."""
+    """A piece of a mesh in a picture."""
 
+    #: Nodes, (n, 3) [m].
     points: Rows
+    #: Nodes of the cells, in gmsh's order.
     cells: Rows
+    #: ``"P1"``, ``"P2"`` (4, 10-node tetrahedra) or ``"Q2"`` (27-node hexahedra).
     kind: str
+    #: Values of the nodes, (n,), for the colour; None: ``colour``.
     values: Numbers | None = None
+    #: Colour without values.
     colour: str = "#c3c8ce"
+    #: Whether edges of the cells are drawn.
     edges: bool = True
+    #: Whether the rim of a section through it is drawn.
     outline: bool = False
+    #: Width of the edges [pixels].
     line: float = 1.2
 
 
 @dataclass(frozen=True)
 class FieldPicture:
-    """A 3D picture of meshes, of fields on them, or of a plane section.
+    """3D picture of meshes, of fields on them, or of a plane section."""
 
-    ``sight``: direction from the picture to the viewer; ``up``; ``focus`` (3) [m] in the middle; ``height`` [m] that is
-    seen. ``cuts``: planes (point, normal); cells whose middle lies in front of all of them are left away. ``section``:
-    show the plane section by the only cut instead. ``label``: of the values, with unit; ``limits``: ends of their
-    scale (None: from the data); ``log``: scale by tens; ``words``: (point, text) written into the picture;
-    ``scale_bar`` [m], 0 for none.
-    """
-
+    #: Stem of its file.
     name: str
+    #: Title.
     title: str
+    #: Pieces of meshes.
     parts: Sequence[MeshPart]
+    #: Direction from the picture to the viewer.
     sight: Sequence[float]
+    #: Upward direction.
     up: Sequence[float]
+    #: Point in the middle, (3,) [m].
     focus: Sequence[float]
+    #: Visible height [m].
     height: float
+    #: Planes (point, normal); cells whose middle lies in front of all of them are left out.
     cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
+    #: Whether the plane section by the only cut is shown instead.
     section: bool = False
+    #: Name of the values, with unit.
     label: str = ""
+    #: Ends of the scale; None: from the data.
     limits: tuple[float, float] | None = None
+    #: Whether the scale is logarithmic.
     log: bool = False
+    #: Texts written into the picture, as (point, text).
     words: Sequence[tuple[Sequence[float], str]] = ()
+    #: Length of a scale bar [m]; 0: none.
     scale_bar: float = 0.0
+    #: Caption.
     caption: str = ""
 
 
 @dataclass(frozen=True)
 class PressurePanel:
-    """One contact: nodes x, y, their values, the ellipse (centre x, y, semi-axes along x, y) drawn on it, a note; arrows:
-    directions at the nodes (x, y), drawn at every ``skip``-th; marked: which nodes stand out."""
+    """Pressure of one contact."""
 
+    #: Title.
     title: str
+    #: Abscissae of the nodes.
     x: Numbers
+    #: Ordinates of the nodes.
     y: Numbers
+    #: Values at the nodes.
     values: Numbers
+    #: Ellipse drawn on it: centre x, y, semi-axes along x, y.
     ellipse: tuple[float, float, float, float]
+    #: Note.
     note: str = ""
+    #: Directions at the nodes (x, y).
     arrows: tuple[Numbers, Numbers] | None = None
+    #: Arrows are drawn at every ``skip``-th node.
     skip: int = 1
+    #: Nodes that are marked.
     marked: Sequence[bool] | None = None
 
 
 @dataclass(frozen=True)
 class PressureMap:
-    """Filled contours of one to four contacts to one scale; labels with units; ``name`` is its SVG file's stem;
-    ``marked_label``: of nodes that stand out."""
+    """Filled contours of one to four contacts with one scale."""
 
+    #: Stem of its SVG file.
     name: str
+    #: Title.
     title: str
+    #: Contacts.
     panels: Sequence[PressurePanel]
+    #: Label of the abscissa, with unit.
     xlabel: str
+    #: Label of the ordinate, with unit.
     ylabel: str
+    #: Label of the values, with unit.
     label: str
+    #: Label of the ellipses.
     ellipse_label: str = "Hertz"
+    #: Label of marked nodes.
     marked_label: str = ""
+    #: Caption.
     caption: str = ""
+    #: Number of panels per row.
     columns: int = 2
 
 
 @dataclass(frozen=True)
 class Text:
-    """Paragraphs of plain text, or a list of statements when ``bullets``; heading: stands above them."""
+    """Paragraphs of plain text."""
 
+    #: The paragraphs.
     paragraphs: Sequence[str]
+    #: Whether they are a list.
     bullets: bool = False
+    #: Heading above them.
     heading: str = ""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The first screen: a question, its answer in one sentence, one figure of it and the same for a narrow screen, then
-    what the answer covers and what limits it, as statements; items: tables and figures below; table: what the PDF shows
-    beside them."""
+    """First screen of the report."""
 
+    #: The question.
     question: str
+    #: Its answer in one sentence.
     answer: str
+    #: A figure of the answer.
     figure: Figure
+    #: The same figure for a narrow screen.
     narrow: Figure
+    #: Statements on what the answer covers.
     coverage: Sequence[str]
+    #: Statements on its limits.
     limits: Sequence[str]
+    #: Table for print.
     table: Table | None = None
+    #: Tables and figures below.
     items: Sequence[Table | Figure] = ()
 
 
 @dataclass(frozen=True)
 class Section:
-    """A section of the report; ``name`` selects it with ``--only``; conclusion: one or two sentences that the page opens
-    with; summary: the report's first screen."""
+    """A section of the report."""
 
+    #: Name for ``--only``.
     name: str
+    #: Title.
     title: str
+    #: Texts, tables, figures and pictures.
     items: Sequence[Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap]
+    #: One or two sentences with which its page begins.
     conclusion: str = ""
+    #: First screen of the report, if it is here.
     summary: Summary | None = None
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page of the report: name of its file, title, the sections on it, the conclusion that it opens with."""
+    """A page of the report."""
 
+    #: Stem of its file.
     name: str
+    #: Title.
     title: str
+    #: Its sections.
     sections: Sequence[Section]
+    #: Conclusion with which it begins.
     conclusion: str = ""
 
 
 @dataclass(frozen=True)
 class Report:
-    """The whole report: title, subtitle, provenance, pages; the first summary of a section is its first screen; origin:
-    what its manifest says of what it rests on, as plain data."""
+    """The whole report; the first summary of a section is its first screen."""
 
+    #: Title.
     title: str
+    #: Line below the title.
     subtitle: str
+    #: Facts on its origin, such as version and date.
     provenance: Mapping[str, str]
+    #: Its pages.
     pages: Sequence[Page]
+    #: Inputs of the report for its manifest, as plain data.
     origin: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def sections(self) -> list[Section]:
-        """The sections of all pages."""
+        """Return the sections of all pages."""
         return [section for page in self.pages for section in page.sections]

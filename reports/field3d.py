@@ -1,4 +1,4 @@
-"""Meshes and fields as 3D pictures: surfaces with the cells' edges, cut open, or plane sections with a field on them.
+"""3D pictures of meshes and fields: surfaces with edges, cut open, or plane sections with a field on them.
 
 As in `reports.scene3d`, a child process draws, because VTK ends the process on a machine without off-screen OpenGL.
 """
@@ -20,7 +20,7 @@ from rollbench.reports.figures import COLOURS
 from rollbench.reports.offscreen import draw_in_child, set_view
 from rollbench.reports.scene3d import SIZE
 
-#: Number of a kind of cells in VTK.
+#: VTK numbers of kinds of cells.
 TYPES = {"P1": 10, "P2": 24, "Q2": 29}
 STEPS = 18  # of the colour scale: their borders are lines of equal value
 PALETTE = 224  # colours of the file
@@ -29,12 +29,25 @@ _LINE = "#2b3138"
 
 
 def draw_field(picture: FieldPicture, path: str | Path) -> None:
-    """Write a PNG of meshes or fields, without an X server. Raises RuntimeError where this machine cannot draw it."""
+    """Write a PNG of meshes or fields, without an X server.
+
+    Parameters
+    ----------
+    picture
+        The picture.
+    path
+        The file.
+
+    Raises
+    ------
+    RuntimeError
+        If this machine cannot draw it.
+    """
     draw_in_child("rollbench.reports.field3d", picture, path)
 
 
 def grid_of(part: MeshPart) -> Any:
-    """A part as a grid of pyvista, lengths in mm, with its values."""
+    """Return a part as a grid of pyvista with its values, lengths in mm."""
     import pyvista
 
     cells = np.asarray(part.cells, dtype=np.int64)[:, VTK[part.kind][1]]
@@ -45,7 +58,7 @@ def grid_of(part: MeshPart) -> Any:
 
 
 def surface_of(grid: Any) -> Any:
-    """The faces that belong to one cell only as triangles, those of second order in four or eight."""
+    """Return the faces that belong to one cell only as triangles, those of second order as four or eight."""
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
@@ -57,7 +70,7 @@ def surface_of(grid: Any) -> Any:
 
 
 def _kept(part: MeshPart, picture: FieldPicture) -> Any:
-    """Cells that are not in front of all cuts, as a grid."""
+    """Return the cells that are not in front of all cuts, as a grid."""
     points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), grid_of(part)
     if not picture.cuts:
         return grid
@@ -67,7 +80,7 @@ def _kept(part: MeshPart, picture: FieldPicture) -> Any:
 
 
 def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """The surface of what the cuts leave, with the cells' edges."""
+    """Draw the surface of what the cuts leave, with the edges of the cells."""
     grid = _kept(part, picture)
     if not grid.n_cells:
         return
@@ -79,7 +92,7 @@ def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[st
 
 
 def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """The plane section of a part, with the cells' edges in it or its rim; lines a hair before the plane."""
+    """Draw the plane section of a part, with its edges or rim slightly in front of the plane."""
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
     plane, grid = {"normal": normal, "origin": MM * origin}, grid_of(part)
     cut = grid.slice(**plane)
@@ -97,7 +110,7 @@ def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict
 
 
 def _limits(picture: FieldPicture) -> tuple[float, float] | None:
-    """Ends of the scale of the values; None without values."""
+    """Return the ends of the scale of the values; None without values."""
     shown = [np.asarray(p.values, float) for p in picture.parts if p.values is not None]
     if picture.limits is not None or not shown:
         return picture.limits if shown else None
@@ -105,7 +118,7 @@ def _limits(picture: FieldPicture) -> tuple[float, float] | None:
 
 
 def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
-    """Unit vectors to the right, upwards and to the viewer."""
+    """Return unit vectors to the right, upwards and to the viewer."""
     sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     right = np.cross(np.asarray(picture.up, float), sight)
     right /= np.linalg.norm(right)
@@ -145,7 +158,7 @@ def _render(picture: FieldPicture, path: str) -> None:
 
 
 def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
-    """Words, scale bar and colour scale around the image; few colours keep the file small."""
+    """Put texts, scale bar and colour scale around the image; few colours keep the file small."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable

@@ -1,4 +1,4 @@
-"""Figures of a report as SVG: plain, legible in grey print, and the same bytes for the same data."""
+"""Figures of a report as SVG: legible in grey print, and identical bytes for identical data."""
 
 from __future__ import annotations
 
@@ -72,20 +72,35 @@ _RC = {
 }
 #: Distance between lines of text, and from a text to the points it belongs to [points of 1/72 inch].
 LINE, AWAY = 10.0, 10.0
-#: Width of a letter of these texts, about [points].
+#: Approximate width of a letter of these texts [points].
 LETTER = 4.1
 #: Room for the label of a power on an abscissa [points].
 TICK = 32.0
 #: Width below which a figure has one column of names in its legend [inches].
 NARROW = 5.0
-#: Share of a panel's width whose points have their texts on the left.
+#: Share of a panel's width in which texts are to the left of their points.
 LEFT = 0.4
 
 
 def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
-    """Heights moved as little as their order allows so that they are ``gap`` apart, within low to high where that is
-    possible.
+    """Move heights as little as possible, in order, so that they are ``gap`` apart, within low to high if possible.
 
+    Parameters
+    ----------
+    heights
+        Heights.
+    gap
+        Smallest distance.
+    low, high
+        Ends of the range.
+
+    Returns
+    -------
+    Array
+        Moved heights, in the order given.
+
+    Examples
+    --------
     >>> apart([1.0, 1.0, 5.0], 2.0, 0.0, 10.0).tolist()
     [0.0, 2.0, 5.0]
     """
@@ -100,8 +115,10 @@ def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDAr
 
 
 def place_texts(axes: Any, series: Sequence[Series]) -> None:
-    """Write the texts of all curves in two columns, to the left of all points and to their right, with a thin line to each
-    point; a point's side is the nearer one. The abscissa grows as far as the texts need."""
+    """Write the texts of all curves in two columns, left and right of all points, with a thin line to each point.
+
+    The abscissa grows as far as the texts need.
+    """
     points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.texts, strict=False) if text]
     if not points:
         return
@@ -135,14 +152,14 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
 
 
 def _places(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
-    """Points ``(n, 2)`` in the panel, its width and height [points]."""
+    """Return the points (n, 2) in the panel, and its width and height [points]."""
     scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
     place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
     return scale * place, scale * box.width, scale * box.height
 
 
 def _widen(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
-    """Move the ends of the abscissa out until every text has its room; places and room are shares of the width."""
+    """Extend the abscissa until every text has room; positions and room are shares of the width."""
     scale = axes.xaxis.get_transform()
     low, high = scale.transform(np.asarray(axes.get_xlim(), float))
     where = low + at * (high - low)
@@ -156,7 +173,7 @@ def _widen(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: 
 
 @contextmanager
 def own_style(name: str) -> Iterator[None]:
-    """Settings of matplotlib for the drawing ``name``: its own defaults and these, whatever a matplotlibrc says."""
+    """Apply fixed settings of matplotlib inside, whatever a matplotlibrc says."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update({**_RC, "svg.hashsalt": f"rollbench-{name}"})
@@ -164,22 +181,30 @@ def own_style(name: str) -> Iterator[None]:
 
 
 def draw(figure: Figure) -> str:
-    """Draw a figure of one to six panels: the document of `drawing`."""
+    """Return a figure of one to six panels as an SVG document; see `drawing`."""
     return drawing(figure)[0]
 
 
 def drawing(figure: Figure) -> tuple[str, Canvas]:
     """Draw a figure of one to six panels.
 
-    Args:
-        figure: the record; equal labels get equal colours and markers in all its panels.
+    Parameters
+    ----------
+    figure
+        The record; equal labels get equal colours and markers in all its panels.
 
-    Returns:
-        An SVG document, and the canvas that drew it. Its identifiers begin with the figure's name, so that several may be
-        in one page; neither date nor version enters it.
+    Returns
+    -------
+    str
+        SVG document. Its identifiers begin with the figure's name, so that several fit in one page; it has no date or
+        version.
+    Canvas
+        The canvas that drew it.
 
-    Raises:
-        ValueError: no panel or more than six; an unknown style or scale.
+    Raises
+    ------
+    ValueError
+        For no panel or more than six, and an unknown style or scale.
     """
     if not 1 <= len(figure.panels) <= MAX_PANELS:
         raise ValueError(f"figure {figure.name!r}: {len(figure.panels)} panels; it must be 1 to {MAX_PANELS}")
@@ -222,9 +247,9 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
 
 
 def draw_map(item: PressureMap) -> str:
-    """Draw filled contours of one to four contacts, with the ellipse on each, to one scale.
+    """Return filled contours of one to four contacts with their ellipses as an SVG document.
 
-    Returns an SVG document as `draw`; the contours are an image in it.
+    The contours are an image in it.
     """
     columns = max(1, min(item.columns, len(item.panels)))
     rows = math.ceil(len(item.panels) / columns)
@@ -255,12 +280,12 @@ def draw_map(item: PressureMap) -> str:
 
 
 def _written(svg: str, name: str) -> str:
-    """The document as it is written: identifiers of its own, micrometres with their letter."""
+    """Return the final document: unique identifiers, um as µm."""
     return re.sub(r">[^<]+<", lambda text: micro(text[0]), _own_names(svg, name))
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
-    """Contours of one contact, its nodes as dots, arrows, marks, ellipse and note; returns the filled contours."""
+    """Draw the contours of one contact with nodes, arrows, marks, ellipse and note; return the contours."""
     x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
     filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap=COLOURS)
     filled.set_rasterized(True)
@@ -286,7 +311,7 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
 
 
 def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
-    """Number of each label in each panel; a label of several panels has the same number in all of them."""
+    """Return the number of each label in each panel; equal labels have equal numbers."""
     labels = [list(dict.fromkeys(series.label for series in panel.series)) for panel in panels]
     count = Counter(label for names in labels for label in names)
     fixed = {label: number for number, label in enumerate(label for label in count if count[label] > 1)}
@@ -299,12 +324,12 @@ def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
 
 
 def _same_labels(panels: Sequence[Panel]) -> bool:
-    """Whether one legend serves all panels."""
+    """Return whether one legend serves all panels."""
     return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
 
 
 def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
-    """Draw the curves, labels and scales of one panel into its axes."""
+    """Draw curves, labels and scales of one panel into its axes."""
     for series in panel.series:
         _draw_series(axes, series, order[series.label])
     axes.set_title(panel.title, pad=7)
@@ -333,8 +358,10 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
 
 
 def _draw_series(axes: Any, series: Series, number: int) -> None:
-    """Draw one curve or band in the colour, marker and dash of its number. Raises ValueError for labels or bars of another
-    number than its points."""
+    """Draw one curve or band in the colour, marker and dash of its number.
+
+    ValueError if labels or bars differ in number from the points.
+    """
     bars = zip(("lower error bars", "upper error bars"), series.bars or (), strict=False)
     for what, values in (("texts", series.texts), ("names", series.names), *bars):
         if len(values) not in (0, len(series.x)):
@@ -388,7 +415,7 @@ def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
 
 
 def _power(value: float) -> str:
-    """``value`` as ``5·10⁻³`` without markup, so that any font can set it."""
+    """Return ``value`` as ``5·10⁻³`` without markup, so that any font can set it."""
     exponent = math.floor(math.log10(value) + 1e-9)
     mantissa = f"{value / 10.0**exponent:g}"
     power = "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
@@ -396,7 +423,7 @@ def _power(value: float) -> str:
 
 
 def _include_zero(axes: Any, y: Any) -> None:
-    """Extend the ordinate to zero and, where values lie on both sides of it, rule it."""
+    """Extend the ordinate to zero, with a line if values lie on both sides of it."""
     finite = y[np.isfinite(y)]
     if finite.size and np.min(finite) < 0.0 < np.max(finite):
         axes.axhline(0.0, color=_FRAME, linewidth=0.9, zorder=1.2)
@@ -407,7 +434,7 @@ def _include_zero(axes: Any, y: Any) -> None:
 
 
 def _legend_below(axes: Any, columns: int) -> int:
-    """Put a legend below the axes; returns the number of its rows."""
+    """Put a legend below the axes; return the number of its rows."""
     handles, labels = axes.get_legend_handles_labels()
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
         return 0
@@ -427,7 +454,7 @@ def _legend_below(axes: Any, columns: int) -> int:
 
 
 def _own_names(svg: str, name: str) -> str:
-    """Prefix the identifiers of an SVG with the figure's name and let it use the reader's fonts."""
+    """Prefix the identifiers of an SVG with the figure's name, and let it use the reader's fonts."""
     prefix = re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}-")
     svg = re.sub(r'(\bid="|href="#|url\(#)', lambda match: match.group(0) + prefix, svg)
     return svg.replace("'DejaVu Sans'", FONTS)

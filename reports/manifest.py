@@ -1,5 +1,4 @@
-"""Hashes: of what a report rests on, and of the files it consists of. They tell what changed; they prove nothing of who
-wrote it."""
+"""Hashes of a report's inputs and files: they show what changed, but not who wrote it."""
 
 from __future__ import annotations
 
@@ -9,32 +8,34 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-#: File of a report's folder that holds them.
+#: File with the hashes in the folder of a report.
 FILE = "manifest.json"
 #: Largest file of a report that is read [bytes]: ten times the largest page.
 LARGEST = 200_000_000
 
 
 def sha256(data: str | bytes) -> str:
-    """SHA-256 of bytes, or of a text as UTF-8."""
+    """Return the SHA-256 of bytes, or of a text as UTF-8."""
     return hashlib.sha256(data.encode("utf-8", "surrogatepass") if isinstance(data, str) else data).hexdigest()
 
 
 def hashes(folder: Path) -> dict[str, str]:
-    """SHA-256 of every file of a report's folder but the manifest, by its path in there."""
+    """Return the SHA-256 of every file of a report's folder except the manifest, by its path."""
     files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != FILE)
     return {p.relative_to(folder).as_posix(): sha256(p.read_bytes()) for p in files}
 
 
 def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
-    """Write what a report rests on (``origin``, plain data) and the hashes of its files into its folder."""
+    """Write the inputs of a report (``origin``, plain data) and the hashes of its files to its folder."""
     text = json.dumps({**origin, "files": hashes(folder)}, indent=1, ensure_ascii=False)
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
 def page_text(path: Path) -> str:
-    """Text of a file of a report. Raises OSError where there is none, ValueError for a pipe, a device, or a file that no
-    report has."""
+    """Return the text of a file of a report.
+
+    OSError if there is none; ValueError for a pipe, a device, or a file that no report has.
+    """
     if path.exists() and not path.is_file():
         raise ValueError("a pipe, a device or a folder")
     if (size := path.stat().st_size) > LARGEST:
@@ -43,7 +44,7 @@ def page_text(path: Path) -> str:
 
 
 def parsed(text: str) -> Any:
-    """JSON of a text. Raises ValueError for anything else, however deeply nested."""
+    """Return the JSON value of a text; ValueError for anything else, however deeply nested."""
     try:
         return json.loads(text)
     except RecursionError:
@@ -51,12 +52,12 @@ def parsed(text: str) -> Any:
 
 
 def all_texts(found: object) -> bool:
-    """Whether a part of a manifest is texts by name."""
+    """Return whether a part of a manifest maps names to texts."""
     return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """The manifest of a report's folder. Raises OSError where there is none, ValueError where it is damaged."""
+    """Return the manifest of a report's folder; OSError if there is none, ValueError if it is damaged."""
     found = parsed(page_text(folder / FILE))
     if not isinstance(found, dict) or not all(all_texts(found.get(key)) for key in ("inputs", "files")):
         raise ValueError(f"{FILE} is damaged")

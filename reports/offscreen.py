@@ -1,4 +1,4 @@
-"""Pictures drawn by pyvista in a child process: VTK ends its process where a machine has no off-screen OpenGL."""
+"""Drawing by pyvista in a child process, because VTK ends its process on a machine without off-screen OpenGL."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from rollbench.meshes.libraries import PICTURES, install
 TIMEOUT = 180.0  # s; two seconds are usual
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})"
 
-#: Directions of lights, and how strong they are.
+#: Directions and intensities of lights.
 Lights = Sequence[tuple[Array, float]]
 
 
 class CannotDraw(RuntimeError):
-    """A picture that could not be drawn: its cause, and advice where there is any."""
+    """Error for a picture that could not be drawn, with its cause and advice."""
 
     def __init__(self, cause: str, advice: str = "") -> None:
-        """The message is both."""
+        """Make the message of cause and advice."""
         super().__init__(f"3D picture: {cause}" + (f"; {advice}" if advice else ""))
         self.cause = cause
 
@@ -34,7 +34,20 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     """Run ``python -m module`` with the pickled (picture, file to write) on its standard input.
 
     Nothing is imported from the working folder.
-    Raises CannotDraw where this machine cannot draw it: says which libraries are missing, or what else went wrong.
+
+    Parameters
+    ----------
+    module
+        Module that draws.
+    picture
+        Record of the picture.
+    path
+        File to write.
+
+    Raises
+    ------
+    CannotDraw
+        If this machine cannot draw it: names missing libraries, or the cause.
     """
     here = os.getcwd()
     search = os.pathsep.join(p for p in sys.path if p and os.path.abspath(p) != here)
@@ -60,8 +73,21 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
 
 
 def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
-    """Look at ``focus`` along parallel lines: unit vectors to the viewer and upwards, the height that is seen; lights: from
-    where, and how strong. Edges are without steps."""
+    """Look at ``focus`` along parallel lines, with anti-aliasing.
+
+    Parameters
+    ----------
+    plotter
+        Plotter of pyvista.
+    focus
+        Point in the middle.
+    sight, up
+        Unit vectors to the viewer and upwards.
+    height
+        Visible height.
+    lights
+        Directions and intensities of lights.
+    """
     import pyvista
 
     plotter.camera.focal_point = focus
@@ -78,7 +104,7 @@ def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float,
 
 
 def fault() -> str:
-    """Why no picture can be drawn here, by drawing a small one (some seconds); empty where it can."""
+    """Return why no picture can be drawn on this machine, by drawing a small one (some seconds); empty if one can."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             draw_in_child("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")

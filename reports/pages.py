@@ -1,4 +1,4 @@
-"""A report as a folder: a first page, a page for each section, tables as CSV, figures as files, an index for the search."""
+"""Writing a report as a folder: a first page, a page for each section, tables as CSV, figures, a search index."""
 
 from __future__ import annotations
 
@@ -33,23 +33,20 @@ from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.manifest import write_manifest
 from rollbench.reports.view import MARKER
 
-#: The index of the search: a script, because a page opened from a file may load no data.
+#: Search index: a script, because a page opened from a file may load no data.
 SEARCH = "search.js"
 
-#: Characters of a table or text that the search knows.
+#: Number of characters of a table or text in the search index.
 KNOWN = 4000
 
-#: Rows from which a page folds a table.
+#: Number of rows from which on a page folds a table.
 LONG = 20
 
-#: Columns from which a table is set closer.
+#: Number of columns from which on a table is set narrower.
 WIDE = 8
 
 #: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
 HOW = "how"
-
-#: Keys of columns that stay on a phone, where others are hidden.
-VERDICTS = ("class", "verdict", "status")
 
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
@@ -60,15 +57,19 @@ Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 @dataclass
 class _Writer:
-    """Where files go, addresses of what texts may name, and the entries of the search so far."""
+    """Destination of files, addresses of names in texts, and entries of the search index."""
 
+    #: Folder of the report.
     folder: Path
+    #: Called with lines of progress.
     say: Progress
+    #: Addresses by name.
     places: dict[str, str]
+    #: Entries of the search index.
     entries: list[dict[str, str]] = field(default_factory=list)
 
     def linked(self, text: str) -> Markup:
-        """A text whose words on a table, figure or section of the report lead there."""
+        """Return a text in which names of tables, figures and sections are links."""
 
         def link(found: re.Match[str]) -> str:
             place = self.places.get(found[2])
@@ -78,14 +79,23 @@ class _Writer:
 
 
 def templates() -> Environment:
-    """The templates of pages; texts are escaped."""
+    """Return the templates of pages; texts are escaped."""
     loader = PackageLoader("rollbench.reports")
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
 def write_pages(report: Report, folder: Path, say: Progress) -> None:
-    """Draw everything and write pages, tables, figures and the index of the search into ``folder``, which has the folders
-    ``tables`` and ``figures``."""
+    """Draw everything and write pages, tables, figures and the search index.
+
+    Parameters
+    ----------
+    report
+        The report.
+    folder
+        Folder with the subfolders ``tables`` and ``figures``.
+    say
+        Called with lines of progress.
+    """
     environment = templates()
     writer = _Writer(folder, say, _places(report))
     environment.filters.update(typeset=typeset, linked=writer.linked, place=lambda name: writer.places.get(name, ""))
@@ -107,7 +117,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
 
 
 def _places(report: Report) -> dict[str, str]:
-    """Addresses of sections, tables and figures by name."""
+    """Return the addresses of sections, tables and figures by name."""
     found = {}
     for page in report.pages:
         for section in page.sections:
@@ -126,8 +136,8 @@ def _write(path: Path, text: str) -> None:
 
 
 def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
-    """A page's data for the templates; writes the files of its items."""
-    writer.say(f"report: {number}/{total} {page.title}")
+    """Return a page's data for the templates; writes the files of its items."""
+    writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
     sections = [_section(section, file, writer) for section in page.sections]
     writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
@@ -135,7 +145,7 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
 
 
 def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
-    """A section's data for the templates; writes the files of its items."""
+    """Return a section's data for the templates; writes the files of its items."""
     items = [_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
@@ -148,12 +158,12 @@ def _section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
 
 
 def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
-    """One entry of the search: title, address, where it stands, text."""
+    """Return an entry of the search index: title, address, place, text."""
     return {"t": micro(title), "h": place, "s": under, "x": micro(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
 def _words(record: Any) -> str:
-    """What the search reads of a table (headings, note, texts of cells, each once) or of a figure (caption)."""
+    """Return the text of a table (headings, note, cells, each once) or figure (caption) for the search index."""
     if not isinstance(record, Table):
         return str(record.caption)
     texts = [str(row[c.key]) for row in record.rows for c in record.columns if isinstance(row.get(c.key), str)]
@@ -161,7 +171,7 @@ def _words(record: Any) -> str:
 
 
 def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """The first screen, its figure drawn for wide and for narrow screens."""
+    """Return the first screen's data, with its figure for wide and for narrow screens."""
     wide, narrow = figures.draw(summary.figure), figures.draw(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
@@ -170,7 +180,7 @@ def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
 
 
 def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
-    """An item's data for the templates; writes the item's file."""
+    """Return an item's data for the templates; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
@@ -190,7 +200,7 @@ def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
 
 
 def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
-    """A 3D picture as a file of its own, or why it is missing; back: address of where it stands."""
+    """Return a 3D picture as a separate file, or why it is missing; ``back``: address of its place."""
     path = writer.folder / name
     try:
         if isinstance(item, LoadedScrew):
@@ -199,7 +209,7 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Wr
             field3d.draw_field(item, path)
     except RuntimeError as error:
         path.unlink(missing_ok=True)
-        writer.say(f"report: picture left out. {error}")
+        writer.say(f"WARNING: picture left out. {error}")
         return {"missing": str(error)}
     turned = None
     if isinstance(item, LoadedScrew) and item.view is not None:
@@ -209,8 +219,10 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Wr
 
 
 def inline(svg: str) -> Markup:
-    """An SVG document as an element of a page: without prologue, metadata and title; ink, paper and curves take the page's
-    colours, which change where it is dark."""
+    """Return an SVG document as an element of a page, without prologue, metadata and title.
+
+    Ink, paper and curves take the colours of the page, which change in dark mode.
+    """
     element = re.sub(r"\s*<(metadata|title)>.*?</\1>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
     colour = re.compile(r"#[0-9a-fA-F]{6}\b|(?<=fill: )white\b")
     theme = figures.THEME
@@ -218,31 +230,22 @@ def inline(svg: str) -> Markup:
 
 
 def table_view(table: Table, folder: Path) -> dict[str, Any]:
-    """A table as a page shows it, without columns that are empty, folded where it is long. Writes its CSV."""
+    """Return a table as a page shows it, without empty columns, folded if it is long; writes its CSV."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled(table)
     shown = [c for c in shown if c.key != HOW]
     numbers = [is_number(column, table) for column in shown]
-    measured = [k for k, number in enumerate(numbers) if number and k]
-    errors = (k for k in measured if shown[k].label.startswith(("error", "largest error")))
-    value = next(errors, next((k for k in measured if shown[k].unit), measured[0] if measured else -1))
-    names = [k for k, number in enumerate(numbers) if not number][:2]
     heads: Sequence[dict[str, str]] = [
-        {
-            "label": c.label,
-            "unit": c.unit,
-            "align": ("num" if number else "text") + ("" if k in (0, value, *names) or c.key in VERDICTS else " aside"),
-        }
-        for k, (c, number) in enumerate(zip(shown, numbers, strict=True))
+        {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
+        for c, number in zip(shown, numbers, strict=True)
     ]
     cells = [
         [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
         for row in table.rows
     ]
     for row, record in zip(cells, table.rows, strict=True):
-        for cell, head in zip(row, heads, strict=True):
+        for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
-            cell["align"] += " aside" if head["align"].endswith(" aside") else ""
     remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
     note = "\n".join(filter(None, [table.note, remark]))
     form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}
@@ -255,22 +258,30 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
-    """Write a report into the directory ``out``, which then holds nothing else.
+    """Write a report into a folder, which then holds nothing else.
 
-    Everything is drawn into a directory beside ``out`` first, and that directory takes the place of ``out``
-    only when it is whole: an error or an interrupt leaves an earlier report as it was.
+    Everything is first drawn into a new folder next to it, which replaces it only when complete: an error or an interrupt
+    leaves an earlier report as it was.
 
-    Args:
-        report: the records to draw.
-        out: a directory that does not exist, is empty, or holds an earlier report and nothing else.
-        progress: called with one line before each section, and when a picture has to be left out.
+    Parameters
+    ----------
+    report
+        The records to draw.
+    out
+        Folder that does not exist, is empty, or holds an earlier report and nothing else.
+    progress
+        Called with a line before each section, and when a picture has to be left out.
 
-    Returns:
-        The path of ``index.html``.
+    Returns
+    -------
+    Path
+        Path of ``index.html``.
 
-    Raises:
-        ValueError: ``out`` holds what no report wrote or cannot be replaced; a name is unfit for a file or
-            given twice; a figure's data are inconsistent.
+    Raises
+    ------
+    ValueError
+        If ``out`` holds other files or cannot be replaced, a name is not fit for a file or given twice, or the data of a
+        figure are inconsistent.
     """
     _check_names(report)
 
@@ -283,8 +294,10 @@ def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
 
 
 def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
-    """Let a new folder, which ``make`` fills, take the place of the directory ``out`` of a report, whole or not at all; its
-    path. Raises ValueError as `check_target`, and where it cannot be replaced."""
+    """Replace the folder of a report by a new one that ``make`` fills, completely or not at all; return its path.
+
+    ValueError as `check_target`, and if it cannot be replaced.
+    """
     out = Path(out).resolve()
     check_target(out)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -299,7 +312,7 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
 
 
 def check_target(out: Path) -> None:
-    """Raise ValueError unless a report may replace the directory ``out``."""
+    """Raise ValueError unless a report may replace the folder ``out``."""
     if not out.exists():
         return
     if not out.is_dir():
@@ -317,8 +330,7 @@ def check_target(out: Path) -> None:
 
 
 def _is_page(entry: Path) -> bool:
-    """Whether a file is a page of a report, the index of its search, its manifest, or the PDF of releases
-    up to 0.14."""
+    """Return whether a file is a page of a report, its search index, its manifest, or the PDF of releases up to 0.14."""
     if not entry.is_file():
         return False
     return entry.name in (SEARCH, MANIFEST, "first-pages.pdf") or (
@@ -327,7 +339,7 @@ def _is_page(entry: Path) -> bool:
 
 
 def _check_names(report: Report) -> None:
-    """Names become files and anchors: refuse unfit ones and repeated ones."""
+    """Raise ValueError for names that are not fit for files and anchors, or repeated."""
     seen: set[tuple[str, str]] = {("page", "index")}
     for page in report.pages:
         if not _NAME.fullmatch(page.name) or ("page", page.name) in seen:
@@ -347,7 +359,7 @@ def _check_names(report: Report) -> None:
 
 
 def _swap(fresh: Path, out: Path) -> None:
-    """Let ``fresh`` take the place of ``out``; whatever happens in between, one of the two is there."""
+    """Replace ``out`` by ``fresh``; whatever happens in between, one of the two is there."""
     if not out.exists():
         fresh.rename(out)
         return

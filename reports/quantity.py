@@ -1,4 +1,4 @@
-"""What a column of a table holds."""
+"""Column of a table."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a column of a table holds: key, heading, unit and format; value: it, of a record that has it.
+    """Column of a table: key, heading, unit and format.
 
-    Formats: ``"g4"`` for 4 significant digits, ``"s"`` for text, or Python's such as ``".2f"``. Quantities with
-    the keys ``class`` and ``verdict`` are marked in the page.
+    Columns with the keys ``class`` and ``verdict`` are marked in the page.
     """
 
+    #: Key in the rows.
     key: str
+    #: Heading.
     label: str
+    #: Unit.
     unit: str = ""
+    #: ``"g4"`` for 4 significant digits, ``"s"`` for text, or a format of Python such as ``".2f"``.
     format: str = "g4"
+    #: Function that takes the value from a record.
     value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)

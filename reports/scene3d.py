@@ -1,7 +1,7 @@
-"""The loaded screw as a 3D picture: nut cut open, balls coloured by load, contact forces as arrows.
+"""3D picture of the loaded screw: nut cut open, balls coloured by load, contact forces as arrows.
 
-VTK ends the process when a machine has no off-screen OpenGL; so a child process makes the picture, and its
-failure comes back as an exception that names what to install.
+VTK ends the process on a machine without off-screen OpenGL; so a child process draws, and its failure becomes an exception
+that names what to install.
 """
 
 from __future__ import annotations
@@ -36,7 +36,17 @@ Grid = tuple[Array, Array, Array]
 def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
     """Write a PNG of the loaded screw, without an X server.
 
-    Raises RuntimeError where this machine cannot draw it: says which libraries are missing, or what else went wrong.
+    Parameters
+    ----------
+    picture
+        The picture.
+    path
+        The file.
+
+    Raises
+    ------
+    RuntimeError
+        If this machine cannot draw it: names missing libraries, or the cause.
     """
     draw_in_child("rollbench.reports.scene3d", picture, path)
 
@@ -45,16 +55,23 @@ def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
 class _Grooves:
     """Gothic-arch grooves along the helices ``z = level + slope * (phi - phase)``, one for each start."""
 
+    #: Pitch radius [m].
     track_radius: float
+    #: Radius of the arcs [m].
     radius: float
+    #: Distance of the arcs' centres from the track [m].
     offset: float
+    #: Advance per angle [m/rad].
     slope: float
+    #: Azimuth of each start [rad].
     phases: Array
+    #: Axial distance of neighbouring grooves [m].
     pitch: float
+    #: Axial position at phase zero [m].
     level: float
 
     def depth(self, phi: Array, z: Array) -> Array:
-        """Distance [m] from the track to the groove's wall, along the radius; NaN beside the groove."""
+        """Return the radial distance from the track to the wall of the groove [m]; nan next to the groove."""
         path = self.level + self.slope * (phi[..., None] - self.phases)
         away = z[..., None] - path
         if self.pitch > 0.0:
@@ -65,7 +82,7 @@ class _Grooves:
         return half
 
     def surface(self, phi: Array, z: Array, land: float) -> Array:
-        """Radius [m] at ``phi``, ``z`` of the screw (``land`` less than the track's radius) or of the nut."""
+        """Return the radius [m] at ``phi``, ``z`` of the screw (``land`` less than the track's radius) or of the nut."""
         depth = self.depth(phi, z)
         if land < self.track_radius:
             return np.fmin(land, self.track_radius - depth)
@@ -73,8 +90,10 @@ class _Grooves:
 
 
 def _grooves(scene: Scene) -> _Grooves:
-    """The grooves that the balls run in. The arcs' centres stand off the track by the difference of the radii at 45
-    degrees, which makes a gothic arch."""
+    """Return the grooves of a scene.
+
+    The centres of the arcs are off the track by the difference of the radii at 45 degrees, which makes a gothic arch.
+    """
     track, radius = scene.track, scene.screw.groove_radius
     phases = track.phase + 2.0 * np.pi * np.arange(track.starts) / track.starts
     offset = (radius - ball_radius(scene)) * np.sqrt(0.5)
@@ -82,12 +101,12 @@ def _grooves(scene: Scene) -> _Grooves:
 
 
 def ball_radius(scene: Scene) -> float:
-    """Radius [m] that all balls are drawn with: the largest."""
+    """Return the largest ball radius [m], with which all balls are drawn."""
     return float(specimen(scene, ball_layout(scene)).ball_radius.max())
 
 
 def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
-    """Azimuths and heights of a grid cut at ``ends``, with lines along the helix to keep edges sharp."""
+    """Return azimuths and heights of a grid cut at ``ends``, with lines along the helix to keep edges sharp."""
     rise = grooves.slope * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
     lines = np.linspace(low, high, max(2, round((high - low) / step)))
@@ -96,7 +115,7 @@ def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float)
 
 
 def _sheet(grid: Grid) -> Any:
-    """A surface; lengths in mm."""
+    """Return a surface; lengths in mm."""
     import pyvista
 
     sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in cartesian(grid)))
@@ -104,14 +123,23 @@ def _sheet(grid: Grid) -> Any:
 
 
 def cartesian(grid: Grid) -> tuple[Array, Array, Array]:
-    """x, y, z [m] of a grid's points."""
+    """Return x, y, z of the points of a grid [m]."""
     radius, phi, z = grid
     return radius * np.cos(phi), radius * np.sin(phi), z
 
 
 def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
-    """Surfaces of the stretch of the screw around the nut: the grooved one, both ends and the bore. coarse: steps in
-    multiples of those of a picture; reach: from the nut's centre, in lengths of the nut."""
+    """Return the surfaces of the screw around the nut: grooved stretch, both ends and bore.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    coarse
+        Steps, in multiples of those of a picture.
+    reach
+        Length from the nut's centre, in lengths of the nut.
+    """
     grooves, half = _grooves(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
     high = min(max(scene.screw.length, low + 0.1 * half), scene.nut.position + half)
@@ -131,7 +159,7 @@ def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
 
 
 def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
-    """Surfaces of the half of the nut behind the screw, and its two cut faces. coarse: as for the shaft."""
+    """Return the surfaces of the half of the nut behind the screw, and its two cut faces; ``coarse`` as in `_shaft`."""
     grooves = _grooves(scene)
     bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
@@ -142,7 +170,7 @@ def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
     share = np.linspace(0.0, 1.0, 8)
 
     def between(index: Any) -> Grid:
-        """The flat face from the bore to the outer diameter along one edge of the grid."""
+        """Return the flat face from the bore to the outer diameter along one edge of the grid."""
         wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
         flat = np.zeros_like(wall)
         return wall, phi[index][:, None] + flat, z[index][:, None] + flat
@@ -154,20 +182,20 @@ def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
 
 
 def directions() -> tuple[Array, Array]:
-    """Unit vectors, across the axis, towards the viewer's side and upwards in the picture."""
+    """Return unit vectors across the axis, towards the viewer and upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
 
 
 def sight() -> Array:
-    """Unit vector from the nut to the viewer: from the open side, a little from above and from the right."""
+    """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
     outward, upward = directions()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
 
 
 def grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
-    """Surfaces of the screw's stretch, of the opened nut and of its cut faces, by colour; arguments as of `_shaft`."""
+    """Return the surfaces of screw, opened nut and its cut faces, by colour; arguments as in `_shaft`."""
     body, cuts = _shell(scene, coarse)
     return {STEEL: _shaft(scene, coarse, reach), _NUT: body, _CUT: cuts}
 
@@ -199,7 +227,7 @@ def _render(picture: LoadedScrew, path: str) -> None:
 
 
 def _round_scale(low: float, high: float) -> tuple[float, float, int]:
-    """Round limits around ``low`` to ``high`` and the number of labels that divides them evenly."""
+    """Return round limits around ``low`` to ``high``, and a number of labels that divides them evenly."""
     if high - low < 1e-3 * high:
         low, high = 0.9 * low, 1.1 * high
     decade = 10.0 ** np.floor(np.log10((high - low) / 4.0))
@@ -210,7 +238,7 @@ def _round_scale(low: float, high: float) -> tuple[float, float, int]:
 
 
 def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
-    """Balls coloured by load, unloaded ones pale, and the scale of the colours."""
+    """Draw balls coloured by load, unloaded ones pale, and the colour scale."""
     import pyvista
 
     centres = 1e3 * ball_layout(picture.scene).centre
@@ -250,8 +278,10 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
-    """Arrows that end at the contacts on the open side, in proportion to the forces on the balls, with their colour: those
-    of the forces from the screw, then from the nut; lengths in mm."""
+    """Yield arrows that end at the contacts on the open side, with their colour; lengths in mm.
+
+    They are proportional to the forces on the balls: those from the screw, then those from the nut.
+    """
     import pyvista
 
     points = 1e3 * picture.contact_points
@@ -271,7 +301,7 @@ def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
 
 
 def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
-    """The arrows, and what they stand for."""
+    """Draw the arrows, and their legend."""
     size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return
@@ -286,7 +316,7 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
-    """Camera, lights and axes triad."""
+    """Set camera, lights and axes triad."""
     outward, upward = directions()
     extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
     focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward

@@ -1,7 +1,7 @@
-"""One scene as one self-contained HTML page with the hashes of what it rests on, and the check of these hashes.
+"""One scene as a self-contained HTML page with hashes of its inputs, and the check of these hashes.
 
-The page carries the scene file, the results as JSON and a manifest: SHA-256 of both, of the page and of every file that was
-used. `read_page` takes them out again. The hashes tell what changed; they prove nothing of who wrote the page.
+The page contains the scene file, the results as JSON and a manifest: SHA-256 of both, of the page and of every file that
+was used. `read_page` takes them out again. The hashes show what changed, but not who wrote the page.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, typeset
-from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, View
+from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, Table, View
 from rollbench.reports.manifest import all_texts, parsed, sha256
 from rollbench.reports.pages import inline, templates
 from rollbench.reports.view import MARKER, fragment
@@ -30,29 +30,39 @@ BLOCKS = ("manifest", "scene", "results")
 
 @dataclass(frozen=True)
 class ScenePage:
-    """Title and what stands under it; the answer in one sentence; answers (label, sentence); picture or None; parts;
-    provenance (label, text); text of the scene file; results, JSON-ready; files: SHA-256 of what else was used, by name;
-    warnings: what is said where the page is written, and stands among its assumptions; view: what can be turned on it,
-    whose results are those of the page; links: files that labels of answers lead to."""
+    """Contents of the page."""
 
+    #: Title.
     title: str
+    #: Line below the title.
     subtitle: str
+    #: Main result in one sentence.
     verdict: str
+    #: Results as (label, sentence).
     answers: Sequence[tuple[str, str]]
+    #: Picture, if any.
     picture: LoadedScrew | None
+    #: Sections.
     parts: Sequence[Section]
+    #: Facts on its origin as (label, text).
     provenance: Mapping[str, str]
+    #: Text of the scene file.
     scene_text: str
+    #: JSON of the results.
     results: Mapping[str, Any]
+    #: SHA-256 of further files that were used, by name.
     files: Mapping[str, str] = field(default_factory=dict)
+    #: Warnings, printed when the page is written and listed among its assumptions.
     warnings: Sequence[str] = ()
+    #: 3D view on the page, with the same results.
     view: View | None = None
+    #: Files to which labels of results link.
     links: Mapping[str, str] = field(default_factory=dict)
+    table: Table | None = None
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:
-    """What the page rests on: provenance, and SHA-256 of the scene, the results, every file, and of the page itself,
-    ``html``, without a manifest."""
+    """Return the manifest of a page: provenance, and SHA-256 of scene, results, files, and of the page without manifest."""
     return {
         "provenance": dict(page.provenance),
         "scene": sha256(page.scene_text),
@@ -63,12 +73,12 @@ def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:
 
 
 def results_hash(results: Mapping[str, Any]) -> str:
-    """SHA-256 of results, whatever the order of their keys."""
+    """Return the SHA-256 of results, independent of the order of their keys."""
     return sha256(json.dumps(results, sort_keys=True))
 
 
 def render(page: ScenePage) -> str:
-    """The page as HTML. Raises ValueError for a figure whose data are inconsistent."""
+    """Return the page as HTML; ValueError if the data of a figure are inconsistent."""
     environment = templates()
     environment.finalize = lambda value: value if isinstance(value, Markup) else typeset(str(value))
     environment.globals["cell"] = format_cell
@@ -91,13 +101,13 @@ def _block(name: str, content: str = "") -> str:
 
 
 def without_manifest(html: str) -> str:
-    """The page as it was when its own hash was taken."""
+    """Return the page as it was when its hash was computed."""
     pattern = re.escape(_block("manifest", "@")).replace("@", ".*?")
     return re.sub(pattern, lambda _: _block("manifest"), html, count=1, flags=re.DOTALL)
 
 
 def _embedded(data: Any) -> Markup:
-    """JSON for a script block: nothing in it ends the block."""
+    """Return JSON for a script block, in which nothing ends the block."""
     text = json.dumps(data, sort_keys=True)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
@@ -107,7 +117,7 @@ def _drawn(item: Figure | Sketch) -> Markup:
 
 
 def _picture(item: LoadedScrew | None) -> tuple[str, str]:
-    """The picture as base64, or why there is none."""
+    """Return the picture as base64, or why there is none."""
     if item is None:
         return "", ""
     with TemporaryDirectory() as folder:
@@ -120,7 +130,7 @@ def _picture(item: LoadedScrew | None) -> tuple[str, str]:
 
 
 def read_page(html: str) -> dict[str, Any]:
-    """Manifest, scene text and results of a page. Raises ValueError where one is missing or damaged."""
+    """Return manifest, scene text and results of a page; ValueError if one is missing or damaged."""
     out = {}
     for name in BLOCKS:
         found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', html, re.DOTALL)

@@ -1,7 +1,7 @@
-"""A sketch of a screw or bearing as SVG: shaft, nut in section, balls, supports, loads and the lengths of its inputs.
+"""Side view of a screw or bearing as SVG: shaft, nut in section, balls, supports, loads and main dimensions.
 
-The stretch about the nut is to scale, along and across. A shaft that goes on far beyond it is shortened, and a break shows
-where; what stands there is labelled with its station.
+The stretch around the nut is to scale in both directions. A long shaft is shortened, with a break line; what lies there is
+labelled with its station.
 """
 
 from __future__ import annotations
@@ -28,17 +28,23 @@ KILO, MICRO = 1e3, 1e-6
 
 @dataclass(frozen=True)
 class _Scale:
-    """From stations and radii [m] to pixels: ``low`` and ``high`` bound the stretch to scale, ``length`` is the shaft's."""
+    """Conversion of stations and radii [m] to pixels."""
 
+    #: Start of the stretch to scale [m].
     low: float
+    #: End of the stretch to scale [m].
     high: float
+    #: Length of the shaft [m].
     length: float
+    #: Abscissa of ``low`` [pixels].
     left: float
+    #: Pixels per metre.
     per_metre: float
+    #: Ordinate of the axis [pixels].
     middle: float
 
     def x(self, station: float) -> float:
-        """Abscissa of a station."""
+        """Return the abscissa of a station [m]."""
         if station < self.low:
             share = (self.low - station) / max(self.low, 1e-12)
             return self.left - share * self._end(self.low)
@@ -49,19 +55,19 @@ class _Scale:
         return self.left + self.per_metre * (station - self.low)
 
     def y(self, radius: float) -> float:
-        """Ordinate of a height above the axis."""
+        """Return the ordinate of a height above the axis [m]."""
         return self.middle - self.per_metre * radius
 
     def _end(self, length: float) -> float:
         return min(self.per_metre * length, END)
 
     def cut(self, length: float) -> bool:
-        """Whether an end so long [m] is shortened."""
+        """Return whether an end of this length [m] is shortened."""
         return self.per_metre * length > END
 
 
 def draw(sketch: Sketch) -> str:
-    """The sketch as an SVG document, the same bytes for the same record."""
+    """Return the sketch as an SVG document, with identical bytes for identical records."""
     scene = sketch.scene
     scale = _scale(scene)
     high = TALL / 2.0
@@ -88,12 +94,12 @@ def _scale(scene: Scene) -> _Scale:
 
 
 def faces(scene: Scene) -> tuple[float, float]:
-    """Stations [m] of the nut's faces."""
+    """Return the stations of the nut's faces [m]."""
     return scene.nut.position - scene.nut.length / 2.0, scene.nut.position + scene.nut.length / 2.0
 
 
 def _shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Shaft, its bore, its groove's lines and breaks, its axis."""
+    """Draw shaft, bore, lines of the groove, breaks and axis."""
     radius = scene.screw.outer_diameter / 2.0
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
     yield _box(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
@@ -115,7 +121,7 @@ def _shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _nut(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """The nut in section, its flange, hatching where it is held, its length above."""
+    """Draw the nut in section, its flange, hatching where it is fixed, and its length above."""
     ends = faces(scene)
     low, high = map(scale.x, ends)
     held, outside = _held(scene, *ends)
@@ -141,13 +147,13 @@ def _nut(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _hatch(x: float, top: float, foot: float, side: float) -> Iterator[str]:
-    """Hatching beside an upright edge that is held."""
+    """Draw hatching next to a vertical fixed edge."""
     for k in range(int((foot - top) // 5.0) + 1):
         yield _line(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
 
 
 def _balls(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Balls as they are seen from the side, those behind the axis pale."""
+    """Draw balls in side view, those behind the axis pale."""
     for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
         radius = scale.per_metre * scene.balls.radius
         pale = "" if front >= 0.0 else ' opacity="0.45"'
@@ -156,8 +162,7 @@ def _balls(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _acting(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
-    """Supports under the shaft and loads on it, with their words, beside the nut where it hides them; the shaft's length at
-    the foot."""
+    """Draw supports and loads with their labels, beside the nut where it hides them, and the length of the shaft."""
     edge = scale.y(-scene.screw.outer_diameter / 2.0)
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
     low, high = faces(scene)
@@ -196,7 +201,7 @@ def _acting(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
 
 
 def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
-    """Rings (station, inner and outer radius) by which the nut is held, and whether it is held by its outer surface."""
+    """Return the rings (station, inner, outer radius) at which the nut is fixed, and whether it is at its outer surface."""
     solid = dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
         return [], True
@@ -207,7 +212,7 @@ def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, floa
 
 
 def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
-    """Freedoms that a support holds, and its prescribed displacements."""
+    """Yield the fixed freedoms of a support, and its prescribed displacements."""
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
         yield f"holds {held}"
@@ -218,7 +223,7 @@ def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
 
 
 def _load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
-    """The components of a load that are there."""
+    """Return the components of a load that are not zero, as text."""
     forces = [
         f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
         for axis, value in zip("xyz", force, strict=True)
@@ -228,13 +233,13 @@ def _load(force: tuple[float, float, float], moment: tuple[float, float, float])
 
 
 def _clear(x: float, words: str) -> float:
-    """The middle of a text near ``x`` that stays on the drawing."""
+    """Return the middle of a text near ``x`` that stays on the drawing."""
     half = 0.27 * TEXT * len(words)
     return min(max(x, half + 2.0), WIDTH - half - 2.0)
 
 
 def _across(x0: float, x1: float, y: float, words: str) -> Iterator[str]:
-    """A dimension line with its words above it."""
+    """Draw a dimension line with a text above it."""
     yield _line(x0, y, x1, y, FRAME)
     for x in (x0, x1):
         yield _line(x, y - 4.0, x, y + 4.0, FRAME)
@@ -253,7 +258,7 @@ def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dash: s
 
 
 def _head(x: float, y: float, along: float, down: float) -> str:
-    """The head of an arrow whose tip is at (x, y)."""
+    """Return the head of an arrow with its tip at (x, y)."""
     points: Sequence[tuple[float, float]] = (
         (x, y),
         (x - 9.0 * along - 4.0 * down, y - 9.0 * down - 4.0 * along),

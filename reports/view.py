@@ -1,7 +1,7 @@
-"""A solved scene that can be turned: one page with its surfaces, results and viewer, which loads nothing from outside.
+"""Page with a solved scene in 3D that can be turned; it loads nothing from outside.
 
 The page is `viewer/view.js` with three.js (`.ci/three` makes the part of it that is used). It draws surfaces, balls and
-forces, and takes every value that it shows from the JSON of the results, which the page holds.
+forces, and takes every displayed value from the JSON of the results in the page.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports import scene3d
 from rollbench.reports.content import CaseView, SetView, View
 
-#: What marks pages as written by this program, and their file or folder as its to replace.
+#: Mark of pages written by this program, whose file or folder it may replace.
 MARKER = '<meta name="generator" content="rollbench">'
 #: Edge of the surfaces' cells, as a multiple of that of a picture.
 COARSE = 3.0
-#: How far the grooved stretch of a shaft is drawn from the middle of a nut, in its lengths; of a bearing, its ring.
+#: Length of grooved shaft that is drawn from the middle of a nut, in its lengths; and the same for a bearing ring.
 NUT, RING = 0.8, 0.5
 MM = 1e3
 
 
 def page(view: View, back: str = "") -> str:
-    """The page of a view. back: the address that its link leads to; no link without one."""
+    """Return the page of a view; ``back``: address of a link, none if empty."""
     link = f' <a href="{escape(back)}">back</a>' if back else ""
     filled = {
         "TITLE": escape(view.title),
@@ -48,7 +48,7 @@ def page(view: View, back: str = "") -> str:
 
 
 def fragment(view: View) -> str:
-    """The viewer as elements of a page that holds the results as JSON in an element of this id."""
+    """Return the viewer as elements for a page that holds the results as JSON in an element of a given id."""
     surfaces: dict[str, int] = {}
     cases = [_case(case, surfaces) for case in view.cases]
     data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_sight()}
@@ -57,7 +57,7 @@ def fragment(view: View) -> str:
 
 
 def block(name: str, data: Any) -> str:
-    """JSON in a page: nothing in it ends the element."""
+    """Return JSON for an element of a page, in which nothing ends the element."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     for sign in "<>&":
         text = text.replace(sign, f"\\u{ord(sign):04x}")
@@ -73,7 +73,7 @@ def _sight() -> dict[str, list[float]]:
 
 
 def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
-    """A load case for the script. surfaces: what is drawn once, with its number, as equal cases share it."""
+    """Return a load case for the script; ``surfaces``: numbers of surfaces that are drawn once and shared by cases."""
     drawn = [s for one in case.sets for s in _surfaces(one, case.shaft is not None)]
     if case.shaft is not None:
         drawn += _plain(case.shaft)
@@ -82,7 +82,7 @@ def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
 
 
 def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
-    """Surfaces of a set with the stretch of the shaft under it; shared: the rest of the shaft is drawn too."""
+    """Return the surfaces of a set with the shaft below it; ``shared``: the rest of the shaft is drawn separately."""
     if isinstance(one.parts, RollerRow):
         return [_cone(one.parts, one.position, _apex(one.thrust))]
     reach = RING if shared and not one.parts.track.lead else NUT
@@ -91,7 +91,7 @@ def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
 
 
 def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
-    """A surface in mm, its points as numbers of 16 bits between the least and the largest."""
+    """Return a surface in mm, its coordinates as 16-bit numbers between smallest and largest."""
     points = MM * np.stack(scene3d.cartesian(grid), axis=-1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535.0
@@ -101,7 +101,7 @@ def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
 
 
 def _plain(shaft: Assembly) -> list[dict[str, Any]]:
-    """What of a shaft lies between the sets: radius and station [mm] along outlines that are turned about the axis."""
+    """Return the shaft between the sets: radius and station [mm] along outlines that are turned about the axis."""
     under = [
         _stretch(s, s.parts, shaft.screw.length) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None
     ]
@@ -130,7 +130,7 @@ def _stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
 
 
 def _set(one: SetView) -> dict[str, Any]:
-    """A set for the script; lengths in mm, of what is closer in um."""
+    """Return a set for the script; lengths in mm, gaps in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
         return head | _rollers(one.parts, one.position, _apex(one.thrust))
@@ -151,12 +151,12 @@ def _set(one: SetView) -> dict[str, Any]:
 
 
 def _apex(thrust: str) -> float:
-    """The side of a row of rollers on which its apex lies, by the thrust that it carries."""
+    """Return the side of a row of rollers on which its apex lies, by the thrust that it carries."""
     return 1.0 if thrust == "+z" else -1.0
 
 
 def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """The cone under a row of rollers, without its ribs."""
+    """Return the cone under a row of rollers, without its ribs."""
     reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
     apex = position + sign * reach * np.cos(row.cup_angle)
     ends = [float(reach + x) for x in (-0.5 * row.length, 0.5 * row.length)]
@@ -165,7 +165,7 @@ def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
 
 
 def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """Places and axes of a row's rollers, cones about the apex of cup and cone; the outline of one about its axis [mm]."""
+    """Return positions and axes of the rollers of a row, and the outline of one about its axis [mm]."""
     reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # of the apex from the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     tilt = row.cup_angle - row.roller_angle
@@ -187,7 +187,7 @@ def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
 
 
 def _numbers(values: Array) -> Any:
-    """Nested lists of six digits; null where there is no number."""
+    """Return nested lists with six digits; null for nan."""
 
     def one(value: Any) -> Any:
         return [one(x) for x in value] if isinstance(value, list) else float(f"{value:.6g}") if np.isfinite(value) else None

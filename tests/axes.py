@@ -1,6 +1,7 @@
 """Small shafts with several rolling sets, shared by the tests."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from tests.helpers import ALL_BUT_AXIAL, STEEL, small_screw
@@ -9,6 +10,25 @@ from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
 from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Support, Track
 
+#: A shaft on a pair of bearings and a sliding one, and load cases for it.
+ON_A_SHAFT = Path(__file__).parent / "scenes" / "bearings-on-a-shaft.toml"
+CASES = """
+[[cases]]
+name = "case-1"
+time = "20 s"
+speed = "500 rpm"
+[[cases.loads]]
+at = "150 mm"
+force = ["2 kN", "0 N", "0 N"]
+[[cases]]
+name = "case-2"
+time = "80 s"
+speed = "900 rpm"
+[[cases.loads]]
+at = "150 mm"
+force = ["100 N", "-1 kN", "-500 N"]
+moment = ["3 N m", "0 N m", "0 N m"]
+"""
 SHAFT = Screw(0.3, 32e-3, 3.254e-3, STEEL)
 #: An angular-contact bearing of 14 balls at 60 degrees.
 PITCH, ANGLE, BALL, GROOVE = 18e-3, np.radians(60.0), 3.5e-3, 0.52 * 7e-3

@@ -1,4 +1,4 @@
-"""The functions of the library: each does what the command of its name does, and returns its result.
+"""Functions of the library: each computes what the command of its name prints, and returns it as a record.
 
 Linear algebra has one thread while a function runs, and as many as before when it returns. ``OMP_NUM_THREADS``, or the
 variable of one library such as ``OPENBLAS_NUM_THREADS``, is the switch: where it is set, it holds.
@@ -46,19 +46,60 @@ LOG = logging.getLogger("rollbench")
 
 
 def read(name: str | Path) -> Described:
-    """The scene of a file, or the shipped scene of that name: a frozen record in SI units, to be changed by
-    ``dataclasses.replace``.
+    """Read a scene from a TOML file, or a shipped scene by its name.
 
-    Raises rollbench.InputError, whose ``lines()`` hold every fault of the file.
+    Parameters
+    ----------
+    name
+        Path of a scene file, or a name that ``rollbench list`` shows.
+
+    Returns
+    -------
+    Scene or Assembly or DutyCycle or KindScene
+        Frozen record in SI units: one ball nut or bearing, several sets on one shaft, load cases, or parts that only
+        friction is computed for. ``dataclasses.replace`` makes changed copies.
+
+    Raises
+    ------
+    rollbench.InputError
+        If there is no such scene or its file has faults; ``lines()`` of the error lists all of them.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> scene = rollbench.read("lin-case1")
+    >>> scene.ball_count, scene.track.lead, scene.loads[0].force
+    (32, 0.02, (0.0, 0.0, 5000.0))
     """
     return catalogue.any_scene(str(name))
 
 
 def new(size: str = "", *, kind: str = "ball screw") -> Described:
-    """A scene to begin with: a ball screw or double nut of a nominal size, the rest as is usual for it.
+    """Make a scene to begin with, all values as is usual for its kind and size.
 
-    size: diameter and lead in mm, such as ``"40x10"``; without it a scene of the kind that solves as it stands. kind: as
-    `rollbench new` has it. Raises InputError.
+    Parameters
+    ----------
+    size
+        Nominal diameter and lead of a ball screw or double nut in mm, such as ``"40x10"``; without it a fixed example of
+        the kind.
+    kind
+        Kind of the scene, of those of ``rollbench new --kind``: ``"ball screw"``, ``"bearing"``, ``"double-nut"`` ...
+
+    Returns
+    -------
+    Scene or Assembly or KindScene
+        The scene, which solves as it is.
+
+    Raises
+    ------
+    rollbench.InputError
+        If the size is not of the form ``"40x10"`` or no such screw can be made, or the kind is unknown or takes no size.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> rollbench.new("40x10").track.lead
+    0.01
     """
     from rollbench.compare.scenes.template import text_of
 
@@ -75,12 +116,44 @@ def solve(
     condensed: str | Path | None = None,
     stiffness_at: float | None = None,
 ) -> Result:
-    """Contact loads and all that they answer, by a low-order model.
+    """Compute the contact loads of a scene with a low-order model, and what follows from them.
 
-    scene: as `read` gives it, or a name or file; model: refined unless given; member: specimen of a scene with random
-    errors; everything: build all parts, even those that the scene does not need; condensed: file of ``rollbench
-    condense``, for the model of that name; stiffness_at: station of the screw [m] whose stiffness is asked for.
-    Raises InputError for what cannot be solved so; no equilibrium is no error: see `Result.status`.
+    Parameters
+    ----------
+    scene
+        Scene as `read` returns it, its name, or the path of its file.
+    model
+        Name of a low-order model (``rollbench list``) or what `model_command` returns; the refined model unless given.
+    member
+        Number of the specimen, from 0, of a scene with random errors.
+    everything
+        Whether all terms of the model are computed, also those that cannot change the loads of this scene.
+    condensed
+        File that ``rollbench condense`` wrote, with the compliance of screw and nut from the 3D mesh; the model is then
+        ``"condensed"`` unless given.
+    stiffness_at
+        Station on the shaft [m] at which the stiffness is computed; the nut's centre unless given, of several sets what the
+        scene asks for.
+
+    Returns
+    -------
+    Result
+        Loads, contact angles, pressures, displacement, stiffness, life and the error to expect, in SI units. A missing
+        equilibrium is no exception: `Result.status` and `Result.reason` say why there is none.
+
+    Raises
+    ------
+    rollbench.InputError
+        If scene or model cannot be read, or the model does not cover the scene.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> result = rollbench.solve("lin-case1", "lin")
+    >>> result.loads.shape, round(float(result.loads.max()))
+    ((32, 4), 243)
+    >>> round(1e6 * float(result.displacement[2]), 1)  # axial displacement in um
+    21.2
     """
     from rollbench.compare.models.registry import Options
 
@@ -99,8 +172,33 @@ def solve_described(
     *,
     stiffness: bool = False,
 ) -> Result:
-    """The same of a scene that is read; origin: what errors name it, its name unless given; stiffness: compute that at the
-    nut's centre even where nothing that is printed needs it: without axial force."""
+    """Solve a scene that is already read; see `solve`.
+
+    Parameters
+    ----------
+    described
+        The scene, with all its load cases.
+    model
+        Name of the model; empty: the default of each load case.
+    options
+        Options of the model.
+    stiffness_at
+        Station on the shaft [m] at which the stiffness is computed; None: the usual place.
+    origin
+        File or name that errors give for the scene; its name unless given.
+    stiffness
+        Whether the stiffness at the nut's centre is computed even where no printed quantity needs it (no axial force).
+
+    Returns
+    -------
+    Result
+        The result, with each load case in ``cases``.
+
+    Raises
+    ------
+    rollbench.InputError
+        If the model does not cover the scene.
+    """
     from rollbench.compare.models.answers import Answers, tangent_at_nut, tangent_of
     from rollbench.compare.models.load_cases import solve_any, together
     from rollbench.compare.models.registry import default_model
@@ -128,12 +226,38 @@ def solve_described(
 
 @held_to_one_thread()
 def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0) -> LoadCurve:
-    """Displacement and stiffness over a force of either sign, lash and the stiffness outside it.
+    """Solve a scene under a range of forces or load factors: displacement and stiffness over load, and the lash.
 
-    loads: as `rollbench solve --curve` takes them, ``"-3000N:3000N"``: forces in place of the scene's loads, along the axis
-    at the nut's centre (of several sets where the loads act) unless ``:x``, ``:45deg``, ``:300mm`` or the name of a housing
-    follow; ``"0:1.5"``: times all loads of the scene; model: refined unless given; member: as in `solve`. Of load cases the
-    first. Raises InputError; a load without equilibrium is a point with its status.
+    Parameters
+    ----------
+    scene
+        Scene, name or file as for `solve`; of load cases the first is taken.
+    loads
+        ``"LOW:HIGH"`` with a unit, ``"-3000N:3000N"``: axial forces at the nut's centre (of several sets: where the scene's
+        loads act) instead of the scene's loads. Without a unit, ``"0:1.5"``: factors on all loads of the scene. May be
+        followed by the number of points (2 to 1001, else 21), a direction (``:x``, ``:45deg``) and a station or housing
+        (``:300mm``), such as ``"-3kN:3kN:41:x"``.
+    model
+        Model, as for `solve`.
+    member
+        Specimen, as for `solve`.
+
+    Returns
+    -------
+    LoadCurve
+        A point for each load; one without equilibrium has no numbers and says why in its ``status``.
+
+    Raises
+    ------
+    rollbench.InputError
+        If ``loads`` cannot be read, or scene or model as in `solve`.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> curve = rollbench.load_curve("lin-case1", "-3000N:3000N:5", "lin")
+    >>> [round(1e6 * point.displacement, 1) for point in curve.points]
+    [-15.0, -9.2, 0.0, 9.2, 14.9]
     """
     from rollbench.compare.models.registry import Options
 
@@ -142,7 +266,31 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
 
 
 def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
-    """The same of a scene that is read; origin: what errors name it."""
+    """Compute the load curve of a scene that is already read; see `load_curve`.
+
+    Parameters
+    ----------
+    described
+        The scene; of load cases the first is taken.
+    loads
+        Range of loads, as for `load_curve`.
+    model
+        Name of the model; empty: the default.
+    options
+        Options of the model.
+    origin
+        File or name that errors give for the scene; its name unless given.
+
+    Returns
+    -------
+    LoadCurve
+        A point for each load.
+
+    Raises
+    ------
+    rollbench.InputError
+        If ``loads`` cannot be read or the model does not cover the scene.
+    """
     from rollbench.compare.results.load_curve import load_curve, read_course
 
     course = read_course(loads)
@@ -155,11 +303,38 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
 def side_by_side(
     scenes: Sequence[Described | str | Path], *, model: str = "", member: int = 0, stiffness_at: float | None = None
 ) -> SideBySide:
-    """Two scenes or more side by side, such as one axis on ball bearings and on tapered rollers: stiffness, torque, life.
+    """Solve two or more scenes with one model and compare their stiffness, torque and life.
 
-    model: of all, refined unless given; member: as in `solve`; stiffness_at [m]: of several sets, where the stiffness is
-    taken in all of them, in place of where each asks for it. Of load cases the first, and the life over all. Raises
-    InputError; a scene without equilibrium has its status and no numbers.
+    Parameters
+    ----------
+    scenes
+        At least two scenes, names or files, such as one axis on ball bearings and on tapered rollers. Of load cases the
+        first is taken, except for the life, which is that over all.
+    model
+        Model of all scenes, as for `solve`.
+    member
+        Specimen, as for `solve`.
+    stiffness_at
+        Station [m] at which the stiffness of scenes with several sets is computed; unless given, where each scene says.
+
+    Returns
+    -------
+    SideBySide
+        An `Alternative` for each scene; one without equilibrium has a status and no numbers.
+
+    Raises
+    ------
+    rollbench.InputError
+        If there are fewer than two scenes, or scene or model as in `solve`.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> both = rollbench.side_by_side(["lin-case1", "lin-case2"], model="lin")
+    >>> [round(1e6 * one.displacement, 1) for one in both.scenes]
+    [21.2, 21.1]
+    >>> [round(x, 1) for x in both.difference_percent("largest_load_N")]
+    [0.0, 16.0]
     """
     origins = [str(x) if isinstance(x, (str, Path)) else x.name for x in scenes]
     described = [_described(x) for x in scenes]
@@ -169,7 +344,31 @@ def side_by_side(
 def side_by_side_described(
     described: Sequence[Described], origins: Sequence[str], model: str, member: int, stiffness_at: float | None
 ) -> SideBySide:
-    """The same of scenes that are read; origins: what errors name them, and headings where two have one name."""
+    """Compare scenes that are already read; see `side_by_side`.
+
+    Parameters
+    ----------
+    described
+        At least two scenes.
+    origins
+        File or name of each, for errors, and as heading where two scenes have the same name.
+    model
+        Name of the model; empty: the default of each scene.
+    member
+        Number of the specimen, from 0.
+    stiffness_at
+        Station [m] at which the stiffness of scenes with several sets is computed; None: where each scene asks for it.
+
+    Returns
+    -------
+    SideBySide
+        An `Alternative` for each scene.
+
+    Raises
+    ------
+    rollbench.InputError
+        If there are fewer than two scenes, or the model does not cover one.
+    """
     from rollbench.compare.models.registry import Options
     from rollbench.compare.results.side_by_side import side_by_side_of
 
@@ -183,10 +382,38 @@ def side_by_side_described(
 
 @held_to_one_thread()
 def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
-    """Ball motion, losses, friction torque, efficiency, of a scene of any kind.
+    """Compute ball motion, power loss, friction torque and efficiency of a scene.
 
-    mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
-    compiles kernels for some 20 s. Raises InputError.
+    Parameters
+    ----------
+    scene
+        Scene of any kind, name or file.
+    mu
+        Coefficients of friction of both grooves, instead of the scene's. The fields of the result are for the first of
+        several; ``to_dict()["over_friction"]`` has a row for each.
+    model
+        Model of the contact loads, as for `solve`.
+
+    Returns
+    -------
+    Friction
+        Torques [N m], power loss [W] and efficiencies; where loads and friction do not balance, ``converged`` is False.
+
+    Raises
+    ------
+    rollbench.InputError
+        If the scene states no coefficient of friction and none is given, or scene or model as in `solve`.
+
+    Notes
+    -----
+    Without the package numba the computation is slower; with it, the first on a machine compiles kernels for about 20 s.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> found = rollbench.friction("lin-case1", model="lin")
+    >>> round(found.torque, 3), round(found.efficiency_forward, 3)
+    (0.838, 0.95)
     """
     from rollbench.compare.studies.friction.solve import library
 
@@ -198,10 +425,37 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
 def ensemble(
     scene: Described | str | Path, members: int, model: str = "", *, seed: int | None = None, workers: int | None = None
 ) -> Ensemble:
-    """Many specimens of a scene with random errors: distributions of the largest load, stiffness, lost contacts, life.
+    """Solve many specimens of a scene with random errors: distributions of load, stiffness and life.
 
-    members: how many; model: refined unless given; seed: of the random errors in place of the scene's; workers: parallel
-    processes. Raises InputError.
+    Parameters
+    ----------
+    scene
+        Scene with random errors, its name or file.
+    members
+        Number of specimens, at least 2.
+    model
+        Model, as for `solve`.
+    seed
+        Seed of the random errors instead of the scene's.
+    workers
+        Number of parallel processes; all cores unless given.
+
+    Returns
+    -------
+    Ensemble
+        Statistics of each output over the specimens that have an equilibrium, and why the others have none.
+
+    Raises
+    ------
+    rollbench.InputError
+        If the scene has no random errors, or scene or model as in `solve`.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> several = rollbench.ensemble("lin-random", 4, "lin", workers=1)
+    >>> several.converged, round(several.outputs["largest_load_N"].mean)
+    (4, 350)
     """
     from rollbench.compare.studies.members.members import library
 
@@ -217,12 +471,38 @@ def compare_models(
     reference: str | Path | None = None,
     store: str | Path = "rollbench-reference",
 ) -> Comparison:
-    """Low-order models compared with the 3D reference: for each model its errors in per cent of the mean load, its
-    largest load, pressure and displacement.
+    """Compare low-order models with the 3D reference: errors of loads, largest pressure and displacement.
 
-    models: those that the report compares unless given; levels: mesh levels to compute where they are not stored (None:
-    the best stored reference; all levels where there is none, which takes long); reference: your own, in place of the 3D
-    reference; store: folder of the reference's runs. Raises InputError, Refusal where no run of the reference converged.
+    Parameters
+    ----------
+    scene
+        Scene, name or file.
+    models
+        Names of the models; those of the report that cover the scene unless given.
+    levels
+        Number of mesh levels, from the coarsest, of which missing runs are computed. Unless given, the most accurate stored
+        run is taken, and all levels are computed where there is none: minutes to hours.
+    reference
+        CSV file with loads (columns as `check` takes them) to compare with instead of the 3D reference.
+    store
+        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+
+    Returns
+    -------
+    Comparison
+        Errors of each model in per cent of the mean contact load of the reference.
+
+    Raises
+    ------
+    rollbench.InputError
+        If scene, model or reference cannot be used; as its subclass ``Refusal`` if no run of the reference converged.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> comparison = rollbench.compare_models("lin-case1", ["refined", "mei"])
+    >>> {name: round(comparison.errors[name], 1) for name in ("refined", "mei")}
+    {'refined': 0.3, 'mei': 19.1}
     """
     from rollbench.compare.models.comparison import compared_models
     from rollbench.compare.reference.jobs import Engine
@@ -262,12 +542,52 @@ def check(
     store: str | Path = "rollbench-reference",
     compute: bool = True,
 ) -> Verdict:
-    """The gate: whether a model's loads, or those of another program, agree with the 3D reference within a limit.
+    """Judge whether contact loads agree with the 3D reference within a limit (the gate).
 
-    max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
-    values: CSV file with the columns quantity, value, unit, where; limits: of other quantities by name, in
-    per cent, of a contact angle in degrees; reference: your own, in place of the 3D reference; strict: unknown columns are
-    an error; compute: whether runs of the reference that are missing are computed. Raises InputError.
+    Parameters
+    ----------
+    scene
+        Scene, name or file.
+    max_error
+        Largest error that passes [%]; the scene's limit or 7 unless given.
+    model
+        Model whose loads are judged, as for `solve`.
+    loads
+        CSV file with loads of another program, judged instead of a model: columns ball, flank (SL, SR, NL, NR), newton.
+    values
+        CSV file with values of the whole screw to judge: columns quantity (displacement, rigidity, torque, life), value,
+        unit, where (a load such as 5 kN, or a station).
+    limits
+        Limits of further quantities by name [%]; of contact angles [deg].
+    reference
+        CSV file with loads, and their uncertainty, to judge by instead of the 3D reference.
+    strict
+        Whether unknown columns of the files are an error; else a warning.
+    levels
+        Number of mesh levels of the reference, from the coarsest; the best stored run unless given.
+    store
+        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+    compute
+        Whether missing runs of the reference are computed; else such a quantity is "not covered".
+
+    Returns
+    -------
+    Verdict
+        A row for each quantity, and the worst judgement of all: pass, undecided, fail and so on.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a scene, file or limit cannot be used.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> rollbench.check("lin-case1").passed
+    True
+    >>> verdict = rollbench.check("lin-case1", model="lin")
+    >>> verdict.word, round(verdict.worst.error, 1), verdict.worst.limit
+    ('fail', 7.3, 7.0)
     """
     from rollbench.compare.gate.user import asked
     from rollbench.compare.reference.jobs import Engine
@@ -298,11 +618,36 @@ def mesh_study(
     spread: bool = False,
     store: str | Path = "rollbench-reference",
 ) -> MeshStudy:
-    """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
+    """Compare the 3D reference on several mesh levels: convergence, and the uncertainty of every contact load.
 
-    levels: 1 to this one; unless given, 1 and 3, of which the second is clearly more accurate; spread: modelling choices
-    that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
-    computed. Raises InputError, Refusal where no run converged.
+    Parameters
+    ----------
+    scene
+        Scene, name or file.
+    levels
+        Finest mesh level; all levels from 1 to it are compared, of which three give an order of convergence. Unless given,
+        levels 1 and 3.
+    spread
+        Whether choices of modelling that the source leaves open are also varied, on the coarsest level.
+    store
+        Folder in which runs are found and kept, besides those shipped; missing ones are computed (minutes to hours).
+
+    Returns
+    -------
+    MeshStudy
+        Levels, and for each quantity its values, observed order of convergence and uncertainty.
+
+    Raises
+    ------
+    rollbench.InputError
+        If the scene cannot be used; as its subclass ``Refusal`` if no run converged.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> study = rollbench.mesh_study("lin-case1-cut")
+    >>> [(one.level, round(one.difference, 2)) for one in study.levels]  # largest difference of a load in %
+    [(1, 0.08), (3, 0.0)]
     """
     from rollbench.compare.studies.mesh_study import library
 
@@ -323,11 +668,45 @@ def sweep(
     out: str | Path = "rollbench-sweep",
     outputs: Sequence[str] = (),
 ) -> Sweep:
-    """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
+    """Solve a scene for sampled values of its keys: statistics, effects and Sobol indices of the outputs.
 
-    scene: name or file; vary: keys with their range or values, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
-    samples (samples.csv) and the summary: samples stored there are not solved again; outputs: names of the outputs that are
-    computed, all unless given. Raises InputError.
+    Parameters
+    ----------
+    scene
+        Name or file of the scene.
+    vary
+        Keys with their ranges or values, ``["errors.balls.oversize=0 um:7 um"]``.
+    samples
+        Number of samples: at most for ``"grid"``, about for ``"sobol"`` (n (keys + 2), n a power of two).
+    method
+        Design of the samples: Sobol sequence, Latin hypercube, or all combinations.
+    model
+        Model, as for `solve`.
+    seed
+        Seed of the samples.
+    out
+        Folder of the samples (``samples.csv``) and the summary; samples that are stored there are not solved again.
+    outputs
+        Names of the outputs to compute; all unless given.
+
+    Returns
+    -------
+    Sweep
+        Statistics of each output over the samples, and Sobol indices where the design allows them.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a key, range, output or model cannot be used, or the folder holds another sweep.
+
+    Examples
+    --------
+    >>> import rollbench, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     vary = ["errors.balls.oversize=0 um,2 um"]
+    ...     found = rollbench.sweep("lin-case1", vary, method="grid", model="lin", out=folder)
+    >>> found.converged, round(found.outputs["largest_load_N"].largest)
+    (2, 245)
     """
     from rollbench.compare.studies.sweep.summary import library
 
@@ -344,12 +723,40 @@ def table(
     model: str = "",
     stiffness_at: float | str | None = None,
 ) -> Table:
-    """A scene at places of its keys: 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], preload, pressure, life, and the error
-    to expect of each; a place without an answer is a row whose status says why.
+    """Solve a scene for given values of its keys: a row for each combination, with stiffness, preload, pressure and life.
 
-    scene: name or file; over: keys with their values, ``["nut.position=100:900:9 mm", "load=1:10:4 kN"]``; quantities:
-    stiffness, displacement, load, preload, pressure, life, without the second and third unless given; stiffness_at: place
-    on the shaft [m], the nut's centre unless given; of several sets also the name of one. Raises InputError.
+    Parameters
+    ----------
+    scene
+        Name or file of the scene.
+    over
+        Keys with their values, ``["nut.position=100:900:9 mm", "load=1:10:4 kN"]`` (first, last, number of values).
+    quantities
+        Which of ``stiffness``, ``displacement``, ``load``, ``preload``, ``pressure``, ``life`` each row has; all but
+        displacement and load unless given.
+    model
+        Model, as for `solve`.
+    stiffness_at
+        Station on the shaft [m] at which the stiffness is computed, of several sets also the name of one; the nut's centre
+        unless given.
+
+    Returns
+    -------
+    Table
+        Rows with the 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], the other quantities and the error to expect of each; a
+        row without equilibrium has a status that says why.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a key, its values, a quantity or the model cannot be used.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> stiffness = rollbench.table("lin-case1", ["load=2:6:3 kN"], model="lin").stiffness
+    >>> [round(float(K[2, 2]) / 1e6) for K in stiffness]  # axial stiffness in N/um
+    [301, 381, 438]
     """
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.studies.table import asked_for, solve_table
@@ -360,12 +767,36 @@ def table(
 
 @held_to_one_thread()
 def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """How wrong a model is on ball screws drawn as catalogues have them, against stored loads of the 3D reference.
+    """Judge models on ball screws drawn from the range of catalogues, by stored loads of the 3D reference.
 
-    model: one or several, by name or as `rollbench.model_command` gives it; refined and lin stand beside them as the
-    survey's record has them; count: of the first screws; max_error: limit of the verdicts in per cent; workers: parallel
-    processes. A screw without answer is a row with its reason. Raises InputError, also where a model fails on each of the
-    first screws.
+    Parameters
+    ----------
+    model
+        Name of a model, what `model_command` returns, or several of these. The models refined and lin are always shown too,
+        from the record of the survey.
+    count
+        Number of screws, from the first; at most 240.
+    max_error
+        Limit of the judgements [%].
+    workers
+        Number of parallel processes; all cores unless given.
+
+    Returns
+    -------
+    Survey
+        Errors by model and screw; a screw that a model does not solve has a row with the reason.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a model cannot be used, or fails on each of the first screws.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> found = rollbench.survey("lin-printed-hertz", count=4, workers=1)
+    >>> {name: round(error, 1) for name, error in found.median.items()}
+    {'lin-printed-hertz': 15.2, 'refined': 0.4, 'lin': 2.6}
     """
     from rollbench.compare.studies.survey_models import run_models
 
@@ -377,5 +808,5 @@ def _described(scene: Described | str | Path) -> Described:
 
 
 def _origin(scene: Described | str | Path, described: Described) -> str:
-    """What errors name a scene."""
+    """Return the file or name that errors give for a scene."""
     return str(scene) if isinstance(scene, (str, Path)) else described.name

@@ -11,7 +11,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.sections.reference_time import TimePoint
@@ -54,7 +55,7 @@ def bench(
 
 
 def run_source(source: str, store: Path | None) -> Answer:
-    """Measure what the page of a case shows. Raises InputError for a case that shows no run times."""
+    """Measure the run times on the page of a case; InputError for a case without run times."""
     from rollbench.compare.case import every_case
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
@@ -79,7 +80,7 @@ def run_source(source: str, store: Path | None) -> Answer:
 
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
-    """Measure. A command that fails says so in its note. Raises InputError for a scene without reference."""
+    """Measure run times; a command that fails has a note. InputError for a scene without reference."""
     from rollbench.compare.studies.run_times import COMMANDS, in_threads, typed
 
     jobs = [*models(names, store, long=long)]
@@ -115,7 +116,7 @@ def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[
 
 
 def jobs_of(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
-    """What was measured of a scene."""
+    """Yield the measured times of a scene."""
     from rollbench.compare.studies.run_times import Job
 
     for p in points:

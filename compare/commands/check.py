@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Word, app, cache_folder, model_of
+from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Word, app, cache_folder, model_of
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled, text_width
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -55,9 +56,10 @@ class Files:
 
 
 def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files) -> Answer:
-    """Judge scenes, a line on each, or on each of its load cases; the exit code is that of the gravest verdict."""
+    """Judge scenes, a row on each quantity, or on each of its load cases; the exit code is that of the gravest verdict."""
     from rollbench.compare.gate.publish import of_verdict
     from rollbench.compare.gate.verdict import CODES
+    from rollbench.compare.results.base import as_text
     from rollbench.compare.results.verdict import verdict_of
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
@@ -78,11 +80,12 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
     below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
     below += files.since(changed)
     written = files.write(outcomes, [*above, *below])
-    counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
     data: dict[str, Any] = found.to_dict()
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
-    return Answer(data, [*above, *(v.line() for v in verdicts), *worst, *below, counts, *written], CODES[data["verdict"]])
+    table = as_text(found.table(), text_width(), found.headings)
+    parts = [found.answer, *above, "", table, "", *worst, *below, *found.advice, *written]
+    return Answer(data, parts, CODES[data["verdict"]])
 
 
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
@@ -108,8 +111,8 @@ def run_gate(study: Study, max_error: float) -> list[GateRow]:
     ]
 
 
-def run_shipped(max_error: float | None, files: Files) -> Answer:
-    """The gate of what is shipped; exit code 1 where a row fails."""
+def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False) -> Answer:
+    """The gate of what is shipped: counts, and rows that do not pass, or all; exit code 1 where a row fails."""
     from rollbench.compare.gate.publish import of_row
     from rollbench.compare.gate.user import as_shares
     from rollbench.compare.gate.verdict import LIMIT, Limits
@@ -129,9 +132,11 @@ def run_shipped(max_error: float | None, files: Files) -> Answer:
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     words = [row.verdict for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
-    line = f"{words.count('ok')} passed, {len(bad)} failed{others}"
+    line = f"{'FAIL' if bad else 'PASS'}: {words.count('ok')} passed, {len(bad)} failed{others}"
+    shown = [row for row in rows if verbose or row.verdict != "ok"]
+    more = [] if verbose else ["rows that pass: --verbose, --csv or --json"]
     above = [f"WARNING: {warning}" for warning in warnings]
-    return Answer(data, [*above, gate_table(rows), line, *written], 1 if bad else 0)
+    return Answer(data, [line, *above, *([gate_table(shown)] if shown else []), *more, *written], 1 if bad else 0)
 
 
 def gate_table(rows: Sequence[GateRow]) -> Table:
@@ -172,6 +177,7 @@ def check(
     printed: Flag = False,
     source: Names = None,
     only: Names = None,
+    verbose: Verbose = False,
     as_json: Json = False,
     program: OfProgram | None = None,
 ) -> int:
@@ -235,6 +241,8 @@ def check(
         With --printed: the sources to judge, such as lin; all unless given.
     only
         With --printed: the tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical; all unless given.
+    verbose
+        Without scenes: also print the rows that pass.
     """
     model = model_of(program, model)
     if printed:
@@ -270,7 +278,7 @@ def check(
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
     refuse_given(given, "with a scene", "name the scenes that are judged")
-    return print_answer(run_shipped(max_error, files), as_json)
+    return print_answer(run_shipped(max_error, files, verbose=verbose), as_json)
 
 
 def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Where, app, engine, model_of
+from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine, model_of
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.running import need_packages
-from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer, ruled
+from rollbench.compare.running import need_packages, on_terminal
+from rollbench.compare.text.printing import Answer, aligned, print_answer, ruled, text_width
 
 if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced
@@ -57,21 +57,22 @@ def run_compare(
     *,
     fresh: bool = False,
     balls: bool = False,
+    verbose: bool = False,
     reference: Path | None = None,
 ) -> Answer:
     """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
     reference: file of the user's own, in place of it.
 
     JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
-    them. balls: also print every contact.
+    them. balls: also print every contact; verbose: what the comparison is uncertain by.
     levels: None for the best stored reference (levels `ADVISED` are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
-    from rollbench.compare.commands.compare_output import answers_table, older_times, start_lines, write_files
+    from rollbench.compare.commands.compare_output import older_times, start_lines, write_files
     from rollbench.compare.commands.compare_output import table as compared_table
-    from rollbench.compare.models.comparison import compared_models, finest_bodies, rows
-    from rollbench.compare.results.base import with_schema
-    from rollbench.compare.results.compared import answers_json, others, verdict
+    from rollbench.compare.models.comparison import RULE, compared_models, finest_bodies, rows
+    from rollbench.compare.results.base import as_text, with_schema
+    from rollbench.compare.results.compared import answer_rows, answers_json, verdict
     from rollbench.compare.results.comparison import comparing, cycles_of, named, together_json
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import cases_by_name
@@ -91,18 +92,16 @@ def run_compare(
         return named(one) | (cases[one.described].keys if one.described in cases else {})
 
     def parts() -> Iterator[Any]:
-        yield from (f"WARNING: {warning}" for warning in warnings)
-        comparisons = []
+        comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
         for one, whole in found.each():
             comparisons.append(((one.described, one.set), whole))
-            yield from (
-                f"{one.found.scene}: {verdict(whole, one.found)}",
-                *others(whole),
-                "",
-                *filter(None, [whole.total.beside]),
-            )
-            yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself))
-            yield from (*older_times(whole.models, whole.itself), "")
+            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", *filter(None, [whole.total.beside]), *warned, "")
+            warned = []
+            headings, answers = answer_rows(whole)
+            yield from (as_text(answers, text_width(), headings), "", compared_table(whole.models, whole.itself), "")
+            if verbose:
+                yield from (whole.total.text, f"gate's rule: {RULE}")
+                yield from (*start_lines(whole), *older_times(whole.models, whole.itself))
             if balls:
                 yield from (_contacts(one.scene, whole.models, one.found), "")
             bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
@@ -111,6 +110,8 @@ def run_compare(
                 command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
                 yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: {command}"
             yield write_files(one.scene, whole.models, one.found, store)
+            if not verbose:
+                yield "--verbose: the uncertainty by its causes, the gate's rule, times of stored runs"
         yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
@@ -169,6 +170,7 @@ def compare(
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
     balls: Flag = False,
+    verbose: Verbose = False,
     reference: Path | None = None,
     bodies: str = "half-space",
     as_json: Json = False,
@@ -177,7 +179,7 @@ def compare(
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
-    A verdict, ten answers beside the reference's, a table of models; every contact goes to <scene>-compare.csv and .svg in
+    A verdict, answers of model and reference, a table of models; every contact goes to <scene>-compare.csv and .svg in
     the store. Scenes against one another: rollbench solve A B. For a page to send: rollbench report SCENE. Exit code 5
     where loads of the reference did not settle: what they may still move by is said, kept with the run and added to its
     uncertainty.
@@ -199,6 +201,8 @@ def compare(
         Compute runs even where they are stored or shipped.
     balls
         Also print every contact.
+    verbose
+        Also print what the comparison is uncertain by, the gate's rule, and times of stored runs.
     reference
         Compare with this file in place of the 3D reference, which stands beside it where it is stored; as for rollbench
         check.
@@ -209,12 +213,13 @@ def compare(
     wanted = None if levels is None else parse_levels(levels)
     command = model_of(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
-    means_nothing |= {"balls": balls, "reference": reference is not None}
+    means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
     if all_rolling(scenes, bodies, means_nothing):
         answer = run_rolling_compare(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
     else:
         models = [*(model or ()), *filter(None, [command])]
-        answer = run_compare(scenes, models, wanted, store, engine(where), fresh=fresh, balls=balls, reference=reference)
+        how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
+        answer = run_compare(scenes, models, wanted, store, engine(where), **how)
     return print_answer(answer, as_json)
 
 

@@ -1,4 +1,4 @@
-"""What ``rollbench compare`` says of a scene: a verdict, answers beside the reference's, a table of models, files."""
+"""What ``rollbench compare`` prints and writes of a scene: a table of models, contacts, files."""
 
 from __future__ import annotations
 
@@ -9,16 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.files import write_csv, write_figure
-from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import is_model
-from rollbench.compare.quantities import quantities
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.results.compared import OURS, Beside, Compared, answers_of
-from rollbench.compare.results.scene_json import Axial, LoadSums
+from rollbench.compare.results.compared import OURS, Beside, Compared
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.text.printing import cell, plain
-from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation
-from rollbench.lowfi.rating.life import Life
+from rollbench.compare.text.printing import plain
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
@@ -26,32 +21,7 @@ from rollbench.reports.content import Figure
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
-
-
-#: Answers of the block: group of `answers_of`, its record, and keys of it.
-BLOCK = (
-    ("loads", LoadSums, ("max_N", "mean_N")),
-    ("axial", Axial, ("displacement_um", "rigidity_N_per_um")),
-    ("worst_contact", Contact, ("pressure_MPa", "approach_um", "semi_axis_a_mm")),
-    ("truncation", Truncation, ("margin_deg",)),
-    ("static_safety", StaticSafety, ("factor",)),
-    ("life", Life, ("L10_million_revolutions",)),
-)
-ANSWERS = [(group, quantities(kind)[key]) for group, kind, keys in BLOCK for key in keys]
-
-
-def answers_table(whole: Compared) -> RenderableType:
-    """Ten answers of the model that the verdict speaks of beside those of the reference."""
-    spoken, reference = answers_of(whole.spoken), answers_of(whole.itself)
-    rows = []
-    for group, q in ANSWERS:
-        value, ref = (None if side[group] is None else side[group][q.key] for side in (spoken, reference))
-        off = None if value is None or not ref else float(error_percent(value, ref))
-        unit = f"({q.unit})" if "/" in q.unit else q.unit
-        cells = cell(value, q.format), cell(ref, q.format), cell(off, "+.2f")
-        rows.append((f"{q.label} / {unit}" if unit else q.label, *cells))
-    return plain(("answer", whole.spoken.title, whole.itself.label, "difference / %"), rows, ("answer",), apart=2)
+COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
 
 
 def start_lines(whole: Compared) -> list[str]:
@@ -66,10 +36,11 @@ def start_lines(whole: Compared) -> list[str]:
 
 def _cells(b: Beside) -> list[str]:
     e, loads = b.error, b.answer.load[b.answer.load > 0.0]
-    errors = ["", "", ""] if e is None else [f"{e.max_percent:.2f}", f"{e.ball} {e.side}".strip(), f"{e.rms_percent:.2f}"]
+    at = "" if e is None else f"{e.ball} {e.side}".strip()
+    errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{b.by_gate:.2f}")
     return [
         b.title,
-        *errors,
+        *(errors or [""] * 4),
         f"{loads.max(initial=0.0):.1f}",
         f"{mean_load(loads, b.contacts):.1f}",
         f"{1e-6 * b.pressure:.0f}",

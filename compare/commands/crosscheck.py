@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, app, cache_folder
 from rollbench.compare.errors import InputError
-from rollbench.compare.running import need_gmsh
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import need_gmsh, on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
@@ -21,12 +21,9 @@ if TYPE_CHECKING:
 def run_crosscheck(
     name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
 ) -> Answer:
-    """A scene's contact loads by the 3D reference and by CalculiX.
+    """Compare a scene's contact loads by the 3D reference with those by CalculiX.
 
-    run: solve the decks with CalculiX first that have no stored result (fresh: all of them) and rewrite the results in the
-    folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed
-    where none is stored.
-    Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
+    InputError for a scene without results, results of another scene of that name, and if CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck import nut
     from rollbench.compare.studies.crosscheck.results import agreement, contact_rows, load, save, shipped
@@ -52,7 +49,7 @@ def run_crosscheck(
 
 
 def stored(folder: Path, scene: Scene) -> CrossData:
-    """Results of a scene. Raises InputError where there are none, or they belong to another scene of its name."""
+    """Return the results of a scene; InputError if there are none, or they belong to another scene of its name."""
     from rollbench.compare.studies.crosscheck.results import load
     from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
 

@@ -53,12 +53,12 @@ class Check:
     advice: str = ""
 
     def line(self) -> str:
-        """The check as one line."""
+        """Return the check as one line."""
         return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
 def run_doctor(store: Path) -> Answer:
-    """Look at the machine; exit code 1 where something is missing that is not optional."""
+    """Check the machine; exit code 1 if something is missing that is not optional."""
     checks = [*_python(), *_packages(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
     lacking = [check for check in checks if check.state == "missing"]
     rows = [asdict(check) for check in checks]
@@ -69,7 +69,7 @@ def run_doctor(store: Path) -> Answer:
 
 
 def _looked(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
-    """The check of a thing that was found, or that lacks in some way: what that costs, the remedy, and its state then."""
+    """Return the check of a requirement: found, or missing with its cost, the remedy and its state then."""
     return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
 
 
@@ -81,7 +81,7 @@ def _python() -> Iterator[Check]:
 
 
 def requirements() -> dict[str, str]:
-    """Least versions of the packages of rollbench and its extras, by name; empty where rollbench is not installed."""
+    """Return the least versions of the packages of rollbench and its extras, by name; empty if it is not installed."""
     from rollbench.meshes.libraries import EXTRA
 
     try:
@@ -117,8 +117,10 @@ def _packages() -> Iterator[Check]:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """Leading numbers of a version.
+    """Return the leading numbers of a version.
 
+    Examples
+    --------
     >>> _numbers("4.15.2rc1") > _numbers("4.13")
     True
     """

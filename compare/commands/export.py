@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, out_of_memory
-from rollbench.compare.text.printing import Answer, on_terminal, print_answer
+from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, on_terminal, out_of_memory
+from rollbench.compare.text.printing import Answer, print_answer
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.tasks import Solvable
@@ -36,9 +36,12 @@ def export(
     stiffness: float = 2e8,
     ross: Path | None = None,
     modelica: Path | None = None,
+    rexs: Path | None = None,
+    model: Word = "",
 ) -> int:
     """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), all parts
-    as CAD (STEP, lengths in mm), or a small scene as one deck that CalculiX runs (--deck ccx).
+    as CAD (STEP, lengths in mm), a small scene as one deck that CalculiX runs (--deck ccx), or the bearings of a shaft with
+    their results as REXS.
 
     Parameters
     ----------
@@ -72,12 +75,22 @@ def export(
         Python module with a BearingElement of ROSS for each row of a table: scene is the JSON file of rollbench table.
     modelica
         The same table as a file for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two).
+    rexs
+        REXS file (1.7): bearings with rows and rolling elements, shaft and loads of an axis, and what is solved of them.
+    model
+        Low-order model for these results; refined unless given.
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
-    if ross is not None or modelica is not None:
+    if model and rexs is None:
+        raise ArgumentError("model", model, "with `rexs`", "leave it out")
+    if rexs is not None and (ross is not None or modelica is not None):
+        raise ArgumentError("rexs", str(rexs), "without `ross` and `modelica`, which are of a table", "give one of them")
+    if ross is not None or modelica is not None or rexs is not None:
         if part or format or out is not None or level != 1 or ball is not None or deck:
-            raise ArgumentError("ross, modelica", "given", "none of the options of meshes with it", "leave them out")
+            raise ArgumentError("ross, modelica, rexs", "given", "none of the options of meshes with it", "leave them out")
+        if rexs is not None:
+            return print_answer(run_rexs(scene, rexs, model))
         return print_answer(run_table(scene, ross, modelica))
 
     if deck:
@@ -103,7 +116,7 @@ def export(
 
 
 def run_json(scene: Scene, out: Path | None) -> Answer:
-    """Write a scene as a program that is a model gets it; ``<scene>.json`` unless given. Raises InputError."""
+    """Write a scene as a program that is a model gets it, to ``<scene>.json`` unless given; InputError as `export`."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.programs import scene_json
 
@@ -182,8 +195,38 @@ def run_export(
     return Answer(parts=lines)
 
 
+def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
+    """Solve an axis and write it as REXS. Raises InputError for another scene, Refusal for what REXS cannot hold."""
+    from rollbench.compare.files import need_writable, replace_file
+    from rollbench.compare.models.load_cases import SolvedAxis, solve_axis
+    from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes.duty_cycle import DutyCycle
+    from rollbench.compare.studies.to_rexs import rexs_text
+    from rollbench.meshes.axis import Assembly
+
+    described = catalogue.any_scene(typed)
+    each = [case.scene for case in described.cases] if isinstance(described, DutyCycle) else [described]
+    solved: list[SolvedAxis] = []
+    need_writable(out)
+    for scene in each:
+        if not isinstance(scene, Assembly):
+            raise InputError(
+                typed, "kind", getattr(scene, "kind", "one set"), 'kind = "axis"', "write bearings as [[sets]]"
+            )
+        solved.append(solve_axis(scene, model or default_model(scene), Options()))
+        if not solved[-1].result.converged:
+            raise Refusal(scene.name, "loads", str(solved[-1].result.status), "see rollbench solve")
+    assert isinstance(described, Assembly | DutyCycle)
+    text, notes = rexs_text(described, solved)
+    replace_file(out, text)
+    cases = f"{len(solved)} load cases" if len(solved) > 1 else "its results as load case 1"
+    lines = [f"not in REXS: {note}" for note in notes]
+    return Answer(parts=[*lines, f"wrote {out}: REXS 1.7, {cases}"], folded=True)
+
+
 def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
-    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and a grid with gaps."""
+    """Write the table of a JSON file for ROSS and Modelica; InputError for another file and a grid with gaps."""
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
     from rollbench.compare.text.table import failure_words
@@ -233,10 +276,9 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
 
 
 def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
-    """Mesh, condense all four sides and write the file, whole or not at all, for all load cases of the scene that was
-    ``typed``.
+    """Mesh and condense all four flanks, and write the file completely or not at all, for all load cases of a scene.
 
-    Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
+    InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, written
     from rollbench.compare.reference.levels import LEVELS

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Word, app
+from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.text.printing import Answer, listed, on_terminal, print_answer, text_width
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, listed, print_answer, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.compare.studies.friction.answer import FrictionAnswer, Line
+    from rollbench.compare.studies.friction.answer import FrictionAnswer
     from rollbench.compare.studies.friction.whole import Choices
 
 
@@ -30,13 +30,13 @@ def friction(
     balls: Flag = False,
     time_limit: float | None = None,
     strict: Flag = False,
-    assumptions: Flag = False,
+    verbose: Verbose = False,
     as_json: Json = False,
 ) -> int:
     """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
 
     Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
-    ball screw in time, bearings in pairs; these take --time-limit, --strict, --assumptions and --json only.
+    ball screw in time, bearings in pairs; these take --time-limit, --strict, --verbose and --json only.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ def friction(
     strict
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean, or a play that nobody stated.
-    assumptions
-        Also print the assumptions, what is left out, the balance and the solver.
+    verbose
+        Also print further quantities, what explains them, the assumptions, what is left out, the balance and the solver.
     """
     from rollbench.compare.studies.friction.whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
-    found = run_friction(scene, choices, balls=balls, details=assumptions, time_limit=time_limit, strict=strict)
+    found = run_friction(scene, choices, balls=balls, details=verbose, time_limit=time_limit, strict=strict)
     return print_answer(found, as_json)
 
 
@@ -89,8 +89,10 @@ def run_friction(
 
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
-    """The answer for the terminal: results in a block, tables, warnings; with details balance, solver, assumptions, and
-    what is left out, else where they are."""
+    """The answer for the terminal: status, warning, the table of answers, tables, what to do; with details what
+    explains the answers, balance, solver, assumptions, and what is left out, else where they are."""
+    from rollbench.compare.results.base import as_text
+    from rollbench.compare.results.rows import friction_rows
     from rollbench.compare.studies.friction.answer import BEHIND
     from rollbench.compare.text.solved import closing_lines
 
@@ -98,19 +100,13 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning])]
-    if answers := [line for line in answer.lines if line[0] not in BEHIND]:
-        parts += ["", block(answers), ""]
-    for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
-        parts += [listed(title, columns, rows), ""]
+    if rows := friction_rows(data):
+        parts += ["", as_text(rows, text_width()), ""]
+    if lines := [f"{label:<10}{text}" for label, text in answer.lines if details or not (rows or label in BEHIND)]:
+        parts += ["", *lines, ""]
+    for title, columns, body in [*answer.tables, *(answer.ball_tables if balls else ())]:
+        parts += [listed(title, columns, body), ""]
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")
     warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again
-    behind = [f"{label}: {text}" for label, text in answer.lines if label in BEHIND]
-    return [*parts, *closing_lines(warnings, behind, data.get("assumed", ()), data.get("left_out", ()), details=details)]
-
-
-def block(lines: Sequence[Line]) -> str:
-    """Labels and what they say, for the terminal."""
-    from rollbench.compare.text.entries import entry
-
-    return "\n".join(entry(label, text, text_width()) for label, text in lines)
+    return [*parts, *closing_lines(warnings, (), data.get("assumed", ()), data.get("left_out", ()), details=details)]

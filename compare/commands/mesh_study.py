@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine
-from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, aligned, print_answer
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine

@@ -37,7 +37,7 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
 
 
 def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
-    """What is computed for the printed entries that are asked for, as `run_printed` takes them, in the order of tables."""
+    """Return the chosen printed entries with computed values, in the order of tables; arguments as `run_printed`."""
     from rollbench.compare.case import every_case
     from rollbench.compare.evidence import computations, evidence
     from rollbench.compare.printed import load_table
@@ -62,7 +62,7 @@ def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
 
 
 def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
-    """JSON-ready."""
+    """Return JSON values of all entries."""
     from rollbench.compare.evidence import counts, left_out, misprints
 
     return {
@@ -75,7 +75,7 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 
 def entry_json(e: Evidence) -> dict[str, Any]:
-    """One entry, JSON-ready."""
+    """Return JSON values of one entry."""
     from rollbench.compare.evidence import source
 
     p = e.printed
@@ -99,7 +99,7 @@ def entry_json(e: Evidence) -> dict[str, Any]:
 
 
 def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
-    """The same for the terminal; misprints and what is left out as counts."""
+    """Return all entries for the terminal; misprints and what is left out as counts."""
     from rich.table import Table
 
     from rollbench.compare.evidence import APART, counts, left_out, misprints, trust
@@ -120,8 +120,10 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
 
 
 def traced(table: str = "") -> Answer:
-    """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
-    (``module:function``), test. Raises InputError for an unknown table."""
+    """Return the origin of every printed entry of one table, or of all; InputError for an unknown table.
+
+    With table, key, text as printed, class, scenes or why there are none, computation (``module:function``), and test.
+    """
     from rich.table import Table
 
     from rollbench.compare.evidence import traces
@@ -152,13 +154,13 @@ def audit(*, only: Names = None, write: Path | None = None, as_json: Json = Fals
 
 
 def shipped() -> Answer:
-    """Scenes, models and printed tables."""
+    """Return scenes, models and printed tables."""
     data = _shipped_json()
     return Answer(data, _lines(data))
 
 
 def _shipped_json() -> dict[str, dict[str, Any]]:
-    """Scenes by kind and models with their titles, printed tables with their number of rows."""
+    """Return scenes by kind and models with their titles, printed tables with their number of rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
     from rollbench.compare.models.user_models import installed, origin
@@ -177,7 +179,7 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
 
 
 def _lines(data: Mapping[str, Any]) -> Iterator[str]:
-    """The same for the terminal."""
+    """Yield the same for the terminal."""
     groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
     groups |= {group: entries for group, entries in data.items() if group != "scenes"}
     width = max(len(name) for group in groups.values() for name in group)

@@ -99,7 +99,7 @@ def report(
 
 
 def shown(code: int, page: Path, wanted: bool) -> int:
-    """Show a page in the browser if it is wanted; the exit code."""
+    """Show a page in the browser if it is wanted; return the exit code."""
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
         if not (screen and webbrowser.open(page.resolve().as_uri())):

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Word, app, model_of
+from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Verbose, Word, app, model_of
 from rollbench.compare.errors import ArgumentError, one_line
-from rollbench.compare.text.printing import Answer, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis
@@ -41,7 +42,7 @@ class Choices:
     loads_csv: Path | None = None
     time_limit: float | None = None
     strict: bool = False
-    assumptions: bool = False
+    verbose: bool = False
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
@@ -70,7 +71,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
         written += _write(one, tangent, files)
     if choices.loads_csv is not None:
         written += _write_loads(choices.loads_csv, solved, names)
-    shown = {"balls": choices.balls, "details": choices.assumptions}
+    shown = {"balls": choices.balls, "details": choices.verbose, "stiffness": bool(choices.stiffness_at)}
     if found.cycle is None or found.together is None:
         tangent = found.tangents[0]
         lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]
@@ -225,7 +226,7 @@ def solve(
     workers: int | None = None,
     time_limit: float | None = None,
     strict: Flag = False,
-    assumptions: Flag = False,
+    verbose: Verbose = False,
     program: OfProgram | None = None,
 ) -> int:
     """Solve one scene with one model, several scenes side by side, or many members of a scene with random errors.
@@ -273,8 +274,8 @@ def solve(
     strict
         Exit with 1 if a WARNING line stands above the answers: pressure, preload, static safety or rotations beyond the
         validity of the models, or a load of which little reaches the contacts.
-    assumptions
-        Also print the assumptions, what is left out, the balance and the solver.
+    verbose
+        Also print further quantities, the assumptions, what is left out, the balance and the solver.
     """
 
     model = model_of(program, model)
@@ -284,7 +285,7 @@ def solve(
         alone: dict[str, object] = {"matrix": matrix, "loads_csv": loads_csv, "csv": csv, "condensed": condensed}
         alone |= {"members": members}
         alone |= {"seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
-        alone |= {"everything": everything or None, "assumptions": assumptions or None}
+        alone |= {"everything": everything or None, "verbose": verbose or None}
         for name in (k for k, v in alone.items() if v is not None):
             raise ArgumentError(name, f"with {len(scenes)} scenes", "one scene", "solve each by itself for that")
         choices = Choices(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
@@ -301,7 +302,7 @@ def solve(
     if seed is not None or workers is not None or (csv is not None and not curve):
         raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
     choices = Choices(
-        model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, assumptions
+        model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, verbose
     )
     return print_answer(run_curve(scene, curve, choices, csv) if curve else run_solve(scene, choices), as_json)
 
@@ -345,7 +346,7 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
     with watched(f"{name}, load curve", checked(choices.time_limit)):
         found = load_curve_of(catalogue.any_scene(name), text, model, options, name)
-    lines = curve_lines(found, details=choices.assumptions)
+    lines = curve_lines(found, details=choices.verbose)
     if csv_out is not None:
         from rollbench.compare.commands.solve_files import write_curve
 

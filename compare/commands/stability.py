@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Json, app
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, aligned, cell, print_answer, ruled
 
 if TYPE_CHECKING:
@@ -18,23 +18,11 @@ if TYPE_CHECKING:
     from rollbench.compare.studies.extremes import Attempt
 
 
-def _progress(done: int, total: int, text: str) -> None:
-    """One line on a terminal, which the next one takes the place of; an empty one at the end."""
-    if sys.stderr.isatty():
-        sys.stderr.write(f"\r\033[K[{done}/{total}] {text}" if text else "\r\033[K")
-
-
-def run_stability(*, as_json: bool) -> Answer:
-    """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
+def run_stability() -> Answer:
+    """Run the table; exit code 1 if our solver fails on any case, else 0."""
     from rollbench.compare.studies.extremes import failures, table
 
-    def progress(done: int, total: int, case: str) -> None:
-        _progress(done, total, case)
-        if not (sys.stderr.isatty() or as_json):
-            sys.stderr.write(f"[{done}/{total}] {case}\n")
-
-    rows = table(progress)
-    _progress(0, 0, "")
+    rows = table(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
     bad = failures(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
     return Answer(data, _parts(rows, bad), 1 if bad else 0)
@@ -56,14 +44,14 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
 
 
 def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
-    """Run the survey of drawn screws: its errors and every scene without an answer; exit code 1 where there is any, else 0.
+    """Run the survey of drawn screws, with its errors and every scene without result; exit code 1 if there is any.
 
-    Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
+    InputError for counts out of range, a folder of something else, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, replace_file
+    from rollbench.compare.running import on_terminal
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.survey import SCENES, SEED
-    from rollbench.compare.text.printing import on_terminal
 
     if not 1 <= count <= SCENES:
         raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")
@@ -115,4 +103,4 @@ def stability(
         return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)
     if (out, workers, keep) != (None, None, None):
         raise ArgumentError("out, workers, keep", "given", "with --survey", "add --survey COUNT")
-    return print_answer(run_stability(as_json=as_json), as_json)
+    return print_answer(run_stability(), as_json)

@@ -11,7 +11,8 @@ from typing import Any
 
 from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_of
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, aligned, on_terminal, print_answer
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, aligned, print_answer
 
 
 @app.command
@@ -58,7 +59,7 @@ def survey(
 
 
 def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None) -> Answer:
-    """Judge models and write table and figure; exit code 1 where one has no answer for a screw. Raises InputError."""
+    """Judge models and write table and figure; exit code 1 if one does not solve a screw. InputError as `run_models`."""
     from rollbench.compare.files import need_writable, write_csv, write_figure
     from rollbench.compare.models.programs import title_of
     from rollbench.compare.studies.survey_models import figure, run_models
@@ -107,7 +108,7 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
 
 
 def run_screw(number: int, out: Path) -> Answer:
-    """Write a drawn screw and its reference. Raises InputError."""
+    """Write a drawn screw and its reference; InputError as `write_screw`."""
     from rollbench.compare.studies.survey_models import write_screw
 
     text, loads = write_screw(number, out)

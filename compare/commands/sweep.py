@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine, model_of
-from rollbench.compare.text.printing import Answer, cell, on_terminal, print_answer, ruled
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -65,7 +66,7 @@ def sweep(
 
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
-    """Solve what is missing and write the summary; exit code 1 where no sample converged. Raises InputError."""
+    """Solve what is missing and write the summary; exit code 1 if no sample converged. InputError as `run_samples`."""
     from rollbench.compare.files import no_figure
     from rollbench.compare.studies.sweep.summary import solve_sweep
 
@@ -75,7 +76,7 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
 
 
 def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
-    """The summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
+    """Return the summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
     from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS
 
     parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]

@@ -8,7 +8,8 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
-from rollbench.compare.text.printing import Answer, on_terminal, print_answer
+from rollbench.compare.running import on_terminal
+from rollbench.compare.text.printing import Answer, print_answer
 
 
 @app.command

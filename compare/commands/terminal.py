@@ -1,4 +1,4 @@
-"""The application that the commands of the command line are added to."""
+"""Application of the command line, to which commands are added, and options that several commands share."""
 
 from __future__ import annotations
 
@@ -27,6 +27,8 @@ app = App(
 #: A switch that is off unless given, and a word or path that is none unless given.
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 Word = Annotated[str, Parameter(show_default=False)]
+#: What lies behind the answers is printed too.
+Verbose = Annotated[bool, Parameter(name=("--verbose", "--assumptions"), negative="", show_default=False)]
 #: Names after one option, none unless given.
 Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")]
 #: What is said of the runs at the same time.
@@ -51,7 +53,7 @@ class OfProgram:
 
 
 def model_of(program: OfProgram | None, model: str = "") -> str:
-    """The model that is asked for by its name, or by a command. Raises InputError for both, and for seconds alone."""
+    """Return the model given by its name, or by a command; InputError for both, and for a time limit without command."""
     if program is None or program == OfProgram():
         return model
     if not program.model_command:
@@ -91,7 +93,7 @@ def engine(where: Where | None, here: int | None = None) -> Engine:
 
 
 def cache_folder() -> Path | None:
-    """Folder of meshes and condensed parts, None for none."""
+    """Return the folder of meshes and condensed parts; None for no cache."""
     from rollbench.meshes.cache import default_root
 
     return default_root()

@@ -1,1 +1,1 @@
-"""The gate of continuous integration: what must hold, as rows with a verdict."""
+"""The gate: verdicts on users' scenes and on the shipped ones, for continuous integration."""

@@ -1,6 +1,6 @@
-"""The gate of continuous integration: hard printed values, closed forms, balance, two solvers, the 3D reference.
+"""The gate of shipped scenes: printed values, closed forms, balance, agreement of two solvers, and the 3D reference.
 
-Cases with a closed form are computed here independently of the solvers, for the gate and the report.
+Closed forms are computed here independently of the solvers, for the gate and the report.
 """
 
 from __future__ import annotations
@@ -31,9 +31,12 @@ from rollbench.meshes.section import screw_section
 
 
 def sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
-    """Hertz 1881: approach, radius and pole pressure of the scene's ball on a flat, from its textbook formulas.
+    """Compute approach, radius and largest pressure of the scene's ball on a flat, as solved and by Hertz (1881).
 
-    Returns (name, unit, computed, closed form).
+    Returns
+    -------
+    list of tuple
+        Name, unit, computed value, closed form.
     """
     m = scene.balls.material
     modulus = contact_modulus(m.youngs_modulus, m.poissons_ratio, m.youngs_modulus, m.poissons_ratio)
@@ -53,7 +56,7 @@ def sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, fl
 
 
 def rigid_axial(scene: Scene) -> tuple[float, float]:
-    """Load of every ball of an error-free rigid screw under its axial load, computed and in closed form [N].
+    """Compute the ball load of an error-free rigid screw under its axial load, as solved and in closed form [N].
 
     Closed form: shifting the screw by s lengthens the line between the groove centres of each ball from d to
     D = |(d cos beta, d sin beta + s cos alpha)|; F = ((D - d)/(C_S + C_N))^(3/2) acts along that line.
@@ -84,9 +87,9 @@ def rigid_axial(scene: Scene) -> tuple[float, float]:
 
 
 def cantilever(scene: Scene) -> tuple[float, float]:
-    """Tip deflection of only the scene's shaft as a cantilever under 1 N, computed and in closed form [m].
+    """Compute the tip deflection of the scene's shaft as a cantilever under 1 N, as solved and in closed form [m].
 
-    Closed form: L^3/(3 E I) + L/(kappa G A) (Timoshenko), the ball contacts being left without load by clearance.
+    Closed form: L^3/(3 E I) + L/(kappa G A) (Timoshenko); clearance keeps the ball contacts unloaded.
     """
     length = scene.screw.length
     alone = replace(
@@ -101,7 +104,7 @@ def cantilever(scene: Scene) -> tuple[float, float]:
 
 
 def two_opposite_balls(scene: Scene) -> tuple[float, float]:
-    """Two opposite balls without lead under an axial load: each carries F / (2 sin gamma), computed and closed form."""
+    """Compute the load of two opposite balls without lead under an axial load: as solved, and F / (2 sin gamma) [N]."""
     ring = replace(
         scene,
         errors=Errors(),
@@ -117,7 +120,7 @@ def two_opposite_balls(scene: Scene) -> tuple[float, float]:
 
 
 def preload(scene: Scene, oversize: float) -> tuple[float, float]:
-    """Load of a screw contact of an unloaded rigid screw with oversized balls, computed and in closed form [N].
+    """Compute the screw contact load of an unloaded rigid screw with oversized balls, as solved and in closed form [N].
 
     By symmetry a ball only shifts radially, by x: each screw flank closes by e + |(x - d cos beta, d sin beta)| - d,
     each nut flank likewise with x + d cos beta, d the groove centre's distance from the ball; radial forces balance.
@@ -146,51 +149,56 @@ def preload(scene: Scene, oversize: float) -> tuple[float, float]:
     return float(solve_static(squeezed).load[:, :2].mean()), contact(x, screw, -1.0, float(constants[0]))[0]
 
 
-#: Limit [%] of the default model's largest error of the mean load: it guards against regressions.
+#: Limit of the default model's largest error [% of the mean load], which detects regressions.
 TIGHT = 2.0
 
-#: Scenes whose own limit [%] is higher, and why.
+#: Scenes with a higher limit [%], and why.
 WIDER = {"unseen-thin-nut": (2.4, "the wall under the nut's groove is thin, and the model's nut a smooth tube")}
 
-#: Limits [%] of rows that are exact but for round-off and root found.
+#: Limits [%] of rows that are exact except for round-off and the tolerance of a root.
 EXACT = 1e-6
 
 
 @dataclass(frozen=True)
 class GateRow:
-    """One check: what, against what, error and limit in per cent, and whether it passed. Claims have no number.
+    """One check of the gate; a claim has no number."""
 
-    uncertainty_percent: of the reference, that is deducted before a row fails; gated: whether the limit decides at all, or
-    the row is reported beside it.
-    """
-
+    #: What is checked.
     name: str
+    #: Kind of the reference: printed, closed form, 3D and so on.
     kind: str
+    #: Computed value.
     value: float | None
+    #: Value that it should have.
     reference: float | None
+    #: Error [%].
     error_percent: float | None
+    #: Limit [%].
     limit_percent: float | None
+    #: Whether the error less the uncertainty is within the limit.
     passed: bool
+    #: Further explanation.
     detail: str = ""
+    #: Uncertainty of the reference [%].
     uncertainty_percent: float | None = None
+    #: Whether a failed row fails the gate; else it is only reported.
     gated: bool = True
 
     @property
     def verdict(self) -> str:
-        """FAIL; reported, where the limit does not decide; undecided, where the figure is over the line by no more than the
-        reference's uncertainty; ok for nothing that is over the line."""
+        """``ok``, ``FAIL``, ``undecided`` (beyond the limit by less than the uncertainty) or ``reported`` (not gated)."""
         if not self.passed:
             return "FAIL"
         over = self.limit_percent is not None and abs(self.error_percent or 0.0) > self.limit_percent
         return "reported" if not self.gated else "undecided" if over else "ok"
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready."""
+        """Return JSON values."""
         return asdict(self) | {"verdict": self.verdict}
 
 
 def number_row(name: str, kind: str, value: float, reference: float, limit: float) -> GateRow:
-    """Row of a number against a reference with a limit in per cent."""
+    """Return the row of a number against a reference, with a limit in per cent."""
     error = float(error_percent(value, reference))
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
 
@@ -198,12 +206,12 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
 def error_row(
     name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
 ) -> GateRow:
-    """Row with only an error; bar: the reference's uncertainty, both in per cent."""
+    """Return a row with an error only, and the uncertainty ``bar`` of its reference, both in per cent."""
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 
 def evidence_row(entry: Evidence, max_error: float) -> GateRow:
-    """Row of a printed entry: its own printed digits are the limit, and ``max_error`` on top."""
+    """Return the row of a printed entry, whose limit is its printed digits plus ``max_error`` [%]."""
     p = entry.printed
     if p.value is None:
         return GateRow(
@@ -220,20 +228,22 @@ def evidence_row(entry: Evidence, max_error: float) -> GateRow:
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Every hard or as-printed entry and every input of the printed tables."""
+    """Check every hard or as-printed entry, and every input of the printed tables."""
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [evidence_row(e, max_error) for e in gated]
 
 
 def band_rows(study: Study) -> list[GateRow]:
-    """Every number and claim of other programs, makers and textbooks that has a band, each within its own: the limit is the
-    end of the band on the value's side."""
+    """Check every number and claim of other programs, makers and textbooks that has a tolerance band.
+
+    The limit is the end of the band on the side of the value.
+    """
     tables = [name for name, one in by_table().items() if one.case.name == "external"]
     return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
 def band_row(found: Evidence) -> GateRow:
-    """Row of an entry in a band."""
+    """Return the row of an entry with a tolerance band."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
@@ -243,7 +253,7 @@ def band_row(found: Evidence) -> GateRow:
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Closed forms on the source's screw."""
+    """Check closed forms on the source's screw."""
     scene = study.scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
@@ -261,7 +271,7 @@ def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def solver_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Balance of every shipped scene, and both solvers on the same equations."""
+    """Check the balance of forces of every shipped scene, and that both solvers of the same equations agree."""
     rows = []
     limit = min(EXACT, max_error)
     for name in catalogue.whole_names():
@@ -284,11 +294,11 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def reference_rows(study: Study, max_error: float) -> list[GateRow]:
-    """The default model against the stored 3D references, case studies and screws that it was not made with: the worst
-    contact at ``max_error``, and the largest error of the mean load at ``TIGHT``, or the limit of ``WIDER``.
+    """Check the default model against the stored 3D references of the case studies and of screws not used in development.
 
-    Errors of a contact are per cent of its own load (of the mean for small loads); the reference's uncertainty is deducted,
-    at ``TIGHT`` no more than the limit itself: a coarse reference does not excuse everything.
+    The error of the worst contact has the limit ``max_error``, the largest error of the mean load ``TIGHT`` or the limit in
+    ``WIDER``. Errors of a contact are in per cent of its reference load (of the mean for small loads). The uncertainty of
+    the reference is deducted, at ``TIGHT`` at most the limit: a coarse reference must not excuse everything.
     """
     rows: list[GateRow] = []
     for name in (*REFERENCED, *UNSEEN):
@@ -320,9 +330,9 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def source_rows(study: Study, max_error: float) -> list[GateRow]:
-    """The source's model: worst contact per scene, reported, not gated.
+    """Check the source's model on every scene: the worst contact is reported, not gated.
 
-    The contacts beyond the line are named in the gate's data with their cause; the row fails only where that list is wrong.
+    The contacts beyond the limit are listed in the gate's data with their cause; a row fails only if that list is wrong.
     """
     rows: list[GateRow] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}

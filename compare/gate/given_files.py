@@ -1,4 +1,4 @@
-"""Values of the whole screw that a user gives to be judged, as CSV files: quantity, value, unit, and where they hold."""
+"""Values of the whole screw in users' CSV files, to be judged: quantity, value, unit, and where they apply."""
 
 from __future__ import annotations
 
@@ -18,31 +18,55 @@ VALUE_EXAMPLE = "write a first line quantity,value,unit,where and rows such as r
 
 DIMENSIONS = {DISPLACEMENT: "length", RIGIDITY: "stiffness", TORQUE: "moment"}
 
-#: Million revolutions of units of life.
+#: Units of life, in million revolutions.
 LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6}
 
 
 @dataclass(frozen=True)
 class GivenValue:
-    """A value [SI, life in million revolutions] as a line of a file gives it; force [N]: size of the axial load at which it
-    holds, None for the scene's loads; station [m]: of a displacement, None for the nut's centre; where: these in words;
-    set: of several on one shaft, by number or name."""
+    """One value of a file."""
 
+    #: The quantity.
     quantity: Quantity
+    #: Value in SI; a life in million revolutions.
     value: float
+    #: Axial load at which it applies [N]; None: the loads of the scene.
     force: float | None = None
+    #: Axial position of a displacement [m]; None: the nut's centre.
     station: float | None = None
+    #: Load or position as written.
     where: str = ""
+    #: Set on the shaft, by number or name.
     set: str = ""
 
     @property
     def name(self) -> str:
-        """Quantity and where it holds."""
+        """Quantity, and where it applies."""
         return self.quantity.name + (f" at {self.where}" if self.where else "")
 
 
 def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
-    """Values of a file, of a load case by their column case, and headings that nothing is known of. Raises InputError."""
+    """Read the values of a file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    case
+        Load case whose rows are read, by the column case; None: all rows.
+
+    Returns
+    -------
+    list of GivenValue
+        The values.
+    tuple of str
+        Headings that are not known.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a value or unit is not valid.
+    """
     needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
     optional = (WHERE, "set")
     table = Rows.read(path, needed, VALUE_EXAMPLE, optional)
@@ -85,7 +109,7 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
 
 
 def _life(number: str, unit: str) -> float:
-    """Million revolutions. Raises ValueError for anything else."""
+    """Return a life in million revolutions; ValueError for another unit."""
     value = float(number) * LIVES.get(unit.lower(), float("nan"))
     if not 0.0 < value < float("inf"):
         raise ValueError(unit)
@@ -93,7 +117,7 @@ def _life(number: str, unit: str) -> float:
 
 
 def _size(where: str, dimension: str) -> float | None:
-    """A size of a dimension; None for anything else."""
+    """Return the value of a text with a unit of this dimension in SI; None for anything else."""
     try:
         value = parse(where, dimension)
     except UnitError:

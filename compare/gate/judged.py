@@ -1,8 +1,7 @@
-"""What a gate judges beside contact loads: quantities of every contact and of the whole; what a reference says of them.
+"""Quantities that the gate judges besides contact loads: of every contact and of the whole screw.
 
-Hertz' approach of the two bodies of a contact, as `lowfi.hertz` defines it, goes as F^(2/3), its pressure at the pole as
-F^(1/3), and life as F^-3: where no limit is given, a quantity may be off by what the limit of the loads makes of it. A
-contact angle is judged in degrees.
+Hertz' approach of a contact, as `lowfi.hertz` defines it, goes as F^(2/3), its largest pressure as F^(1/3), and life as
+F^-3: unless a limit is given, the limit of the loads is multiplied by these powers. A contact angle is judged in degrees.
 """
 
 from __future__ import annotations
@@ -30,20 +29,23 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, has_comma
 
-#: Options of the solution that gives the place without loads, and lends its contacts to friction.
+#: Options of the solution that gives the unloaded position, and the contacts for friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
-#: What is said of quantities that are computed from loads.
+#: Note on quantities that are computed from loads.
 BY_FORMULA = "this project's formula on the reference's loads"
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity that is judged: its key, whose ending says the unit; what it is called; how many times the limit of the
-    loads its own is, or the limit itself, in its unit."""
+    """Quantity that the gate judges."""
 
+    #: Key, which ends with the unit.
     key: str
+    #: Name for people.
     name: str
+    #: Limit over that of the loads, unless a limit is given.
     times: float = 1.0
+    #: Default limit in the unit of the quantity; None: ``times`` that of the loads.
     limit: float | None = None
 
     @property
@@ -53,7 +55,7 @@ class Quantity:
 
     @property
     def factor(self) -> float:
-        """From SI to its unit; of a life 1."""
+        """Factor from SI to the unit; 1 of a life."""
         unit = unit_of(self.key)[1]
         return 1.0 if unit is None else unit.factor
 
@@ -65,14 +67,30 @@ DISPLACEMENT = Quantity("displacement_um", "displacement")
 RIGIDITY = Quantity("rigidity_N_per_um", "rigidity")
 TORQUE = Quantity("torque_Nmm", "torque")
 LIFE = Quantity("life_million_revolutions", "life", 3.0)
-#: Of every contact, by the columns that hold them, and of the whole.
+#: Quantities of every contact, by their columns, and of the whole screw.
 OF_CONTACTS = {"angle": ANGLE, "approach": APPROACH, "pressure": PRESSURE}
 OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
 QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
 
 
 def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Limits by quantity of ``NAME=NUMBER``: in per cent, of the contact angle in degrees. Raises InputError."""
+    """Read limits ``NAME=NUMBER`` in per cent, of the contact angle in degrees.
+
+    Parameters
+    ----------
+    texts
+        The limits.
+
+    Returns
+    -------
+    dict
+        Limits by quantity.
+
+    Raises
+    ------
+    InputError
+        If a quantity is unknown or a number not valid.
+    """
     out: dict[str, float] = {}
     for text in texts:
         name, _, number = text.partition("=")
@@ -91,19 +109,33 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
 
 
 def limit_of(quantity: Quantity, given: Mapping[str, float], of_loads: float) -> float:
-    """Limit of a quantity, in per cent (of an angle in degrees): that given, or what the loads' limit [%] makes it."""
+    """Return the limit of a quantity [%, of an angle deg]: that given, or from the limit of the loads [%]."""
     return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
 
 
 def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
-    """Approach [m] or pressure [Pa] of contact loads ``(n, 4)`` [N], with each contact's own radii."""
+    """Return approach [m] or largest pressure [Pa] of contact loads (n, 4) [N] by Hertz, with the radii of each contact."""
     h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 
 def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
-    """What loads ``(n, 4)`` [N] leave uncertain by their own ``bar`` in a quantity that is monotone in each of them: the
-    larger change where all are moved up or down together; None where the quantity has no value."""
+    """Return the uncertainty of a quantity from that of the loads, by moving all of them up or down together.
+
+    Parameters
+    ----------
+    of
+        Function of the loads that gives the quantity and is monotone in each of them.
+    load
+        Contact loads, (n, 4) [N].
+    bar
+        Their uncertainty, (n, 4) [N].
+
+    Returns
+    -------
+    Array, float or None
+        The larger change; None if the quantity has no value.
+    """
     bars = np.where(load > 0.0, bar, 0.0)
     value, *ends = (of(x) for x in (load, load + bars, np.maximum(load - bars, 0.0)))
     if value is None or any(end is None for end in ends):
@@ -112,7 +144,7 @@ def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Arra
 
 
 def of_contacts(scene: Scene, reference: Reference, quantity: Quantity) -> tuple[Array, Array]:
-    """A reference's values of every contact ``(n, 4)`` [SI], and their uncertainty, nan where it is not known."""
+    """Return a quantity of every contact of a reference, (n, 4) in SI, and its uncertainty (nan: not known)."""
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
         bars = np.zeros_like(reference.load) if reference.stated else uncertainties_of(reference, lambda run: run.angle)
@@ -123,18 +155,17 @@ def of_contacts(scene: Scene, reference: Reference, quantity: Quantity) -> tuple
 
 @dataclass(frozen=True)
 class Whole:
-    """A scene for quantities of the whole of an answer or of a reference."""
+    """Scene, for quantities of the whole screw."""
 
     scene: Scene
 
     @cached_property
     def start(self) -> float:
-        """Axial place [m] of the screw without loads, by the default model: no run of the reference is without."""
+        """Axial position of the unloaded screw by the default model [m]; no run of the reference is without loads."""
         return unloaded_place(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:
-        """A quantity of an answer [SI]; None where it has none. station [m]: of a displacement, the nut's centre unless
-        given."""
+        """Return a quantity of an answer in SI, at an axial position for displacements [m]; None if it has none."""
         angle = np.radians(answer.angle)
         if quantity is LIFE:
             life = load_answers(self.scene, answer.load, angle).life
@@ -153,7 +184,7 @@ class Whole:
     def reference(
         self, quantity: Quantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """A reference's value [SI] and its uncertainty, None where either is not known."""
+        """Return a quantity of a reference in SI and its uncertainty; None if not known."""
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
@@ -165,7 +196,7 @@ class Whole:
         return values[-1], observe(values, ref.sizes).uncertainty
 
     def why_not(self, quantity: Quantity, ref: Reference) -> str:
-        """Why a reference has no value of a quantity."""
+        """Return why a reference has no value of a quantity."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "friction finds none"
         if quantity is LIFE:
@@ -173,13 +204,13 @@ class Whole:
         return f"{ref.label} holds none" if ref.stated else "the screw does not move with its load"
 
     def words(self, quantity: Quantity) -> str:
-        """What is said beside a quantity."""
+        """Return the note on a quantity."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
         return f"from the place without loads, by {DEFAULT} {1e6 * self.start:.3g} um" if self.start else ""
 
     def _torque(self, load: Array, angle: Array) -> float | None:
-        """Friction torque [N m] of contact loads ``(n, 4)`` [N] at angles ``(n, 4)`` [rad], the model's own where nan."""
+        """Return the friction torque [N m] of contact loads (n, 4) [N]; angles (n, 4) [rad] by the model where nan."""
         lent = self._lent
         if self.scene.friction is None or not lent.converged:
             return None

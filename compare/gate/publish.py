@@ -1,6 +1,6 @@
-"""Verdicts for other programs: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
+"""Verdicts as files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
 
-And what changed since earlier ones, that ``rollbench check`` wrote as CSV or JSON.
+Also the changes against an earlier file of ``rollbench check --csv`` or ``--json``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rollbench.reports.content import Figure
 
 
-#: Variables of the environment in which services of continuous integration name the file of a job's summary.
+#: Environment variables in which services of continuous integration give the file of a job's summary.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
 
 HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertainty %", "limit %", "ball", "flank", "note")
@@ -34,60 +34,69 @@ HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertai
 
 @dataclass(frozen=True)
 class Outcome:
-    """One row of a published table.
+    """One row of a published table."""
 
-    good: whether it is green; scene: or check; error, uncertainty and limit in ``unit``, None where there is none; ball
-    (from 1) and flank that decide; near: see `Verdict`.
-    """
-
+    #: Whether it is shown green.
     good: bool
+    #: Verdict.
     word: str
+    #: Name of the scene or check.
     scene: str
+    #: Model or file whose values are judged.
     judged: str
+    #: Name of the quantity.
     quantity: str
+    #: Error in ``unit``; None if there is none.
     error: float | None
+    #: Uncertainty of the reference in ``unit``; None if not known.
     uncertainty: float | None
+    #: Limit in ``unit``; None if there is none.
     limit: float | None
     unit: str = "%"
+    #: Ball that decides, from 1.
     ball: int | None = None
+    #: Flank that decides.
     flank: str = ""
     note: str = ""
+    #: Neighbouring balls, as in `Verdict`.
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Texts in the order of HEADS; a unit other than per cent stands behind its number."""
+        """Return the texts of the row, in the order of HEADS; units other than per cent follow the number."""
         numbers = (amount(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
         return tuple(one_line(cell, 2000) for cell in cells)
 
     def text(self) -> str:
-        """All but the verdict, as ``heading: cell`` with semicolons."""
+        """Return ``heading: cell`` of all cells but the verdict, joined by semicolons."""
         return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADS[1:], self.cells[1:], strict=True) if cell)
 
 
 def amount(value: float | None, unit: str) -> str:
-    """A number as a cell shows it."""
+    """Return a number as a cell shows it."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
 def of_verdict(v: Verdict) -> Outcome:
-    """The row of a verdict on a user's scene."""
+    """Return the row of a verdict on a user's scene."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.of, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
 def of_row(row: GateRow) -> Outcome:
-    """The row of a check of the shipped gate."""
+    """Return the row of a check of the shipped gate."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
 
 def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """JUnit XML: one test case a row, notes as properties. Everything that is not green is a failure of the type of its
-    verdict."""
+    """Return JUnit XML with a test case for each row and notes as properties.
+
+    A row that is not green is a failure, whose type is its verdict.
+    """
     bad = [o for o in outcomes if not o.good]
     counts = {"tests": str(len(outcomes)), "failures": str(len(bad)), "errors": "0", "skipped": "0"}
     root = ElementTree.Element("testsuites", counts)
@@ -109,8 +118,11 @@ def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 
 
 def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """A heading with the counts, notes, a table with rows that are not green first, and a chart of the worst ball and its
-    neighbours, which GitHub, GitLab, Forgejo and Gitea draw: a comment shows no picture of a file."""
+    """Return Markdown: a heading with the counts, notes, a table and a chart of the worst ball and its neighbours.
+
+    Rows that are not green come first. GitHub, GitLab, Forgejo and Gitea draw the chart (Mermaid); a comment cannot show an
+    image file.
+    """
     counts: dict[str, int] = {}
     for o in outcomes:
         counts[o.word] = counts.get(o.word, 0) + 1
@@ -122,19 +134,19 @@ def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 
 
 def worst(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """The row whose ball a picture shows: the first that is not green, or else that of the largest error."""
+    """Return the row whose ball the picture shows: the first that is not green, else that with the largest error."""
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
 
 def _title(o: Outcome) -> str:
-    """Scene, worst ball, error and limit."""
+    """Return scene, worst ball, error and limit as a title."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _chart(o: Outcome | None) -> list[str]:
-    """Lines of a Mermaid chart of loads about the worst ball."""
+    """Return the lines of a Mermaid chart of the loads around the worst ball."""
     if o is None:
         return []
     balls, loads, reference, _ = zip(*o.near, strict=True)
@@ -156,7 +168,7 @@ def _chart(o: Outcome | None) -> list[str]:
 
 
 def picture(o: Outcome) -> Figure:
-    """Loads about the worst ball with the reference's uncertainty."""
+    """Draw the loads around the worst ball, with the uncertainty of the reference."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
@@ -174,13 +186,12 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _safe(text: str) -> str:
-    """A text that is no markup."""
+    """Escape characters that are markup."""
     return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
 
 def table(outcomes: Sequence[Outcome]) -> str:
-    """CSV with a line of headings."""
-
+    """Return CSV with a line of headings."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADS)
@@ -197,10 +208,30 @@ def publish(
     csv_file: Path | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> list[Path]:
-    """Write what is asked for, with notes that belong to no row; the Markdown is also added to the summary that a service
-    of continuous integration names, and the picture of its worst ball goes beside it as SVG.
+    """Write verdicts as files, and add the Markdown to the summary of a job of continuous integration.
 
-    Returns the files written. Raises InputError where one cannot be.
+    The picture of the worst ball is written next to that summary as SVG.
+
+    Parameters
+    ----------
+    outcomes
+        Rows to publish.
+    notes
+        Notes that belong to no row.
+    junit_file, markdown_file, csv_file
+        Files to write; None: none.
+    environment
+        Environment variables; None: those of the process.
+
+    Returns
+    -------
+    list of Path
+        Files that were written.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
     """
     named = os.environ if environment is None else environment
     written = []
@@ -228,12 +259,12 @@ def _added(path: Path, text: str) -> Path:
     return path
 
 
-#: What a row is of: scene or check, and quantity.
+#: Identity of a row: scene or check, and quantity.
 Label = tuple[str, str]
 
 
 class Row(NamedTuple):
-    """A row as published: verdict, error and limit, to four digits, in one unit; None: the row has none."""
+    """Published row: verdict, error and limit, to four digits, in one unit; None if the row has none."""
 
     verdict: str
     error: float | None
@@ -242,20 +273,24 @@ class Row(NamedTuple):
 
     @property
     def size(self) -> str:
-        """Size of the error to two decimals, with its unit where that is not per cent."""
+        """Absolute error with two decimals, with its unit unless that is per cent."""
         return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
 
 class Change(NamedTuple):
-    """How a row differs from before; None: no such row."""
+    """Change of a row against an earlier file."""
 
+    #: Name of the scene or check.
     scene: str
+    #: Name of the quantity.
     quantity: str
+    #: Earlier row; None if it is new.
     before: Row | None
+    #: Present row; None if it was removed.
     after: Row | None
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready: verdict and error before and after, and the limit, as published."""
+        """Return JSON values: verdict and error before and after, and the limit."""
         rows = self.before, self.after
         limits = [amount(row.limit, row.unit) for row in reversed(rows) if row is not None and row.limit is not None]
         return {
@@ -267,7 +302,10 @@ class Change(NamedTuple):
         }
 
     def line(self) -> str:
-        """In words: ``two-balls: largest error of a contact load 5.10 -> 6.80 %, limit 7, pass -> undecided``."""
+        """Return the change as a line of text.
+
+        Such as ``two-balls: largest error of a contact load 5.10 -> 6.80 %, limit 7, pass -> undecided``.
+        """
         head, before, after = f"{self.scene}: {self.quantity}", self.before, self.after
         if after is None:
             return f"{head}: no more, {before.verdict if before else ''}"
@@ -280,19 +318,37 @@ class Change(NamedTuple):
 
 
 def changes(path: Path, outcomes: Sequence[Outcome]) -> list[Change]:
-    """Rows whose verdict or error is another than in the file, that are new, or that are no more. Raises InputError."""
+    """Return the rows whose verdict or error differs from an earlier file, new and removed ones included.
+
+    Parameters
+    ----------
+    path
+        Earlier file, CSV or JSON.
+    outcomes
+        Present rows.
+
+    Returns
+    -------
+    list of Change
+        The changes.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
     before, after = _read(path), dict(map(_of_outcome, outcomes))
     pairs = {label: (before.get(label), after.get(label)) for label in (*before, *after)}
     return [Change(*label, old, new) for label, (old, new) in pairs.items() if _seen(old) != _seen(new)]
 
 
 def _seen(row: Row | None) -> tuple[str, str] | None:
-    """What counts as a change."""
+    """Return the part of a row whose change counts."""
     return None if row is None else (row.verdict, row.size)
 
 
 def _row(verdict: str, error: float | None, limit: float | None, unit: str) -> Row:
-    """A row with its numbers as published."""
+    """Return a row with its numbers rounded as published."""
     error, limit = (None if x is None else float(f"{x:.4g}") for x in (error, limit))
     return Row(verdict, error, limit, unit)
 
@@ -322,7 +378,7 @@ def _of_csv(text: str) -> Iterator[tuple[Label, Row]]:
 
 
 def _amount(cell: str) -> tuple[float | None, str]:
-    """Number and unit of a cell, as `gate.publish.amount` writes them."""
+    """Return number and unit of a cell that `gate.publish.amount` wrote."""
     number, _, unit = cell.partition(" ")
     return float(number) if number else None, unit
 
@@ -332,7 +388,7 @@ def _listed(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _of_json(row: Mapping[str, Any]) -> tuple[Label, Row]:
-    """A row of JSON, of scenes or of the shipped gate; the ending of its limit's key says the unit."""
+    """Return a row from JSON; the ending of its limit's key gives the unit."""
     if "kind" in row:
         label, verdict = (row["name"], row["kind"]), row["verdict"]
     else:

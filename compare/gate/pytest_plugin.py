@@ -1,4 +1,4 @@
-"""Scenes judged against their 3D reference within a user's pytest (the fixture: `rollbench.fixture`)."""
+"""Fixture for users' pytest that judges scenes against their 3D reference (`rollbench.fixture`)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,13 @@ if TYPE_CHECKING:
 
 
 class Rollbench:
-    """What the fixture gives. ``root``: folder that paths start from, that of the test's own file."""
+    """Value of the fixture ``rollbench``.
+
+    Parameters
+    ----------
+    root
+        Folder from which paths start: that of the test file.
+    """
 
     def __init__(self, root: Path) -> None:
         """Keep the folder; nothing is imported before it is needed."""
@@ -35,10 +41,23 @@ class Rollbench:
         store: str | Path = "rollbench-reference",
         compute: bool = True,
     ) -> list[Verdict]:
-        """Fail the test unless the scene passes; returns the verdicts.
+        """Judge a scene, and fail the test unless it passes.
 
-        scene: a file, from the folder of the test, or the name of a shipped scene; the rest as for ``rollbench check``.
-        A scene that is undecided or not covered fails too: nothing is said of it. Bad input fails with its one line.
+        A scene that is undecided or not covered fails too, and so does bad input.
+
+        Parameters
+        ----------
+        scene
+            File, from the folder of the test, or name of a shipped scene.
+        max_error, model, loads, values, limits, reference, strict, levels, store, compute
+            As for `rollbench.check`; paths start from the folder of the test.
+        stored
+            Folder of runs from which the reference is taken, besides those shipped; none is computed.
+
+        Returns
+        -------
+        list of Verdict
+            The verdicts.
         """
         from rollbench.compare.errors import InputError
         from rollbench.compare.gate.user import asked, check_scenes

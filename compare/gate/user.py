@@ -1,6 +1,6 @@
-"""A user's scenes against their 3D reference: loads of a model, or of any other program, with a verdict on each.
+"""Verdicts on users' scenes: loads of a model, or of another program, against the 3D reference.
 
-In the place of this project's reference a user's: measured loads, or those of another 3D program.
+Instead of the 3D reference the loads of a file can be taken: measured ones, or those of another 3D program.
 """
 
 from __future__ import annotations
@@ -63,11 +63,33 @@ UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 def read_reference(
     path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
-    """The reference of a file with the columns of `loads_file`, of every flank; headings that nothing is known of. only:
-    rows that are read; contacts: how many the nominal screw loads, where the scene itself does not tell.
+    """Read a reference from a file with the columns of `loads_file`, for every flank.
 
-    Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or one note above the table,
-    ``# uncertainty: 0.5 %`` of the mean load or ``2 N``; zero without, which is said. Raises InputError.
+    Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or a note above the table, ``#
+    uncertainty: 0.5 %`` of the mean load or ``2 N``; without, zero is taken, with a note.
+
+    Parameters
+    ----------
+    path
+        The file.
+    scene
+        Scene with one set.
+    only
+        Rows that are read.
+    contacts
+        Number of contacts that the nominal screw loads; None: computed.
+
+    Returns
+    -------
+    Reference
+        The reference.
+    tuple of str
+        Headings that are not known.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or does not fit the scene.
     """
     given = read_loads(path, scene.ball_count, scene, only)
     left = [side for side in SIDES if side not in given.flanks]
@@ -90,7 +112,7 @@ def read_reference(
 
 
 def exceeding(ref: Reference, limit: float) -> str:
-    """A warning where a reference is more uncertain than the limit [%] that it should judge; empty where it is not."""
+    """Return a warning if the uncertainty of a reference is larger than the limit [%]; else empty."""
     worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
@@ -101,7 +123,7 @@ def exceeding(ref: Reference, limit: float) -> str:
 
 
 def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
-    """Uncertainty of every contact [N], and what is said of it."""
+    """Return the uncertainty of every contact [N], and a description of it."""
     on = given.load > 0.0
     stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
     note = given.notes.get(UNCERTAINTY)
@@ -130,7 +152,7 @@ def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str
 
 
 def as_run(scene: Scene, load: Array, angle: Array) -> Run:
-    """A run without mesh: loads [N] and angles [deg]."""
+    """Return loads [N] and angles [deg] as a run without mesh."""
     return Run(
         scene=scene.name,
         level=0,
@@ -158,16 +180,16 @@ def as_run(scene: Scene, load: Array, angle: Array) -> Run:
     )
 
 
-#: Mesh levels that are computed where none is asked for: the fewest that give an uncertainty.
+#: Number of mesh levels that are computed by default: the fewest that give an uncertainty.
 ENOUGH = 2
 
-#: Limit [%] below which a share may be meant: no reference is known that well.
+#: Limit [%] below which a share may be meant instead: no reference is that accurate.
 SHARE = 0.2
 
-#: What is said of a scene without reference.
+#: Reason for a scene without reference.
 NONE_STORED = "no stored run of its 3D reference, and none is to be computed"
 
-#: Columns that are known, in words.
+#: Known columns, in words.
 KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
 
 NO_OTHERS: Mapping[str, float] = {}
@@ -177,21 +199,27 @@ NO_CASES: Mapping[str, str] = {}
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked: model, or files of loads and of values; limit [%] of loads in place of the scenes' own (None: theirs,
-    or `LIMIT`), and limits of other quantities; levels of the reference to compute at least (None: the best stored,
-    `ENOUGH` where there are fewer); compute: whether runs that are missing may be computed; stores: folders of runs, the
-    first takes those that are computed; reference: file of the user's own, in place of all of them; strict: whether
-    headings that nothing is known of are an error."""
+    """Request for verdicts."""
 
+    #: Folders of runs; the first takes those that are computed.
     stores: tuple[Path, ...]
+    #: Model that is judged.
     model: str = DEFAULT
+    #: File of loads that are judged instead.
     loads: Path | None = None
+    #: Limit of the loads [%]; None: that of the scene, or `LIMIT`.
     max_error: float | None = None
+    #: Number of mesh levels to compute at least; None: the best stored run, `ENOUGH` if there are fewer.
     levels: int | None = None
+    #: Whether missing runs are computed.
     compute: bool = True
+    #: File of further values that are judged.
     values: Path | None = None
+    #: Limits of other quantities by name.
     limits: Mapping[str, float] = field(default_factory=dict)
+    #: File of loads instead of the 3D reference.
     reference: Path | None = None
+    #: Whether unknown headings are an error.
     strict: bool = False
 
 
@@ -209,7 +237,29 @@ def asked(
     stored: Path | None = None,
     compute: bool = True,
 ) -> Asked:
-    """What is asked, checked. Raises InputError for what cannot be asked together, or is out of range."""
+    """Check a request for verdicts.
+
+    Parameters
+    ----------
+    model, loads, values, max_error, reference, strict, levels, compute
+        As in `Asked`; ``model`` may be empty for the default.
+    limits
+        Limits of other quantities, ``NAME=NUMBER``.
+    store
+        Folder of runs that takes those that are computed.
+    stored
+        Folder of runs from which the reference is taken without computing any.
+
+    Returns
+    -------
+    Asked
+        The request.
+
+    Raises
+    ------
+    InputError
+        If arguments exclude each other or are out of range.
+    """
     if max_error is not None and not 0.0 < max_error <= 100.0:
         raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
     if levels is not None and not 1 <= levels <= len(LEVELS):
@@ -242,12 +292,15 @@ def asked(
 
 @dataclass(frozen=True)
 class Files:
-    """What files say of a scene or load case: loads of another program, of each of its sets in order, and values, with the
-    scene at the axial loads [N] of these; the user's own reference of each set."""
+    """Contents of a user's files for a scene or load case."""
 
+    #: Loads of another program, for each set.
     loads: tuple[GivenLoads, ...] = ()
+    #: Values of the whole screw.
     values: tuple[GivenValue, ...] = ()
+    #: The scene under the axial loads [N] of these values.
     at: Mapping[float, Scene] = field(default_factory=dict)
+    #: Reference of the user, for each set.
     reference: tuple[Referenced, ...] = ()
 
 
@@ -259,12 +312,33 @@ def check_scenes(
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
-    """Verdicts on scenes, in their order; each has one, two where it limits the RMS error too, and one on each further
-    quantity that a file gives or that is given a limit; of several sets on one shaft each set has its own.
+    """Judge scenes against their references, missing runs of which are computed first.
 
-    References that are missing are computed first, scenes of one geometry together; warn: takes what a user should see
-    before; cases: which load case each scene is, by their names, where files hold the rows of all. Raises InputError for
-    files that do not fit the scene, Refusal where the model cannot take it.
+    Parameters
+    ----------
+    scenes
+        Scenes with one load case each.
+    request
+        What is judged, by which limits and references.
+    engine
+        Runs computations of the 3D reference.
+    step
+        Called with lines of progress.
+    warn
+        Called with warnings.
+    cases
+        Name of the load case by name of the scene, if files hold the rows of several load cases.
+
+    Returns
+    -------
+    list of Verdict
+        For each scene, or each of its sets, one on the largest error of a load, one on the RMS error if that has a limit,
+        and one on each further quantity that a file gives or that has a limit.
+
+    Raises
+    ------
+    InputError
+        If a file does not fit the scene; as Refusal if the model does not cover it.
     """
     warned: dict[str, None] = {}
     for scene in scenes:
@@ -291,7 +365,7 @@ def check_scenes(
 
 
 def _verdicts(one: Referenced, files: Files, limits: Limits, request: Asked) -> list[Verdict]:
-    """Verdicts on what a file or a model says of the contacts of a scene, or of a set."""
+    """Return the verdicts on the contacts of a set, by a file or a model."""
     if request.loads is None:
         return _named(_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
@@ -302,12 +376,12 @@ def _verdicts(one: Referenced, files: Files, limits: Limits, request: Asked) -> 
 
 
 def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
-    """Verdicts under the names of scene and set."""
+    """Return verdicts with the names of scene and set."""
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
 def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: Asked) -> list[Verdict]:
-    """Verdicts by a user's own reference, with what the stored 3D reference says beside the first."""
+    """Return the verdicts by a user's reference, the first with a comparison to the stored 3D reference."""
     ours = stored_beside(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
@@ -319,7 +393,7 @@ def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits:
 def _value(
     value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: Asked, reason: str
 ) -> Verdict:
-    """The verdict on a value of the whole, of several sets on one shaft on the life of one."""
+    """Return the verdict on a value of the whole screw; of several sets on the life of one."""
     assert request.values is not None
     one = next(iter(each), None)
     if one is None or (one.of is not None and value.quantity is not LIFE):
@@ -330,7 +404,7 @@ def _value(
 
 
 def of_set(one: Referenced, word: str) -> bool:
-    """Whether a word (a number from 1, or a name) names a set; the only set goes by any."""
+    """Return whether a word (a number from 1, or a name) names a set; a single set accepts any."""
     return one.of is None or word in _words(one.of.assembly, one.of.number)
 
 
@@ -343,8 +417,7 @@ def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why:
 
 
 def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
-    """The scenes that files are given for; none without files. Raises InputError for several that are
-    not the load cases of one."""
+    """Return the scenes that files are given for; InputError for several that are not load cases of one."""
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
@@ -354,7 +427,7 @@ def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, st
 
 
 def _files(scene: Solvable, request: Asked, warn: Callable[[str], None], case: str | None) -> Files:
-    """What the given files say of a scene or its load case. Raises InputError for files that do not fit."""
+    """Read the files for a scene or load case; InputError if they do not fit."""
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
@@ -374,7 +447,7 @@ def _files(scene: Solvable, request: Asked, warn: Callable[[str], None], case: s
 
 
 def parts_of(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
-    """The sets of a scene, and which rows of a file are of each. Raises InputError for rollers."""
+    """Return each set of a scene with the rows of a file that belong to it; InputError for rollers."""
     of_case: Only = {} if case is None else {"case": (case,)}
     if isinstance(scene, Scene):
         return [(scene, of_case)]
@@ -395,8 +468,33 @@ def judged_by(
     strict: bool = False,
     case: str | None = None,
 ) -> list[Referenced]:
-    """A scene beside the user's own reference, set by set; limit [%]: that it is to judge, the scene's own unless given;
-    case: whose rows are read. Raises InputError."""
+    """Read a user's reference for each set of a scene.
+
+    Parameters
+    ----------
+    path
+        The file.
+    scene
+        Scene with one set or several.
+    warn
+        Called with warnings.
+    limit
+        Limit of the loads [%], for a warning if the reference is less accurate; None: that of the scene.
+    strict
+        Whether unknown headings are an error.
+    case
+        Load case whose rows are read.
+
+    Returns
+    -------
+    list of Referenced
+        Reference of each set.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or does not fit the scene.
+    """
     out = []
     for k, (parts, only) in enumerate(parts_of(scene, case)):
         of = None if isinstance(scene, Scene) else SetOf(scene, k)
@@ -410,13 +508,13 @@ def judged_by(
 
 
 def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """This project's stored reference beside a user's own; None where none is stored."""
+    """Return the stored 3D reference of a set, to be shown next to a user's; None if there is none."""
     references = referenced(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 
 
 def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
-    """Raises InputError for a value of a set that the scene does not have, or that is not named."""
+    """Raise InputError for a value that names no set, or one that the scene does not have."""
     if isinstance(scene, Scene):
         return
     known = [word for k in range(len(scene.sets)) for word in _words(scene, k)]
@@ -427,7 +525,7 @@ def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> No
 
 
 def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
-    """The scene with its loads in proportion to the axial one of a value. Raises InputError."""
+    """Return the scene with its loads scaled to the axial load of a value; InputError if it has none."""
     assert value.force is not None
     if isinstance(scene, Assembly):
         raise InputError(str(path), "where", value.where, "empty", "several sets are judged under the scene's own loads")
@@ -439,7 +537,7 @@ def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
 
 
 def _unknown(path: Path, heads: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
-    """Say of columns that they are not known. Raises InputError where that is asked for."""
+    """Warn of unknown columns; InputError if ``strict``."""
     if not heads:
         return
     if strict:
@@ -448,7 +546,7 @@ def _unknown(path: Path, heads: Sequence[str], warn: Callable[[str], None], *, s
 
 
 def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """What is said of loads of another program beside their errors."""
+    """Yield notes on the loads of another program."""
     left = [side for side in SIDES if side not in given.flanks]
     yield f"not judged, because not given: {', '.join(left)}" if left else ""
     if given.renumbered:
@@ -457,8 +555,22 @@ def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[s
 
 
 def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Limits of a scene: that of the command line for the largest error, or the scene's own, or `LIMIT`; others: of other
-    quantities."""
+    """Return the limits of a scene: those given, else its own, else `LIMIT`.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+    max_error
+        Limit of the largest error of a load [%]; None: not given.
+    others
+        Limits of other quantities by name.
+
+    Returns
+    -------
+    Limits
+        The limits.
+    """
     if isinstance(scene, Assembly):
         return Limits(LIMIT if max_error is None else max_error, others=others)
     limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
@@ -466,14 +578,14 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
 
 
 def as_shares(limits: Limits) -> Iterator[str]:
-    """Questions about limits that look like shares: 0.07 where 7 % may be meant."""
+    """Yield a question for each limit that looks like a share: 0.07 where 7 % may be meant."""
     for name, limit in {"loads": limits.largest, **limits.others}.items():
         if limit < SHARE and name != ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: are {100.0 * limit:g} % meant? limits are in per cent"
 
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
+    """Return the verdicts on a model's answers; without equilibrium they fail."""
     scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
         answer = answered(one.of, name)
@@ -498,7 +610,7 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
 
 
 def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
-    """Compute what is missing; by scene, why it has no reference. A refusal does not stop the other geometries."""
+    """Compute the missing runs; return by scene why it has no reference. A refusal does not stop other geometries."""
     why: dict[str, str] = {}
     for group in groups(scenes):
         for levels, lacking in _missing(group, request).items():
@@ -512,7 +624,7 @@ def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: 
 
 
 def _missing(scenes: Sequence[Solvable], request: Asked) -> dict[tuple[int, ...], list[Solvable]]:
-    """Scenes by the levels that they lack."""
+    """Return the scenes by the levels that they lack."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
         stored = [k for k in LEVELS if load(scene, k, stores=request.stores) is not None]

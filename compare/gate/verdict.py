@@ -1,7 +1,4 @@
-"""Whether loads agree with a reference within a limit, the reference's own uncertainty counted openly.
-
-Also other quantities: angle, approach and pressure of every contact, and those of the whole screw.
-"""
+"""Verdict on loads and other quantities against a reference, with a limit and the uncertainty of the reference."""
 
 from __future__ import annotations
 
@@ -25,58 +22,59 @@ from rollbench.meshes.quantity import quantity as stated
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
-#: Limit [%] where neither the command line nor the scene gives one.
+#: Default limit [%].
 LIMIT = 7.0
 
-#: Exit code of each verdict; of several verdicts the first of these counts.
+#: Exit code of each verdict, the worst first; of several verdicts the worst counts.
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 
-#: Balls on either side of the worst that a picture shows.
+#: Number of balls on either side of the worst that a picture shows.
 NEAR = 6
 
-#: Newtons of other units of force.
+#: Other units of force, in newtons.
 UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
 
-#: Relative distance from a unit within which the sums of loads look like it.
+#: Relative deviation up to which a ratio of sums of loads is taken for a wrong unit.
 ALIKE = 0.2
 
 LARGEST = "largest error of a contact load"
 
 RMS = "RMS error of the contact loads"
 
-#: What is said where the reference has one mesh level.
+#: Note on a reference with a single mesh level.
 ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; two or three levels give its own"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits in per cent: of the largest error of a contact load (of its own reference load, of the mean where that is
-    small), and of the RMS error (of the mean load; None: not judged); others: of other quantities by name, where they are
-    given one of their own (`gate.judged`)."""
+    """Limits of a scene [%]."""
 
+    #: Largest error of a contact load (of its reference load; of the mean load if that is small).
     largest: float = LIMIT
+    #: Root mean square error of the loads, of the mean load; None: not judged.
     rms: float | None = None
+    #: Limits of other quantities by name (`gate.judged`).
     others: Mapping[str, float] = field(default_factory=dict)
 
 
 def of_whom(scene: str, case: str | None, set_: str | None) -> str:
-    """Scene, case and set, those that are given, in words."""
+    """Return the given ones of scene, case and set in words."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
 @record
 class Verdict:
-    """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty of it (None: not known) and the
-    limit, all in one unit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
-    of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts; set: its name, where
-    several are on one shaft; case: of the scene's load cases; pair: key of a quantity with its value and the reference's,
-    where it is no load; near: balls about the one that decides, and on its flank their load, the reference's and its
-    uncertainty [N]."""
+    """Verdict on one quantity of a scene, load case or set."""
 
+    #: Name of the scene.
     scene: str
+    #: Model or file whose values are judged.
     judged: str
+    #: Name of the quantity.
     quantity: str
+    #: Verdict.
     word: Word
+    #: Error of the contact that decides [unit].
     error: float | None = stated(
         "error_percent",
         "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
@@ -88,40 +86,51 @@ class Verdict:
         ),
         error="`uncertainty_percent` beside it",
     )
+    #: Uncertainty of the reference there [unit]; None: not known.
     uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
+    #: Limit [unit].
     limit: float = stated(
         "limit_percent", "limit of the scene or of the command line", Stated("limit_deg", "its limit, 1 deg unless given")
     )
+    #: Ball that decides, from 1.
     ball: int | None = None
+    #: Flank that decides.
     flank: str | None = None
+    #: Mesh levels of the reference.
     levels: tuple[int, ...] = ()
+    #: Number of judged contacts.
     contacts: int = 0
     detail: str = ""
+    #: Errors in per cent of the mean load, which head every output.
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         Stated("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
         default=None,
     )
+    #: Name of the set, if there are several.
     set: str | None = None
+    #: Name of the load case.
     case: str | None = None
     unit: str = "%"
+    #: Key of the quantity, its value and that of the reference, if it is no load.
     pair: tuple[str, float, float] | None = None
+    #: Ball, load, load of the reference and its uncertainty [N], of the balls next to the one that decides.
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def error_percent(self) -> float | None:
-        """The error, where it is in per cent."""
+        """Error, if it is in per cent."""
         return self.error if self.unit == "%" else None
 
     @property
     def uncertainty_percent(self) -> float | None:
-        """The reference's uncertainty, where it is in per cent."""
+        """Uncertainty of the reference, if it is in per cent."""
         return self.uncertainty if self.unit == "%" else None
 
     @property
     def limit_percent(self) -> float | None:
-        """The limit, where it is in per cent."""
+        """Limit, if it is in per cent."""
         return self.limit if self.unit == "%" else None
 
     @property
@@ -130,7 +139,7 @@ class Verdict:
         return of_whom(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready: numbers by keys whose ending says their unit; those in per cent are null where they have another."""
+        """Return JSON values; keys end with the unit, those in per cent are null if the unit is another."""
         data: dict[str, Any] = {}
         for key, value in asdict(self).items():
             if key not in ("error", "uncertainty", "limit"):
@@ -150,7 +159,7 @@ class Verdict:
         return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
 
     def line(self) -> str:
-        """The verdict as one line of text, with both numbers and the limit."""
+        """Return the verdict as one line of text, with both errors and the limit."""
         head = f"{self.word.upper()}: {self.of}, {self.judged}"
         if self.error is None:
             of = "" if self.quantity == LARGEST else f"{self.quantity}: "
@@ -165,7 +174,7 @@ class Verdict:
 
     @property
     def pair_text(self) -> str:
-        """Value and the reference's, in words."""
+        """Value and that of the reference, in words."""
         if self.pair is None:
             return ""
         key, value, reference = self.pair
@@ -183,9 +192,25 @@ class Verdict:
 
 
 def decide(error: float, uncertainty: float | None, limit: float) -> Word:
-    """Pass where error + uncertainty is within the limit, fail where error - uncertainty is beyond it, undecided between,
-    and where the uncertainty is not known. All in per cent.
+    """Return the verdict on an error: pass, fail or undecided.
 
+    Parameters
+    ----------
+    error
+        Error [%].
+    uncertainty
+        Uncertainty of the reference [%]; None: not known.
+    limit
+        Limit [%].
+
+    Returns
+    -------
+    str
+        Pass if error + uncertainty is within the limit, fail if error - uncertainty is beyond it; undecided between, and if
+        the uncertainty is not known.
+
+    Examples
+    --------
     >>> decide(-6.0, 0.5, 7.0), decide(6.8, 0.5, 7.0), decide(8.0, 0.5, 7.0)
     ('pass', 'undecided', 'fail')
     """
@@ -197,16 +222,20 @@ def decide(error: float, uncertainty: float | None, limit: float) -> Word:
 
 
 class At(NamedTuple):
-    """The error of one contact, the reference's uncertainty of it (None: not known), ball (from 1) and flank."""
+    """Error of one contact."""
 
+    #: Error [%].
     error: float
+    #: Uncertainty of the reference there [%]; None: not known.
     bar: float | None
+    #: Ball, from 1.
     ball: int
+    #: Flank: SL, SR, NL, NR.
     side: str
 
 
 def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
-    """The gravest verdict on contacts, and the one that decides: the first to fail, or the one nearest to it."""
+    """Return the worst verdict on contacts, and the contact that decides: the first to fail, or the nearest to failing."""
     each = [decide(p.error, p.bar, limit) for p in points]
     worst = worst_of(each)
     sign = -1.0 if worst == "fail" else 1.0
@@ -215,7 +244,7 @@ def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
 
 
 def blank(reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%") -> Verdict:
-    """The verdict on what the reference does not cover."""
+    """Return the verdict on a quantity that the reference does not have."""
     return Verdict(
         reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
     )
@@ -224,10 +253,28 @@ def blank(reference: Reference, judged: str, quantity: str, limit: float, why: s
 def judge(
     judged: str, load: Array, reference: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
-    """Verdicts on loads ``(n, 4)`` [N] against a reference: on the largest error, and on the RMS error if it has a limit.
+    """Judge contact loads against a reference.
 
-    flanks: the sides that are judged; what the others carry is no part of any error, and they count in no mean: of the
-    contacts that the nominal screw loads these have the share that they have of those that bear load.
+    Parameters
+    ----------
+    judged
+        Model or file whose loads are judged.
+    load
+        Contact loads, (n, 4) [N].
+    reference
+        The reference.
+    limits
+        Limits of the scene.
+    flanks
+        Flanks that are judged. The others count in no error and no mean: their share of the contacts that the nominal screw
+        loads is taken as among those that bear load.
+    detail
+        Further explanation.
+
+    Returns
+    -------
+    list of Verdict
+        On the largest error, and on the RMS error if it has a limit.
     """
     chosen = np.array([side in flanks for side in SIDES])
     points = [
@@ -252,25 +299,41 @@ def judge(
 
 
 def _near(load: Array, reference: Reference, at: At) -> tuple[tuple[int, float, float, float], ...]:
-    """`Verdict.near` of a contact."""
+    """Return the balls next to a contact, as in `Verdict.near`."""
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
 
 def about(reference: Reference) -> str:
-    """What is said of a reference beside every verdict: whose it is, what did not settle, a single mesh level."""
+    """Return the notes on a reference: its origin, loads that did not converge, a single mesh level."""
     single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
 
 def worst_of(words: Sequence[Word]) -> Word:
-    """The verdict on several: the first of them in the order of `CODES`."""
+    """Return the worst of several verdicts, in the order of `CODES`."""
     return next((w for w in CODES if w in words), "pass")
 
 
 def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Words on loads ``(n, 4)`` [N] beyond the limit [%] that would be within it in another unit or on other balls; empty
-    where there is no such reason. flanks: those that are judged."""
+    """Return why loads beyond the limit may be in another unit or on other balls; empty if neither fits.
+
+    Parameters
+    ----------
+    load
+        Contact loads, (n, 4) [N].
+    reference
+        Loads of the reference, (n, 4) [N].
+    flanks
+        Flanks that are judged.
+    limit
+        Limit [%].
+
+    Returns
+    -------
+    str
+        A sentence, or empty.
+    """
     sides = [SIDES.index(side) for side in flanks]
     given, right = load[:, sides], reference[:, sides]
     mean = mean_load(right)
@@ -296,21 +359,23 @@ def _largest(given: Array, right: Array, mean: float) -> float:
     return float(np.abs(error_percent(given, right, mean)).max())
 
 
-#: What is said of approaches and pressures that the reference does not hold itself.
+#: Note on approaches and pressures that are computed from the loads of the reference.
 BY_HERTZ = "the reference's by Hertz from its loads, each contact's own radii"
 
 
 class Contacts(NamedTuple):
-    """What is judged of contacts beside their loads ``(n, 4)`` [N]: other quantities ``(n, 4)`` [SI] by the columns of
-    `OF_CONTACTS`, nan where they are not given; the flanks that are named."""
+    """Quantities of contacts that are judged."""
 
+    #: Contact loads, (n, 4) [N].
     load: Array
+    #: Other quantities (n, 4) in SI by the columns of `OF_CONTACTS`; nan where not given.
     further: Mapping[str, Array]
+    #: Flanks that are given.
     flanks: Sequence[str] = SIDES
 
 
 def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
-    """What a model says of contacts, of the quantities that are given a limit."""
+    """Return the contact quantities of a model's answer that have a limit."""
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
     further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
     if "pressure" in further and answer.pressure is not None:
@@ -319,22 +384,25 @@ def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Con
 
 
 def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
-    """What a model says of the whole, of the quantities that are given a limit and that it has."""
+    """Return the quantities of the whole screw of a model's answer that have a limit."""
     whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
     values = ((q, whole.of(q, answer)) for q in limited)
     return [GivenValue(q, value) for q, value in values if value is not None]
 
 
 def contact_verdicts(judged: str, given: Contacts, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
-    """A verdict on each quantity of contacts that is given and that the reference has, on the contact that decides."""
+    """Judge each given quantity of contacts that the reference has, on the contact that decides."""
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
     names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
     return [_of_contacts(judged, given, name, scene, ref, limits) for name in names]
 
 
 def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
-    """In per cent of a contact's own value, of that at the mean load for contacts below a tenth of it; of angles in
-    degrees, of contacts that bear load in both."""
+    """Judge one quantity of the contacts.
+
+    Errors are in per cent of the contact's value, or of that at the mean load for contacts below a tenth of it; of angles
+    in degrees, for contacts that bear load in both.
+    """
     q, value = OF_CONTACTS[name], given.further[name]
     limit, unit = limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
     reference, bars = of_contacts(scene, ref, q)
@@ -363,7 +431,7 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
 
 
 def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
-    """The verdict on a value of the whole, in per cent of the reference's."""
+    """Judge a value of the whole screw, in per cent of the reference's."""
     whole, q = Whole(scene), given.quantity
     limit = limit_of(q, limits.others, limits.largest)
     reference, bar = whole.reference(q, ref, given.station)
@@ -378,5 +446,5 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
 
 
 def not_judged(verdicts: Sequence[Verdict]) -> list[str]:
-    """Quantities that no verdict is on."""
+    """Return the names of quantities without verdict."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -1,6 +1,7 @@
-"""What an engineer asks of a solved scene of one set or several: contacts, rigidity, safety, preload, friction, life.
+"""Answers of a solved scene: pressure, safety, life, rigidity, preload and friction, of one set or several.
 
-Also where the answers leave what the models mean, and what rows of deep-groove bearings rest at by their clearance.
+Also warnings where an answer is outside the range of validity of the models, and where the rings of deep-groove bearings
+lie within their clearance.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from rollbench.lowfi.bearings.rib import RibContact, rib_contact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque, roller_torque
 from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating import reference, roller_life
 from rollbench.lowfi.rating.contacts import (
     Contact,
     Ratings,
@@ -59,18 +60,21 @@ from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centre
 from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import Stated, quantity, record
 
-#: Part of the way from the middle of the play to its end from which on a ring is called to be at the end.
+#: Share of the half play from which on a ring counts as being at the end of its play.
 AT_END = 0.9
 
 
 def clearance_in(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
-    """Clearance of a row that carries thrust both ways by one arc; None of other rows, and where there is no play."""
+    """Return the clearance of a ball row that carries thrust both ways by one arc per groove.
+
+    None of others or without play.
+    """
     found = clearance_of(parts) if thrust == "deep groove" else None
     return found if found is not None and found.axial > 0.0 else None
 
 
 def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
-    """A note on each deep-groove row between whose rings the axial place is held, at one end of its play."""
+    """Yield a warning for each deep-groove row whose rings are fixed axially at one end of their play."""
     shaft = _held(scene.supports)
     if shaft is None:
         return
@@ -84,7 +88,7 @@ def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
 
 
 def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
-    """The note on a row whose inner ring is held at a place [m] against its outer one."""
+    """Yield the warning for a row whose inner ring is fixed at ``place`` [m] relative to its outer ring."""
     clearance = clearance_in(parts)
     if clearance is None:
         return
@@ -100,91 +104,131 @@ def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
 
 
 def _held(supports: tuple[Support, ...]) -> float | None:
-    """Axial displacement [m] at which supports hold the shaft; None where it is free."""
+    """Return the axial displacement [m] at which supports fix the shaft; None if it is free."""
     return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
 
 
 def _outer(assembly: Assembly, row: RollingSet) -> float | None:
-    """Axial place [m] of a row's outer part; None where its housing moves."""
+    """Return the axial position [m] of a row's outer ring; None if its housing can move."""
     if row.housing is None:
         return row.offset
     housing = next(h for h in assembly.housings if h.name == row.housing)
     return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
 
 
-#: Ladder step whose bodies give the tangent of a model; the others have none, but Liu's along the axis.
+#: Model whose elastic bodies give the tangent stiffness of a model; other models have none, but Liu's along the axis.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
-#: Largest conformity of a groove that is no slip of notation: usual are 0.51 to 0.58, over the ball's radius twice that.
+#: Largest credible conformity (groove radius over ball diameter): usual are 0.51 to 0.58; radius over radius is twice that.
 WIDEST = 0.6
 
 
 @record
 class LoadAnswers:
-    """What contact loads alone answer, of any model or of the 3D reference: the worst contact, its static safety, where the
-    ellipses reach, and the life; None without load, words where a formula does not take the scene."""
+    """What follows from contact loads, of any model or of the 3D reference; None without load."""
 
+    #: Contact with the highest pressure.
     worst: Contact | None = quantity("worst_contact")
+    #: Static safety of this contact.
     safety: StaticSafety | None = quantity("static_safety")
+    #: How far contact ellipses extend to the edge of their groove.
     reach: Truncation | None = quantity("truncation")
+    #: Basic rating life by the loads.
     life: Life | None = quantity("life")
+    #: Dynamic and static load ratings.
     ratings: Ratings | None = quantity("ratings")
     words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
+    #: Life modified for reliability, lubricant and contamination.
     modified: ModifiedLife | None = quantity("modified_life", default=None)
+    reference: reference.ReferenceLife | None = quantity("reference_life", default=None)
 
 
 @record
 class RollerAnswers:
-    """What the line loads of a row of rollers answer: the worst line contact and its static safety, the contact with
-    the rib, life and ratings, friction torque; None without load."""
+    """What follows from the line loads of a row of rollers; None without load."""
 
+    #: Line contact with the highest pressure.
     worst: RollerContact | None = quantity("worst_contact")
+    #: Static safety of this contact.
     safety: StaticSafety | None = quantity("static_safety")
+    #: Contact of the most loaded roller with the rib of its ring.
     rib: RibContact | None = quantity("rib_contact")
+    #: Basic rating life by the loads.
     life: Life | None = quantity("life")
+    #: Dynamic and static load ratings.
     ratings: Ratings = quantity("ratings")
+    #: Friction torque, running and from rest.
     torque: RollerTorque | None = quantity("roller_torque")
+    reference: reference.ReferenceLife | None = quantity("reference_life")
 
 
 @dataclass(frozen=True)
 class Answers:
-    """Answers of one low-order result. motion (6,) [m, rad]: of the screw at the nut's centre from that without loads (from
-    the nominal place where nothing holds the screw then); force: axial on the nut [N]; at_nut: tangent stiffness at the
-    nut's centre, None where the model has none, or none is found, for which ``tangent_words`` say why; friction: its sums,
-    JSON-ready, or words why it is not computed; path: where the loads go, None without any; stepped: stiffness of Liu's
-    model over the scene's step of load [N/m]; shaft: limits of a screw's shaft; torque: of a bearing, by Palmgren's
-    formulas."""
+    """All answers of one solved set by a low-order model."""
 
+    #: What follows from the contact loads.
     loads: LoadAnswers
+    #: Axial force of the screw on the nut [N].
     force: float
+    #: Displacement of the screw at the nut's centre from its unloaded position, (6,) [m, rad]; from the nominal position if
+    #: nothing fixes the unloaded screw.
     motion: Array
+    #: Axial rigidity by several definitions; None without axial force.
     rigidities: Rigidities | None
+    #: Tangent stiffness at the nut's centre; None if the model has none.
     at_nut: Tangent | None
+    #: Why there is no tangent stiffness; empty if there is one or the model has none.
     tangent_words: str
+    #: Contact loads without the loads of the scene.
     preload: Preload | None
+    #: Load at which the first preloaded contact opens.
     lift: LiftOff | None
+    #: Sums of friction as JSON values; None if not computed.
     friction: dict[str, Any] | None
+    #: Why friction is not computed.
     friction_words: str
+    #: Share of the loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
+    #: Axial stiffness of Liu's model over the scene's load step [N/m].
     stepped: float | None = None
+    #: Buckling load, critical speed and DN value of the screw.
     shaft: ShaftLimits | None = None
+    #: Friction torque of a bearing by Palmgren's formulas.
     torque: BallTorque | None = None
 
     @property
     def displacement(self) -> float:
-        """Axial part [m] of `motion`."""
+        """Axial component of `motion` [m]."""
         return float(self.motion[2])
 
     @property
     def tangent(self) -> float | None:
-        """Axial rigidity [N/m] of `at_nut`, rotation held."""
+        """Axial rigidity from `at_nut` [N/m], rotation about the axis fixed."""
         return None if self.at_nut is None else self.at_nut.rigidity("uz")
 
 
 def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None) -> LoadAnswers:
-    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]; member: which specimen of a scene with
-    random errors carries them; pressure: pole pressures ``(n, 4)`` [Pa] in place of Hertz's."""
+    """Compute pressure, safety and life from contact loads.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    load
+        Contact loads, (n, 4) [N].
+    angle
+        Contact angles, (n, 4) [rad].
+    member
+        Number of the specimen of a scene with random errors.
+    pressure
+        Largest pressure of each contact, (n, 4) [Pa]; None: by Hertz.
+
+    Returns
+    -------
+    LoadAnswers
+        The answers.
+    """
     drawn = specimen(scene, ball_layout(scene), member)
     words = ""
     rated_life: Life | None = None
@@ -198,12 +242,34 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
     safety = None if worst is None else static_safety(scene, drawn, worst)
-    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified_life(scene, rated_life))
+    modified, basic = modified_life(scene, rated_life), reference.of_balls(scene, rated_life)
+    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
-    """Tangent stiffness at a station [m] of the screw by a model with beams or elastic bodies. Raises InputError for
-    another model, Refusal for a scene that its bodies cannot be made of."""
+    """Compute the tangent stiffness at a station of the screw.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    station
+        Axial position on the screw [m].
+    model
+        Model with a beam or elastic bodies.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    Tangent
+        Stiffness and rigidities.
+
+    Raises
+    ------
+    InputError
+        If the model has no tangent stiffness; as Refusal if its elastic bodies cannot be built for the scene.
+    """
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
@@ -220,8 +286,24 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
 
 
 def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
-    """Tangent stiffness at the nut's centre, None where the model has none; words where the bodies that it needs cannot be
-    made, or do not come to rest."""
+    """Compute the tangent stiffness at the nut's centre.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    model
+        Name of the model.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    Tangent or None
+        The stiffness; None if the model has none.
+    str
+        Why the elastic bodies that it needs cannot be built or do not converge; else empty.
+    """
     if model == "liu":
         from rollbench.lowfi.statics.liu import row_of  # loads the chain
 
@@ -239,24 +321,52 @@ def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent 
 
 
 def unloaded_place(scene: Scene, bare: StaticResult) -> float:
-    """Axial displacement [m] of the screw at the nut's centre without loads, from which displacements are counted; zero,
-    its nominal place, where no contact holds it then. bare: the result without loads."""
+    """Return the axial displacement of the screw at the nut's centre without loads, from which displacements count [m].
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    bare
+        Its result without loads.
+
+    Returns
+    -------
+    float
+        Displacement; zero (the nominal position) if no contact fixes the unloaded screw.
+    """
     return float(unloaded_motion(scene, bare)[2])
 
 
 def unloaded_motion(scene: Scene, bare: StaticResult) -> Array:
-    """The same in all six freedoms ``(6,)`` [m, rad]."""
+    """Return the displacement of the screw at the nut's centre without loads, (6,) [m, rad]; see `unloaded_place`."""
     return motion_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
 
 
 def motion_at_nut(scene: Scene, result: StaticResult) -> Array:
-    """Motion ``(6,)`` [m, rad] of the screw's section at the nut's centre from its nominal place."""
+    """Return the displacement of the screw at the nut's centre from its nominal position, (6,) [m, rad]."""
     return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
 
 
 def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
-    """All answers of a converged result, with the further solutions that they need: without loads, and with the loads at
-    which a preloaded contact opens."""
+    """Compute all answers of a converged result, with the further solutions that preload and lift-off need.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its converged result.
+    model
+        Name of the model.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    Answers
+        The answers.
+    """
     bare = loading.solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
     force, moved = axial_force(result), motion_at_nut(scene, result) - unloaded_motion(scene, bare)
@@ -289,9 +399,27 @@ def row_torque(
     lubricant: Lubricant | None,
     motion: Motion | None,
 ) -> BallTorque | None:
-    """Friction torque of a bearing's row of balls by Palmgren's formulas; None of nuts and without load.
+    """Compute the friction torque of a ball bearing by Palmgren's formulas.
 
-    thrust: which it carries, of a row of one arc a groove; force (3,) [N]: of the shaft or on it; loads: its answers.
+    Parameters
+    ----------
+    parts
+        Row of balls as a scene.
+    thrust
+        Direction of thrust that a row with one arc per groove carries.
+    balls
+        Its result.
+    force
+        Force between shaft and row, (3,) [N].
+    loads
+        Answers of its contact loads.
+    lubricant, motion
+        Of the scene; None: only the torque from rest.
+
+    Returns
+    -------
+    BallTorque or None
+        The torque; None of nuts and without load.
     """
     if parts.track.lead or loads.safety is None:
         return None
@@ -309,18 +437,50 @@ def row_torque(
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """JSON-ready sums of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to
-    do."""
+    """Return the sums of friction if no kernel must be compiled for them.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its converged result.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    dict or None
+        Sums as JSON values; None without a coefficient of friction, or if a kernel must be compiled.
+    str
+        What to do to get them; else empty.
+    """
     if scene.friction is None:
-        return None, "no coefficient in the scene; rollbench friction takes one, such as mu = 0.1"
+        return None, "no coefficient given; rollbench friction takes mu = 0.1"
     from rollbench.compare.models.friction_sums import kept_sums
 
     return kept_sums(scene, result, options)
 
 
 def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
-    """Answers of the line loads ``(count, slices)`` [N/m] of a row of rollers whose rings turn against one another at a
-    speed [rad/s], None where it is not known."""
+    """Compute pressure, safety, life and friction torque from the line loads of a row of rollers.
+
+    Parameters
+    ----------
+    row
+        The row.
+    line_loads
+        Load per length of each slice, (count, slices) [N/m].
+    speed
+        Relative speed of the rings [rad/s]; None: not known.
+    lubricant
+        Lubricant of the scene, if any.
+
+    Returns
+    -------
+    RollerAnswers
+        The answers.
+    """
     worst = worst_roller(row, line_loads)
     return RollerAnswers(
         worst,
@@ -329,11 +489,12 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
         roller_life.life(row, line_loads),
         roller_life.ratings(row),
         roller_torque(row, line_loads, speed, lubricant),
+        reference.of_rollers(row, line_loads),
     )
 
 
 def _wide_grooves(scene: Scene) -> Iterator[Warned]:
-    """Conformities that are hardly meant as groove radius over ball diameter."""
+    """Yield a warning for conformities that are hardly groove radius over ball diameter."""
     grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
     wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
     if wide:
@@ -343,8 +504,22 @@ def _wide_grooves(scene: Scene) -> Iterator[Warned]:
 
 
 def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preload: float) -> Iterator[Warned]:
-    """Where answers leave what the models mean: wide grooves, static safety below one, a preload [N] beyond the dynamic
-    load rating."""
+    """Yield warnings for answers outside the range of validity of the models.
+
+    Parameters
+    ----------
+    parts
+        Parts of the set.
+    loads
+        Answers of its contact loads.
+    preload
+        Axial preload [N].
+
+    Yields
+    ------
+    Warned
+        For wide grooves, static safety below one, and preload above the dynamic load rating.
+    """
     if isinstance(parts, Scene):
         yield from _wide_grooves(parts)
     if loads.safety is not None and loads.safety.factor < 1.0:
@@ -368,31 +543,39 @@ def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preloa
 
 @dataclass(frozen=True)
 class SetAnswers:
-    """One set: its name and parts. preload: of its contacts without the loads of the scene, axially the force that it then
-    has on the shaft; None where the scene does not solve then; torque: of a loaded bearing."""
+    """Answers of one of several sets on a shaft."""
 
+    #: Name of the set.
     name: str
+    #: Parts of the set.
     parts: Scene | RollerRow
+    #: What follows from its contact loads.
     loads: LoadAnswers | RollerAnswers
+    #: Contact loads without the loads of the scene, and its axial force on the shaft then; None if there is no equilibrium.
     preload: Preload | None
+    #: Friction torque of a loaded ball bearing.
     torque: BallTorque | None = None
 
 
 @dataclass(frozen=True)
 class AxisAnswers:
-    """sets: of each; force [N]: axial loads on shaft and housings; motion (6,) [m, rad]: of what is asked about, from that
-    without loads, None where it does not solve without them; path: where the loads go, None without any; paths: where those
-    on each body go, judged one by one, so that one that a frame takes does not hide behind another."""
+    """Answers of several sets on one shaft."""
 
+    #: Answers of each set.
     sets: tuple[SetAnswers, ...]
+    #: Sum of the axial loads on shaft and housings [N].
     force: float
+    #: Displacement of the station or housing of interest from its unloaded position, (6,) [m, rad]; None if there is no
+    #: unloaded equilibrium.
     motion: Array | None
+    #: Share of all loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
+    #: The same for the loads on each body separately, so that a load that a frame takes is not hidden by others.
     paths: tuple[LoadPath, ...] = ()
 
     @property
     def by_pressure(self) -> list[int]:
-        """Numbers (from 0) of the loaded sets, first that whose highest pressure is most of what is allowed."""
+        """Numbers (from 0) of the loaded sets, by decreasing share of the allowed pressure."""
         found = [x.loads for x in self.sets]
         shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
         return sorted(shares, key=lambda i: -shares[i])
@@ -400,17 +583,30 @@ class AxisAnswers:
     @property
     @Stated("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
     def worst_set(self) -> int | None:
-        """The first of these, from 1; None without load."""
+        """Number (from 1) of the set with the largest share of the allowed pressure; None without load."""
         return next((i + 1 for i in self.by_pressure), None)
 
     @property
     def displacement(self) -> float | None:
-        """Axial part [m] of `motion`."""
+        """Axial component of `motion` [m]."""
         return None if self.motion is None else float(self.motion[2])
 
 
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
-    """Answers of a converged result, with the further solution without loads."""
+    """Compute all answers of a converged result of several sets, with the further solution without loads.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several sets.
+    result
+        Its converged result.
+
+    Returns
+    -------
+    AxisAnswers
+        The answers.
+    """
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
     unloaded = bare.sets if bare.converged else [None] * len(result.sets)
     sets = tuple(_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
@@ -420,7 +616,7 @@ def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 
 
 def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
-    """Paths of the loads on each body: of one body that of all loads; of several what changes without the loads of one."""
+    """Return the load path of each loaded body: with a single one that of all loads, else by removing the other loads."""
     bodies, options = loaded_bodies(assembly), Options(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
@@ -430,7 +626,29 @@ def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tup
 
 
 def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
-    """The result with all warnings, and its answers where it converged. Raises InputError and Refusal as `run_model`."""
+    """Solve several sets on one shaft, with all warnings and answers.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several sets.
+    model
+        Name of the model.
+    member
+        Number of the specimen of a scene with random errors.
+
+    Returns
+    -------
+    AxisResult
+        The result.
+    AxisAnswers or None
+        The answers; None without equilibrium.
+
+    Raises
+    ------
+    InputError
+        If the model does not cover the assembly.
+    """
     result = run_model(assembly, model, Options(member=member))
     if not result.converged:
         return result, None
@@ -442,7 +660,7 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
 
 
 def _of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
-    """bare: the set without the scene's loads, None where that does not solve; member: its specimen."""
+    """Return the answers of one set; ``bare``: its result without the scene's loads, None without equilibrium."""
     parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"

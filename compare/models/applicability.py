@@ -1,8 +1,8 @@
-"""What was compared with the 3D reference, and where another scene lies: a range for each of what describes a screw.
+"""Whether a scene lies within the range of those that were compared with the 3D reference, by descriptors of its parts.
 
-Descriptors need no solution, so that a scene can be placed before it is solved. A scene is outside in a descriptor where it
-lies beyond the compared range by more than the descriptor's margin; `compare.models.model_form` adds what the loads say
-(preload, spread, force across and moment), and either makes a result "not covered".
+Descriptors need no solution, so a scene can be placed before it is solved. A scene is outside if a descriptor is beyond the
+compared range by more than its margin. `compare.models.model_form` adds features of the loads (preload, spread, lateral
+force and moment); outside in either, the error to expect is "not covered".
 """
 
 from __future__ import annotations
@@ -25,42 +25,47 @@ from rollbench.meshes.solid import dimensions
 
 @dataclass(frozen=True)
 class Descriptor:
-    """Name, unit, how far beyond the compared range still counts as like it, and its value of a scene."""
+    """Number that describes a scene, with the margin by which it may exceed the compared range."""
 
+    #: Name of the descriptor.
     name: str
+    #: Unit of value and margin.
     unit: str
+    #: Distance beyond the compared range that still counts as similar [unit].
     margin: float
+    #: Function that computes the value of a scene [unit].
     of: Callable[[Scene], float]
 
 
 def _misalignment(scene: Scene) -> float:
-    """Largest lateral displacement [um] that the supports are given between one another."""
+    """Return the largest lateral displacement prescribed between supports [um]."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
     across, up = (max(v) - min(v) for v in given.values())
     return 1e6 * float(np.hypot(across, up))
 
 
 def _preload(scene: Scene) -> float:
-    """Oversize of the balls over their diameter [1e-3]."""
+    """Return the oversize of the balls over their diameter [1e-3]."""
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
 
 def _beyond_balls(scene: Scene) -> float:
-    """Least length of nut or outer ring beyond the outermost balls' centres, over the ball's radius; 4 where it is more.
+    """Return the smallest length of nut or outer ring beyond the outermost ball centres, over the ball radius; at most 4.
 
-    Where balls run to the nut's face, a lip stands behind their flanks (`lowfi.compliance.faces`), and few were compared.
+    Where balls run up to the face, only a thin lip supports their flanks (`lowfi.compliance.faces`); few such scenes were
+    compared.
     """
     z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
     return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)
 
 
 def _poisson(scene: Scene) -> float:
-    """Poisson's ratio of the part whose ratio is farthest from steel's 0.3."""
+    """Return the Poisson's ratio, among all parts, that differs most from 0.3 (steel)."""
     ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
 
 
-#: What describes a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
+#: Descriptors of a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
 #: Of moduli there is one step, as all parts of the compared are of one steel: a nut's compliance is most of lin's error,
 #: which so grows by a quarter at the margin; balls change only Hertz' constants, so that theirs holds silicon nitride.
 DESCRIPTORS = (
@@ -101,17 +106,20 @@ DESCRIPTORS = (
 
 @dataclass(frozen=True)
 class Place:
-    """Where a scene lies in one descriptor: its value, the compared range, and whether that is outside by more than the
-    margin."""
+    """Value of one descriptor of a scene, and the range of the compared scenes."""
 
+    #: The descriptor.
     descriptor: Descriptor
+    #: Value of the scene.
     value: float
+    #: Smallest value of the compared scenes.
     low: float
+    #: Largest value of the compared scenes.
     high: float
 
     @property
     def outside(self) -> bool:
-        """Beyond the compared range by more than the margin."""
+        """Whether the value is beyond the compared range by more than the margin."""
         d = self.descriptor.margin * (1.0 + 1e-9)
         return not self.low - d <= self.value <= self.high + d
 
@@ -124,7 +132,7 @@ class Place:
 
 @cache
 def compared(*, ring: bool) -> tuple[Scene, ...]:
-    """The shipped screws, or rings, that were compared with the 3D reference."""
+    """Return the shipped screws, or rings if ``ring``, that were compared with the 3D reference."""
     names = (*catalogue.with_role("referenced"), *catalogue.with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
@@ -136,7 +144,7 @@ SURVEY = "survey.json"
 
 @cache
 def survey() -> tuple[dict[str, Any], ...]:
-    """Record of every drawn screw that was compared; none where it is absent or damaged."""
+    """Return the records of all drawn screws that were compared; empty if the file is missing or damaged."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row.get("points"))
@@ -146,7 +154,7 @@ def survey() -> tuple[dict[str, Any], ...]:
 
 @cache
 def surveyed() -> tuple[dict[str, float], ...]:
-    """Descriptors by name of every drawn screw that was compared."""
+    """Return the descriptors by name of every drawn screw that was compared."""
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey())
 
 
@@ -155,7 +163,7 @@ PLACES = "places.json"
 
 
 def save_places(store: Path) -> None:
-    """Write the descriptors of `compared` rings and screws."""
+    """Write the descriptors of all `compared` screws and rings to a store."""
     from rollbench.compare.files import replace_file
 
     by_kind = {
@@ -167,7 +175,7 @@ def save_places(store: Path) -> None:
 
 @cache
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Those that come with the package; none where the file is absent or damaged."""
+    """Return the shipped descriptors of the compared screws, or rings; empty if the file is missing or damaged."""
     try:
         rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
         return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
@@ -176,14 +184,29 @@ def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
-    """The values of a descriptor of every compared screw, shipped and drawn, or ring."""
+    """Return the values of a descriptor of all compared screws (shipped and drawn), or rings."""
     return [place[descriptor.name] for place in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
 
 
 def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:
-    """Where a scene lies among compared ones of its kind, screws or rings; empty where there is none of its kind.
+    """Compare the descriptors of a scene with those of the compared scenes of its kind (screws or rings).
 
-    Raises ValueError as `meshes.solid.dimensions`.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    among
+        Compared scenes; None: all shipped and drawn ones.
+
+    Returns
+    -------
+    tuple of Place
+        One for each descriptor; empty if no scene of its kind was compared.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no solid dimensions (`meshes.solid.dimensions`).
     """
     ring = scene.track.lead == 0.0
     out = []
@@ -195,8 +218,23 @@ def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, .
 
 
 def outside(scene: Scene) -> tuple[str, ...]:
-    """In words, each descriptor in which a scene is outside what was compared, or that this is not known, because the
-    installation lacks it. Raises ValueError as `places`."""
+    """Describe each descriptor of a scene that is outside the compared range.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+
+    Returns
+    -------
+    tuple of str
+        A sentence for each; one that says so if the data of the compared scenes are missing.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no solid dimensions (`meshes.solid.dimensions`).
+    """
     if not shipped_places(ring=scene.track.lead == 0.0):
         return (f"what was compared is not known, because references/{PLACES} is absent or damaged: reinstall rollbench",)
     return tuple(place.words for place in places(scene) if place.outside)

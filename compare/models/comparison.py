@@ -1,7 +1,6 @@
-"""Low-order models against the 3D reference: rows per contact, errors with the reference's own uncertainty, the gate.
+"""Comparison of low-order models with the 3D reference: errors by contact, with the uncertainty of the reference.
 
-What is compared with a 3D reference is a scene of one set, or each set of several on one shaft, with the loads that a model
-finds for it.
+Compared are scenes of one set, and each set of several on one shaft with the loads that the model finds for it.
 """
 
 from __future__ import annotations
@@ -34,10 +33,10 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Load, Scene
 
-#: Scenes whose reference runs come with the package.
+#: Scenes whose runs of the 3D reference are shipped.
 REFERENCED = with_role("referenced")
 
-#: The rule of the gate (`measure.gate_scale`) in words.
+#: Definition of the gate's error (`measure.gate_scale`) in words.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 
 #: Printed errors (largest, RMS) and load ratio by scene.
@@ -48,18 +47,47 @@ PRINTED = {
 
 
 def suited(scene: Scene | Assembly) -> list[Model]:
-    """Compared models that can describe a scene, or several sets on one shaft."""
+    """Return the compared models that can describe a scene.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+
+    Returns
+    -------
+    list of Model
+        The models.
+    """
     fits = [m.suits(scene) if isinstance(scene, Scene) else callable(m.assembly) for m in MODELS.values()]
     return [m for m, fit in zip(MODELS.values(), fits, strict=True) if m.compared and fit]
 
 
 def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Model]:
-    """Models by name. Raises InputError, of the argument that has them, for another name."""
+    """Return models by name.
+
+    Parameters
+    ----------
+    names
+        Names of models; empty: none.
+    argument
+        Argument that errors name.
+
+    Returns
+    -------
+    list of Model
+        The models.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no model of that name.
+    """
     return [known_model(name, argument) for name in names]
 
 
 def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
-    """File of the condensed bodies on the reference's finest level, where a store has it."""
+    """Return the file with the condensed bodies of the finest level of a reference; None if no store has it."""
     if reference.stated:
         return None
     for store in (shipped_store(),) if stores is None else stores:
@@ -72,8 +100,31 @@ def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | N
 def options_for(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
 ) -> Options:
-    """How a model is run beside a reference: the model "condensed" by the bodies of its finest level. Raises InputError
-    where no store has them."""
+    """Return the options to run a model for a comparison: "condensed" takes the bodies of the reference's finest level.
+
+    Parameters
+    ----------
+    model
+        The model.
+    scene
+        Scene with one set.
+    reference
+        Its reference.
+    stores
+        Folders with runs of the 3D reference; None: those of the package.
+    engine
+        Whether kernels are compiled.
+
+    Returns
+    -------
+    Options
+        The options.
+
+    Raises
+    ------
+    InputError
+        If no store has the condensed bodies.
+    """
     if model.name != "condensed":
         return Options(discretisation=False, engine=engine)
     path = finest_bodies(scene, reference, stores)
@@ -86,58 +137,106 @@ def options_for(
 
 @dataclass(frozen=True)
 class ComparisonRow:
-    """One quantity of one scene on one model against the reference, as ``rollbench compare --json`` prints it; seconds of a
-    stored run were measured with what ``measured_with`` says, those of this process with nothing."""
+    """One quantity of one model against the reference, a row of ``rollbench compare --json``."""
 
     scene: str
     quantity: str
     ball: int | None
     side: str | None
     unit: str
+    #: Value that the source prints, if any.
     printed: float | None
     model: str
     value: float | None
     reference: float | None
+    #: Uncertainty of the reference, in the unit of the value.
     reference_error: float | None
+    #: Error of the model in per cent.
     error_percent: float | None
+    #: Run time [s].
     seconds: float | None
+    #: Version and machine with which the time was measured; empty: in this process.
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready: nan and infinity become null."""
+        """Return JSON values; nan and infinity become null."""
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
-#: Makes a row of a comparison, as `_row` of a scene and an answer.
+#: Makes a row of a comparison: `_row` for one scene and answer.
 RowOf = Callable[..., ComparisonRow]
 
 
 @dataclass(frozen=True)
 class Loads:
-    """What a model says of a scene: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], centreline (stations [m],
-    motions ``(k, 3)`` [m]), seconds, and what these were measured with: empty where with this version, here; pole
-    pressures ``(n, 4)`` [Pa] where the model gives them, in place of Hertz's."""
+    """Loads and displacements of a scene by a model or a run of the reference."""
 
+    #: Name of the model or run.
     model: str
+    #: Contact loads, (n, 4) [N].
     load: Array
+    #: Contact angles, (n, 4) [deg].
     angle: Array
+    #: Stations of the screw's axis, (k,) [m].
     stations: Array
+    #: Displacement of the axis at the stations, (k, 3) [m].
     line: Array
+    #: Run time [s].
     seconds: float | None
+    #: Version and machine with which the time was measured; empty: this version and machine.
     measured: str = ""
+    #: Largest pressure of each contact, (n, 4) [Pa], if the model gives it; None: by Hertz.
     pressure: Array | None = None
 
 
 def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
-    """The answer of a low-order model that was solved."""
+    """Return loads and displacements of a low-order result.
+
+    Parameters
+    ----------
+    result
+        The result.
+    seconds
+        Run time [s]; None: that of the solver.
+
+    Returns
+    -------
+    Loads
+        The record.
+    """
     line = result.centreline[:, :3]
     angle = np.degrees(result.contact_angle)
     return Loads(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
 
 
 def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
-    """A low-order model's result and the seconds of the call, interpreted; bodies of a geometry solved before are known
-    then. Raises InputError as `options_for`."""
+    """Solve a scene with a low-order model and measure the time, in plain Python.
+
+    Elastic bodies of a geometry that was solved before are cached.
+
+    Parameters
+    ----------
+    model
+        The model.
+    scene
+        Scene with one set.
+    reference
+        Its reference.
+    stores
+        Folders with runs of the 3D reference; None: those of the package.
+
+    Returns
+    -------
+    StaticResult
+        The result.
+    float
+        Run time [s].
+
+    Raises
+    ------
+    InputError
+        As `options_for`.
+    """
     options = options_for(model, scene, reference, stores, "interpreted")
     start = perf_counter()
     result = run_model(scene, model.name, options)
@@ -145,13 +244,26 @@ def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Pa
 
 
 def from_run(run: Run, name: str) -> Loads:
-    """The answer of one run of the 3D reference, cold."""
+    """Return loads and displacements of a run of the 3D reference; its time is that without cached parts.
+
+    Parameters
+    ----------
+    run
+        The run.
+    name
+        Name in the record; that of its level unless given.
+
+    Returns
+    -------
+    Loads
+        The record.
+    """
     line, measured = run.centreline, "" if run.measured == here() else str(run.measured)
     return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured)
 
 
 def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
-    """The reference on its levels and on the source's mesh; none of a user's own."""
+    """Return loads of the reference on each of its levels and on the source's mesh; empty of a user's reference."""
     if reference.stated:
         return []
     out = [from_run(run, f"3D level {run.level}") for run in reference.runs]
@@ -161,7 +273,22 @@ def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
 
 
 def rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
-    """Loads and angles of every contact, the centreline, the load ratio, and the largest and RMS errors."""
+    """List all compared quantities of a scene: loads, angles, displacements, load ratio, largest and RMS error.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    answer
+        Loads of a model.
+    ref
+        The reference.
+
+    Returns
+    -------
+    list of ComparisonRow
+        A row for each quantity.
+    """
     row = partial(_row, scene, answer)
     return [*_contact_rows(row, answer, ref), *_line_rows(row, answer, ref), *_summary_rows(row, scene, answer, ref)]
 
@@ -177,14 +304,26 @@ def _row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """A row with a pair of values, the model's and the reference's, the latter's uncertainty and the error in per cent."""
+    """Return a row from values of model and reference (a pair), uncertainty of the reference, and error in per cent."""
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
 
 def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
-    """Grid uncertainties of like quantities (any shape) with one order for all; nan with one level, or where one is
-    missing on a level."""
+    """Return the grid uncertainty of similar quantities (any shape) with a common order of convergence.
+
+    Parameters
+    ----------
+    reference
+        The reference, with a run for each level.
+    take
+        Function that takes the quantities from a run.
+
+    Returns
+    -------
+    Array
+        Uncertainty of each; nan with one level, or if a level lacks one of them.
+    """
     values = np.stack([take(run) for run in reference.runs])
     bars = np.full(values.shape[1:], np.nan)
     known = np.isfinite(values).all(axis=0)
@@ -213,8 +352,10 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Centreline at the reference's stations, in per cent of its largest displacement along that axis; none of an answer
-    that has it at one station where the reference has several."""
+    """Yield rows of the axis' displacement at the stations of the reference, in per cent of its largest component.
+
+    None if the answer has it at one station and the reference at several.
+    """
     line = reference.best.centreline
     if answer.stations.size < min(2, len(line)):
         return
@@ -251,14 +392,16 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference)
 
 
 def load_ratio(load: Array) -> float:
-    """Largest over smallest load on the screw's left flanks; infinite where one has lost contact."""
+    """Return the ratio of largest to smallest load on the screw's left flanks; infinite if a contact is lost."""
     smallest = float(load[:, 0].min())
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
 
 def ratio_uncertainty(reference: Reference) -> float | None:
-    """Grid uncertainty of `load_ratio`: the relative ones of its two contacts, which may err in opposite senses; None
-    without a finite ratio."""
+    """Return the grid uncertainty of `load_ratio`; None without a finite ratio.
+
+    It is the sum of the relative uncertainties of both contacts, which may err in opposite senses.
+    """
     ratio = load_ratio(reference.load)
     if not np.isfinite(ratio):
         return None
@@ -269,34 +412,60 @@ def ratio_uncertainty(reference: Reference) -> float | None:
 
 @dataclass(frozen=True)
 class Exceedance:
-    """A contact of a scene whose low-order error is known to lie beyond the gate, with its cause."""
+    """Contact of a shipped scene on which the source's model is known to be beyond the gate's limit."""
 
+    #: Name of the scene.
     scene: str
+    #: Number of the ball, from 1.
     ball: int
+    #: Flank: SL, SR, NL, NR.
     side: str
+    #: Cause of the error, in words.
     cause: str
 
 
 def known_exceedances() -> list[Exceedance]:
-    """Named exceedances of the gate, shipped as data."""
+    """Return the shipped list of contacts on which the source's model is beyond the gate's limit."""
     return [Exceedance(**row) for row in files.table("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)
 class GatePoint:
-    """Error of one contact: per cent of its own reference load (of the mean where the load is small), the reference's
-    uncertainty in the same per cent, and whether the gate allows it."""
+    """Error of one contact, and whether it exceeds the gate's limit."""
 
+    #: Name of the scene.
     scene: str
+    #: Number of the ball, from 1.
     ball: int
+    #: Flank: SL, SR, NL, NR.
     side: str
+    #: Error [% of the contact's reference load; for small loads of the mean load].
     error_percent: float
+    #: Uncertainty of the reference, in the same per cent.
     uncertainty_percent: float
+    #: Whether the error less the uncertainty is beyond the limit.
     exceeds: bool
 
 
 def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
-    """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
+    """Judge every contact that is loaded by the model or in the reference.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    reference
+        Its reference.
+    max_error
+        Limit [%].
+    load
+        Contact loads of the model, (n, 4) [N].
+
+    Returns
+    -------
+    list of GatePoint
+        One for each contact.
+    """
     scales = gate_scale(reference.load, reference.mean)
     points = []
     for i, s in zip(*np.nonzero((reference.load > 0.0) | (load > 0.0)), strict=True):
@@ -309,9 +478,11 @@ def gate_points(name: str, reference: Reference, max_error: float, load: Array) 
 
 @dataclass(frozen=True)
 class SetOf:
-    """A set of several on one shaft: its number, from 0."""
+    """One of several sets on a shaft."""
 
+    #: Shaft with all sets.
     assembly: Assembly
+    #: Number of the set, from 0.
     number: int
 
     @property
@@ -321,7 +492,7 @@ class SetOf:
 
     @property
     def scene(self) -> Scene:
-        """Its parts as a scene under the name of both. Raises ValueError for rollers."""
+        """Parts of the set as a scene with the names of assembly and set; ValueError for rollers."""
         parts = self.assembly.sets[self.number].parts
         if not isinstance(parts, Scene):
             raise ValueError(f"{self.name} has no balls")
@@ -329,50 +500,73 @@ class SetOf:
 
     @property
     def contacts(self) -> int:
-        """How many contacts the nominal set loads."""
+        """Number of contacts that are loaded in the nominal set."""
         return _contacts(self.assembly)[self.number]
 
 
 @dataclass(frozen=True)
 class Referenced:
-    """A scene and its 3D reference; of one of several sets on a shaft its parts as a scene, and which set it is."""
+    """Reference of a scene, or of one of several sets on a shaft."""
 
+    #: Parts of the set as a scene.
     scene: Scene
+    #: Its reference.
     found: Reference
+    #: Set on the shaft; None of a scene with one set.
     of: SetOf | None = None
 
     @property
     def described(self) -> str:
-        """Name of the scene that it is of, or that its set is of."""
+        """Name of the scene, or of that which its set belongs to."""
         return self.scene.name if self.of is None else self.of.assembly.name
 
     @property
     def set(self) -> str:
-        """Name of the set, empty where it is the only one."""
+        """Name of the set; empty if it is the only one."""
         return "" if self.of is None else self.of.name
 
 
 @dataclass(frozen=True)
 class Answered:
-    """What a model finds for a set: its contacts under the loads of the assembly, and without them; seconds of the first
-    solution; the set as a scene of one set under the force and moment that its balls carry."""
+    """Solution of a model for one of several sets."""
 
+    #: Contacts under the loads of the assembly.
     result: StaticResult
+    #: Contacts without these loads.
     bare: StaticResult
+    #: Run time of the first solution [s].
     seconds: float
+    #: Set as a separate scene, under the force and moment that its balls carry.
     scene: Scene
 
 
 def referenced(
     described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
 ) -> list[Referenced]:
-    """The best stored reference of a scene, by the ``fitted`` finest runs on some levels, set by set; none without any."""
+    """Return the best stored reference of a scene, for each of its sets.
+
+    Parameters
+    ----------
+    described
+        Scene with one set or several.
+    stores
+        Folders with runs of the 3D reference; None: those of the package.
+    levels
+        Mesh levels that are taken.
+    fitted
+        Number of the finest runs from which the uncertainty is estimated.
+
+    Returns
+    -------
+    list of Referenced
+        One for each set; empty if no run is stored.
+    """
     runs = tuple(run for level in levels if (run := load(described, level, stores=stores)) is not None)
     return referenced_by(described, runs[-fitted:]) if runs else []
 
 
 def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
-    """The reference of runs, coarse to fine, set by set."""
+    """Return the reference by given runs, coarse to fine, for each set."""
     if isinstance(described, Scene):
         return [Referenced(described, reference_of(described.name, described, runs, contacts=nominal_contacts(described)))]
     out = []
@@ -386,7 +580,7 @@ def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced
 
 @lru_cache(maxsize=64)
 def _contacts(assembly: Assembly) -> tuple[int, ...]:
-    """Contacts that each nominal set loads (`nominal_contacts`): without errors but for preloads, by the model lin."""
+    """Return the number of contacts that each nominal set loads by the model lin, errors other than preload removed."""
     sets = tuple(replace(s, parts=nominal(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
     return tuple(_loaded(result, k) for k in range(len(sets)))
@@ -406,9 +600,24 @@ def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, flo
 
 
 def answered(of: SetOf, model: str) -> Answered | str:
-    """What a model finds for a set; why the assembly has no loads by it, where it does not converge.
+    """Solve one of several sets by a model.
 
-    Raises InputError for a model that describes one set only.
+    Parameters
+    ----------
+    of
+        The set.
+    model
+        Name of the model.
+
+    Returns
+    -------
+    Answered or str
+        The solution, or why the assembly has no equilibrium.
+
+    Raises
+    ------
+    InputError
+        If the model covers only scenes with one set.
     """
     result, bare, seconds = _solved(of.assembly, model)
     if not result.converged:

@@ -1,4 +1,4 @@
-"""What the motor of an axis turns: friction torque of every set, seals, inertias, and the life of all sets together."""
+"""Torques and inertias at the motor of an axis, and the life of all its sets as one system."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: Efficiency of a nut that accelerates a mass where the scene says none (Smith 4.3.1: typically 0.90 to 0.95).
+#: Default efficiency of a nut that accelerates a mass (Smith 4.3.1: typically 0.90 to 0.95).
 EFFICIENCY: Band = (0.90, 0.95)
 NOT_RUNNING = "a bearing that runs takes [lubricant] and [motion]"
-#: Of every nut, by the set's number from 0: sums of its friction, JSON-ready, or None and why.
+#: Sums of friction of every nut, as JSON values, by the set's number from 0; None, and why, if they are not known.
 NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
 @record
 class SetDrive:
-    """Torque that turns the shaft in one set, each (low, high) [N m], None where it is not known; words: why not."""
+    """Torque of one set on the turning shaft, as (low, high) [N m]; None if not known."""
 
     name: str = quantity("name", "name of the set")
     running: Band | None = quantity(
@@ -43,7 +43,7 @@ class SetDrive:
 
 @record
 class AxisDrive:
-    """Torques (low, high) [N m] and inertias [kg m^2] of an axis (Smith 4.10 to 4.15)."""
+    """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of an axis (Smith 4.10 to 4.15)."""
 
     sets: tuple[SetDrive, ...] = quantity("sets")
     seals: float = quantity("seals_Nmm", "friction torque of all seals and wipers, as given")
@@ -51,16 +51,25 @@ class AxisDrive:
     running: Band | None = quantity(
         "running_torque_Nmm",
         "torque of the motor at constant speed: all sets, seals and all else (Smith 4.10); null where one is not known",
+        heading="motor torque, running",
+        form="g3",
         error="empirical; that of the coefficient of friction",
         parts="[]",
     )
     starting: Band | None = quantity(
-        "starting_torque_Nmm", "the same from rest", error="empirical; that of the coefficient of friction", parts="[]"
+        "starting_torque_Nmm",
+        "the same from rest",
+        error="empirical; that of the coefficient of friction",
+        parts="[]",
+        heading="motor torque from rest",
+        form="g3",
     )
     accelerating: Band | None = quantity(
         "accelerating_torque_Nmm",
         "torque of the motor while it comes to speed: at constant speed and for the inertias, that of the mass over the "
         "efficiency of the nut (Smith 4.11); null without a time",
+        heading="motor torque, accelerating",
+        form="g3",
         error="as at constant speed",
         parts="[]",
     )
@@ -68,11 +77,24 @@ class AxisDrive:
     reflected_inertia: float = quantity(
         "reflected_inertia_kg_mm2", "moment of inertia that the moved mass adds, m (p/(2 pi))^2 (Smith 4.15)"
     )
-    inertia: float = quantity("inertia_kg_mm2", "both and that of the motor")
+    inertia: float = quantity("inertia_kg_mm2", "both and that of the motor", heading="moment of inertia")
 
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
-    """Friction of every nut with the scene's coefficient, as far as it is kept or no kernel has to be compiled for it."""
+    """Return the friction of every nut, if it is cached or no kernel must be compiled for it.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several sets.
+    result
+        Its converged result.
+
+    Returns
+    -------
+    dict
+        Sums of friction by the number of the set, or None and the reason.
+    """
     from rollbench.compare.models.friction_sums import kept_sums
 
     out: dict[int, tuple[dict[str, Any] | None, str]] = {}
@@ -87,8 +109,26 @@ def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
 
 
 def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nuts: NutSums) -> AxisDrive | None:
-    """Torques and inertias of an axis whose shaft turns; None where its nuts turn. nuts: see `nut_sums`. Sets that a moving
-    housing carries do not turn with the shaft and are left out."""
+    """Compute torques and inertias at the motor of an axis with a turning shaft.
+
+    Sets that a moving housing carries do not turn with the shaft and are left out.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several sets.
+    result
+        Its converged result.
+    answers
+        Answers of the result.
+    nuts
+        Friction of the nuts, by `nut_sums`.
+
+    Returns
+    -------
+    AxisDrive or None
+        Torques and inertias; None if the nuts turn instead of the shaft.
+    """
     drive, motion = assembly.drive, assembly.motion
     if motion is not None and motion.turns != "screw":
         return None
@@ -125,12 +165,12 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
 
 
 def lead_of(assembly: Assembly) -> float:
-    """Lead [m] of the first nut; 0 without."""
+    """Return the lead of the first nut [m]; 0 without a nut."""
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
 def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
-    """Sum of torques [N m] by the lower and by the upper ends (Smith 4.10); None where one is not known."""
+    """Sum lower and upper ends of torques [N m] (Smith 4.10); None if one of them is not known."""
     known = [x for x in sets if x is not None]
     if len(known) < len(sets):
         return None
@@ -139,7 +179,7 @@ def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
 
 
 def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
-    """Of a nut: what drives the shaft the way that it turns, the same from rest (Coulomb's friction)."""
+    """Return the torque of a nut in the sense in which the shaft turns; from rest the same (Coulomb friction)."""
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, words=why or "no balance of friction found")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
@@ -147,7 +187,7 @@ def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> Se
 
 
 def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
-    """Of a bearing: its friction, nothing without load."""
+    """Return the friction torque of a bearing; none without load."""
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting
@@ -160,7 +200,7 @@ def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> 
 
 
 def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
-    """Life of all sets that turn with the shaft; None where none of them has one."""
+    """Compute the life of all sets that turn with the shaft, as one system; None if no set has a life."""
     lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
         life = getattr(one.loads, "life", None)

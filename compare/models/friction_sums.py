@@ -1,4 +1,4 @@
-"""Sums of friction beside static answers, as JSON-ready values."""
+"""Sums of friction (torques, efficiencies) of statically solved scenes, as JSON values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 
 
 def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
-    """Torques [N mm] about +z, axial load, efficiencies; null where the scene has none."""
+    """Return torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values; null where undefined."""
     screw, ideal = t.translating, t.ratio != 0.0
     forward, backward = t.efficiency
     return {
@@ -37,22 +37,23 @@ def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
 
 
 def moves(torque: ScrewTorque) -> str | None:
-    """Whether the scene's motion goes against the axial load or with it."""
+    """Return whether the motion of the scene goes ``against`` or ``with`` the axial load."""
     if not torque.translating:
         return None
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
 
 
 def percent(share: float) -> float | None:
-    """A share in per cent."""
+    """Return a share in per cent."""
     return number(100.0 * share)
 
 
 @kept(ScrewTorque)
 def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
-    """Sums of `lowfi.friction.whole.state.friction_state`, read of a known scene without what computes them.
+    """Return the sums of `lowfi.friction.whole.state.friction_state`, from the cache if the scene was solved before.
 
-    Raises ValueError as that does, and where a kernel would have to be compiled first."""
+    ValueError as there, and if a kernel must be compiled first.
+    """
     if will_compile(scene, friction) and not cached(CONTACT):
         raise ValueError("kernels are not compiled yet; rollbench friction SCENE does it, once")
     from rollbench.lowfi.friction.whole.state import friction_state
@@ -61,9 +62,27 @@ def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: 
 
 
 def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Sums of friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do.
-    Kept on disc between commands for equal scenes and loads: loading the machine code takes longer than all else of a
-    solve."""
+    """Return the sums of friction of a scene with a coefficient, if no kernel must be compiled for them.
+
+    They are cached on disk for equal scenes and loads: loading the machine code would take longer than the rest of the
+    solution.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its converged result.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    dict or None
+        Sums as JSON values.
+    str
+        What to do to get them; else empty.
+    """
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     try:
@@ -75,7 +94,24 @@ def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dic
 def torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
-    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    """Compute the friction torque of all sets together.
+
+    Parameters
+    ----------
+    sets
+        Parts and result of each set.
+    friction
+        Coefficients of friction.
+    motion
+        Motion of the scene, if stated.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    float or None
+        Torque [N mm]; None if the iteration does not converge, or a set is not covered.
+    """
     from rollbench.lowfi.friction.whole.state import friction_state
 
     total = 0.0

@@ -1,4 +1,4 @@
-"""A scene solved with all its answers, the load cases of a duty cycle one after the other, and what they say together."""
+"""Solution of a scene with all its answers, of the load cases of a duty cycle in turn, and sums over the cycle."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rollbench.compare.models.loading import axial_of, path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating import reference, roller_life
 from rollbench.lowfi.rating.life import (
     SLOPE,
     EquivalentLife,
@@ -45,33 +45,39 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 @dataclass(frozen=True)
 class OfSet:
-    """What a solved scene says of one set for a duty cycle. parts: of balls with the loads and supports of the scene; load:
-    of its contacts ``(n, 4)`` [N], of rollers line loads ``(count, slices)`` [N/m]; force: of the shaft on it ``(3,)`` [N];
-    preload: axial force [N] between two halves with a lead offset."""
+    """Data of one solved set that the life over a duty cycle needs."""
 
+    #: Parts of the set; of balls with the loads and supports of the scene.
     parts: Scene | RollerRow
+    #: Contact loads (n, 4) [N]; line loads of rollers (count, slices) [N/m].
     load: Array
+    #: Force of the shaft on the set, (3,) [N].
     force: Array
+    #: Axial force between both halves of a nut with a lead offset [N].
     preload: float = 0.0
 
 
 @dataclass(frozen=True)
 class Solved:
-    """A scene by one model: its result with all warnings; answers, and the error to expect of it, where it converged."""
+    """Solution of a scene with one set by one model."""
 
+    #: The scene.
     scene: Scene
+    #: Result of the model, with all warnings.
     result: StaticResult
+    #: Answers; None without equilibrium.
     answers: Answers | None = None
+    #: Error of the model to expect; None without equilibrium.
     expected: ModelForm | None = None
 
     @property
     def contacts(self) -> tuple[LoadAnswers, ...]:
-        """What its contact loads answer; nothing where it did not converge."""
+        """Answers of the contact loads; empty without equilibrium."""
         return () if self.answers is None else (self.answers.loads,)
 
     @property
     def sets(self) -> dict[str, OfSet]:
-        """Its one set, without a name; none where it did not converge."""
+        """The set, under an empty name; empty without equilibrium."""
         if self.answers is None or self.result.equilibrium is None:
             return {}
         preload = axial_of(self.answers.preload) if self.scene.errors.lead_offset else 0.0
@@ -81,24 +87,29 @@ class Solved:
 
 @dataclass(frozen=True)
 class SolvedAxis:
-    """Several sets on one shaft by one model, in the words of `Solved`; no error to expect is known of them. drive, life:
-    of all sets that turn with the shaft."""
+    """Solution of several sets on one shaft by one model."""
 
+    #: The assembly.
     scene: Assembly
+    #: Result of the model, with all warnings.
     result: AxisResult
+    #: Answers; None without equilibrium.
     answers: AxisAnswers | None = None
+    #: No error to expect is known of several sets.
     expected: None = None
+    #: Torques and inertias at the motor.
     drive: AxisDrive | None = None
+    #: Life of all sets that turn with the shaft, as one system.
     life: SystemLife | None = None
 
     @property
     def contacts(self) -> tuple[LoadAnswers | RollerAnswers, ...]:
-        """What the contact loads of each set answer, of rollers too; nothing where it did not converge."""
+        """Answers of the contact loads of each set, rollers included; empty without equilibrium."""
         return () if self.answers is None else tuple(x.loads for x in self.answers.sets)
 
     @property
     def sets(self) -> dict[str, OfSet]:
-        """Its sets by name; none where it did not converge."""
+        """Data of each set by name; empty without equilibrium."""
         if self.answers is None:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
@@ -113,12 +124,32 @@ class SolvedAxis:
 
 
 def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
-    """Solve a scene of one set or several and gather all answers. Raises InputError and Refusal as `run_model`."""
+    """Solve a scene of one set or several and compute all answers.
+
+    Parameters
+    ----------
+    scene
+        One load case.
+    model
+        Name of the model.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    Solved or SolvedAxis
+        The solution.
+
+    Raises
+    ------
+    InputError
+        If the model does not cover the scene.
+    """
     return solve_axis(scene, model, options) if isinstance(scene, Assembly) else solve_one(scene, model, options)
 
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
-    """Solve several sets and gather all answers. Raises InputError as `run_model`."""
+    """Solve several sets on one shaft and compute all answers; InputError as `run_model`."""
     result, answers = solve_sets(scene, model, options.member)
     if answers is None:
         return SolvedAxis(scene, result)
@@ -127,7 +158,7 @@ def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
-    """Solve a scene and gather all answers. Raises InputError and Refusal as `run_model`."""
+    """Solve a scene with one set and compute all answers; InputError as `run_model`."""
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
@@ -143,26 +174,31 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
 
 @dataclass(frozen=True)
 class Extreme:
-    """An extreme value over the cases in SI units (errors in per cent), and the case that has it."""
+    """Extreme value over the load cases."""
 
+    #: The value, in SI units; errors in per cent.
     value: float
+    #: Name of the load case.
     case: str
 
 
 @record
 class Lives:
-    """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
-    None with words that say why; set: its name, empty where it is the only one; modified: the former, by reliability and
-    lubricant."""
+    """Life of one set over a duty cycle."""
 
+    #: Life by the contact loads; None with the reason in ``life_words``.
     life: Life | None
     life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
+    #: Life by the equivalent loads of the standards; None with the reason in ``standard_words``.
     standard: EquivalentLife | None = quantity("standard_life")
     standard_words: str = quantity(
         "standard_life_words", "why the standard does not apply", show=lambda words: words or None
     )
+    #: Name of the set; empty if it is the only one.
     set: str = ""
+    #: Life by the contact loads, modified for reliability and lubricant.
     modified: ModifiedLife | None = quantity("modified_life", default=None)
+    reference: reference.ReferenceLife | None = quantity("reference_life", default=None)
 
     @property
     @Stated(
@@ -170,7 +206,7 @@ class Lives:
         "life over the duty cycle by the contact loads against that by the standard; a result, not an error",
     )
     def difference_percent(self) -> float | None:
-        """Of the life by the loads from that by the standard [%]."""
+        """Difference of the life by the contact loads from that by the standard [%]."""
         if self.life is None or self.standard is None:
             return None
         return float(error_percent(self.life.revolutions, self.standard.revolutions))
@@ -178,53 +214,77 @@ class Lives:
 
 @record
 class Together:
-    """What the cases of a duty cycle say together.
+    """Extremes and lives over the load cases of a duty cycle."""
 
-    pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
-    the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
-    of every set, in order; speed: mean one [rad/s]; axis_life: of several sets together.
-    """
-
+    #: Largest pressure [Pa] of the load cases with equilibrium.
     pressure: Extreme | None = quantity(
         "largest_pressure_MPa",
         "largest pressure of all cases",
         Stated("largest_pressure_case", "its case", show=lambda found: found and found.case),
         error="`model_form.pressure_percent` of its case",
         show=lambda found: found and found.value,
+        heading="peak pressure of all cases",
+        note="case {largest_pressure_case}",
     )
+    #: Smallest static safety of these.
     safety: Extreme | None = quantity(
         "least_static_safety",
         "least static safety of all cases",
         Stated("least_static_safety_case", "its case", show=lambda found: found and found.case),
         error="that of the load",
         show=lambda found: found and found.value,
+        heading="least static safety",
+        form="g3",
+        note="case {least_static_safety_case}",
     )
+    #: Largest expected error of these [% of the mean load].
     error: Extreme | None = quantity(
         "largest_expected_error_percent",
         "largest error to expect of a contact load in any case, in per cent of the mean load",
         Stated("largest_expected_error_case", "its case", show=lambda found: found and found.case),
         show=lambda found: found and found.value,
+        heading="largest error to expect",
+        form="g2",
+        note="of the mean load, case {largest_expected_error_case}",
     )
+    #: Load cases whose error to expect is not known.
     uncovered: tuple[str, ...] = quantity("expected_error_not_covered")
+    #: Status of the load cases without equilibrium, by name.
     unsolved: dict[str, str] = quantity("unsolved")
+    #: Life of every set.
     lives: tuple[Lives, ...]
+    #: Mean speed [rad/s].
     speed: float | None
+    #: Life of several sets as one system.
     axis_life: SystemLife | None = quantity("axis_life", default=None)
 
     @property
     @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
     def shortest(self) -> str:
-        """Name of `least`."""
+        """Name of the set in `least`."""
         return self.least.set
 
     @property
     def least(self) -> Lives:
-        """Of the set that lives shortest; the first of which nothing is known, where there is one."""
+        """Life of the set with the shortest one; if a life is not known, the first such set."""
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
 def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
-    """Extremes and lives of the solved cases of a cycle, in its order."""
+    """Compute extremes and lives over the load cases of a duty cycle.
+
+    Parameters
+    ----------
+    cycle
+        The duty cycle.
+    solved
+        Solutions of its load cases, in order.
+
+    Returns
+    -------
+    Together
+        The record.
+    """
     pairs = list(zip(cycle.cases, solved, strict=True))
     answers = [(case, x) for case, one in pairs for x in one.contacts]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
@@ -241,7 +301,7 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
 
 def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
-    """Life over the cycle of all sets that turn with the shaft; None of one set, and where none has one."""
+    """Return the life over the cycle of all sets that turn with the shaft; None of one set, and if no set has a life."""
     if not isinstance(cycle.parts, Assembly):
         return None
     turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}
@@ -254,8 +314,24 @@ def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
 
 
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set, or line loads of rollers, in every case (None: it has
-    none), or why there is none; name: of the set (`DutyCycle.sets`)."""
+    """Compute the life of a set over a duty cycle from its loads in every load case.
+
+    Parameters
+    ----------
+    cycle
+        The duty cycle.
+    name
+        Name of the set, as in `DutyCycle.sets`.
+    loads
+        Contact loads (n, 4) [N], or line loads of rollers, in every load case; None: not known.
+
+    Returns
+    -------
+    Life or None
+        The life.
+    str
+        Why there is none; else empty.
+    """
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
         return None, f"none, because case {lacking[0]} has no loads"
@@ -272,8 +348,18 @@ def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tu
 
 
 def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
-    """Contact loads ``(n, 4)`` [N] of each set of balls, line loads of each row of rollers, by names in
-    `DutyCycle.sets`."""
+    """Return contact loads (n, 4) [N] or line loads of rollers of each set.
+
+    Parameters
+    ----------
+    result
+        Result of one set or several.
+
+    Returns
+    -------
+    dict
+        Loads by name, as in `DutyCycle.sets`.
+    """
     if isinstance(result, StaticResult):
         return {"": result.load}
     found = ((s.of.name, s.line_loads if s.balls is None else s.balls.load) for s in result.sets)
@@ -281,7 +367,7 @@ def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 
 def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
-    """Lives of a set; each: in every case, None where it has no loads."""
+    """Return the lives of a set from its data in every load case (None: no equilibrium)."""
     rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)
@@ -289,17 +375,18 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     row = cycle.sets[name]
     if isinstance(row, RollerRow):
-        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name)
-    modified = modified_life(row, rated)
+        basic = reference.of_rollers(row, roller_life.over_cases([s.load for s, _ in used], shares))
+        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name, None, basic)
+    modified, basic = modified_life(row, rated), reference.of_balls(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
         standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
-        return Lives(rated, words, None, str(error), name, modified)
-    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified)
+        return Lives(rated, words, None, str(error), name, modified, basic)
+    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified, basic)
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:
-    """The extreme of the values that are known."""
+    """Return the extreme of the known values; None without any."""
     known = [(value, case.name) for case, value in values if value is not None]
     return Extreme(*pick(known, key=lambda one: one[0])) if known else None

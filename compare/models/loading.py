@@ -1,7 +1,6 @@
-"""What a scene does with its loads: under a factor on them, and where they go.
+"""How a scene responds to its loads: preload without them, load at which a contact opens, and the path that they take.
 
-Preload at zero load, the load at which a contact is lost; what supports, frames of housings and contacts
-take.
+The path: which share supports, frames of housings and contacts take.
 """
 
 from __future__ import annotations
@@ -26,55 +25,66 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 Loaded = TypeVar("Loaded", Load, Housing)
 
-#: Relative accuracy of the factor at which a contact is lost, the largest one looked for, and how often is solved for it.
+#: Relative accuracy of the load factor at which a contact opens, largest factor tried, and most solutions for it.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 
-#: Share of the way to the expected factor that is solved next: beyond it the contact is open and tells nothing.
+#: Share of the step to the expected factor that is taken: beyond it the contact is open and has no approach.
 NEAR = 0.9
 
 
 @record
 class Preload:
-    """Loads that the scene's own errors and supports press the contacts with when its loads are away.
+    """Contact loads that errors and supports of the scene cause without its loads."""
 
-    mean (`meshes.loads.mean_load`), largest: of the loaded contacts [N]; loaded: how many; axial [N]: internal axial force,
-    the lesser of what the flanks push the screw either way (zero where only one way is pushed).
-    """
-
+    #: Mean load of the loaded contacts (`meshes.loads.mean_load`) [N].
     mean: float = quantity(
         "mean_N",
         "mean load of a contact or roller without the scene's loads",
         error="as `loads.max_N`; the input's tolerance is larger",
+        heading="preload of a contact, mean",
+        note="without the loads",
     )
+    #: Largest contact load [N].
     largest: float = quantity("max_N", "largest load of a contact or roller without the scene's loads", error="as above")
+    #: Number of loaded contacts.
     loaded: int = quantity("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
+    #: Internal axial force [N]: the smaller of the sums by which the flanks push the screw either way; zero if only one
+    #: way.
     axial: float = quantity(
         "axial_N",
         "axial sum of one direction's contacts without the scene's loads; of one of several sets the axial force on the "
         "shaft then",
         error="as above",
+        heading="preload, axial",
     )
 
 
 @record
 class LiftOff:
-    """Where the first contact that is preloaded opens as the loads grow in proportion.
+    """Load at which the first preloaded contact opens, as the loads grow in proportion."""
 
-    factor: on the scene's loads, None where none was found, words say why; ball (from 1) and side of that contact;
-    axial [N]: axial force on the nut there, in proportion; solves: how often the scene was solved for it.
-    """
-
-    factor: float | None = quantity("load_factor", "factor of the scene's loads at which the first preloaded contact opens")
+    #: Factor on the loads of the scene; None if none was found.
+    factor: float | None = quantity(
+        "load_factor",
+        "factor of the scene's loads at which the first preloaded contact opens",
+        heading="contact lost at load factor",
+        form="g3",
+        note="ball {ball} {side}",
+    )
+    #: Ball of this contact, from 1.
     ball: int = quantity("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
+    #: Flank of this contact: SL, SR, NL, NR.
     side: str = quantity("side", "its flank", show=lambda side: side or None, default="")
+    #: Axial force on the nut at this factor [N].
     axial: float = 0.0
+    #: Number of solutions that were needed.
     solves: int = 0
     words: str = quantity("words", "why no such load was found", show=lambda words: words or None, default="")
 
     @property
     @Stated("axial_force_N", "axial force at that factor")
     def force(self) -> float | None:
-        """`axial`; None where no factor was found."""
+        """Axial force on the nut [N]; None if no factor was found."""
         return None if self.factor is None else self.axial
 
 
@@ -87,8 +97,20 @@ def scaled(scene: Assembly, factor: float) -> Assembly: ...
 
 
 def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
-    """The scene with its loads times a factor; of one set without any for zero, of several with those on housings, and with
-    motion and stiffness asked for where they were."""
+    """Return a copy of a scene with all loads times a factor, those on housings included.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+    factor
+        The factor; with zero a scene with one set has no loads.
+
+    Returns
+    -------
+    Scene or Assembly
+        The copy; motion and stiffness are reported at the same place.
+    """
 
     def times(x: Loaded) -> Loaded:
         (fx, fy, fz), (mx, my, mz) = x.force, x.moment
@@ -104,12 +126,34 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
 
 
 def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
-    """Solve with the loads times a factor. Raises InputError as `run_model`."""
+    """Solve a scene with its loads times a factor.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    factor
+        The factor.
+    model
+        Name of the model.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    StaticResult
+        The result.
+
+    Raises
+    ------
+    InputError
+        As `run_model`.
+    """
     return run_model(scaled(scene, factor), model, replace(options, discretisation=False))
 
 
 def preload(scene: Scene, bare: StaticResult) -> Preload:
-    """The preload that a result without loads shows."""
+    """Return the preload from the result without loads."""
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -118,19 +162,37 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
 
 
 def axial_preload(scene: Scene, bare: StaticResult) -> float:
-    """`Preload.axial` [N] of a result without loads."""
+    """Return the internal axial force `Preload.axial` [N] from the result without loads."""
     return min(float(bare.load[:, s].sum()) for s in (0, 1)) * slope_of(scene)
 
 
 def axial_of(held: Preload | None) -> float:
-    """Size of an axial preload [N], none where it is not known."""
+    """Return the absolute axial preload [N]; zero if not known."""
     return 0.0 if held is None else abs(held.axial)
 
 
 def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:
-    """Factor on the loads at which the first contact loaded without them opens; None without preload or without loads.
+    """Find the factor on the loads at which the first preloaded contact opens.
 
-    The approach of a contact, by which it closes, is nearly linear in the load: secant steps on F^(2/3) of the smallest.
+    The approach of a contact is nearly linear in the load, so secant steps are taken on F^(2/3) of the smallest load.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its result.
+    bare
+        Its result without loads.
+    model
+        Name of the model.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    LiftOff or None
+        The factor; None without preload or without loads.
     """
     tracked = bare.load > 0.0
     if not tracked.any() or not any(np.any(x.force) or np.any(x.moment) for x in scene.loads):
@@ -174,7 +236,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
 
 
 def _root(known: Sequence[tuple[float, float]]) -> float:
-    """Where the line through the two last points meets zero; infinite for one point or a line that does not fall."""
+    """Return the zero of the line through the last two points; infinite with one point or a line that does not fall."""
     if len(known) < 2:
         return float("inf")
     (a, f), (b, g) = known[-2:]
@@ -182,12 +244,12 @@ def _root(known: Sequence[tuple[float, float]]) -> float:
 
 
 def axial_load(assembly: Assembly) -> float:
-    """Sum of the axial loads [N] on shaft and housings."""
+    """Return the sum of the axial loads on shaft and housings [N]."""
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
 def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
-    """Motion ``(6,)`` [m, rad] of what is asked about: a station of the shaft, or a housing."""
+    """Return the displacement of the station or housing of interest (``stiffness_at``), (6,) [m, rad]."""
     from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     at = asked(assembly)
@@ -196,21 +258,23 @@ def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
     return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
 
 
-#: Part of a load below which it is called little.
+#: Share of a load that counts as small.
 LITTLE = 0.05
 
-#: Part of a load below which it is round-off, or of no interest.
+#: Share of a load that counts as round-off.
 NOTHING = 5e-4
 
-#: Words for the six components of a load.
+#: Names of the six components of a load.
 COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xyz")
 
 
 @record
 class Taker:
-    """What holds shaft or housing, by its name, and what it takes of the loads: force and moment (6,) [N, N m]."""
+    """Support or frame of a housing, with its share of the loads."""
 
+    #: Name: station of the support, or housing.
     name: str = quantity("name", "support of the shaft by its station, or frame of a housing")
+    #: Force and moment that it takes, (6,) [N, N m].
     part: Array = quantity(
         "force_N",
         "what the support of this name (of several sets also the frame of a housing) takes of the loads: the force on it, "
@@ -223,14 +287,12 @@ class Taker:
 
 @record
 class LoadPath:
-    """applied: force and couple (6,) of all loads [N, N m]; on_shaft: of those on the shaft; takers: supports of the shaft,
-    frames of housings; contacts: what the loads change of the forces and moments (6,) of the contacts, moments about their
-    nut or ring; of several sets the sum of the sizes; arm [m]: pitch radius, which makes forces of couples.
+    """Share of the loads that each support and the contacts take.
 
-    All are differences from the scene without its loads, so that displacements of supports and preload do not count. where:
-    what the loads act on, of those on one body only; empty for all.
+    All are differences from the scene without its loads, so that preload and prescribed displacements do not count.
     """
 
+    #: Force and moment of all loads, (6,) [N, N m].
     applied: Array = quantity(
         "applied.force_N",
         "sum of the forces of the scene's loads, on shaft and housings, along x, y, z",
@@ -243,8 +305,12 @@ class LoadPath:
         show=lambda applied: applied[:3],
         parts="[]",
     )
+    #: Force and moment of the loads on the shaft, (6,) [N, N m].
     on_shaft: Array
+    #: Shares of supports and frames.
     takers: tuple[Taker, ...] = quantity("supports")
+    #: Force and moment of the contacts about their nut or ring, (6,) [N, N m]; of several sets the sum of the absolute
+    #: values.
     contacts: Array = quantity(
         "contacts.force_N",
         "what the loads change of the force that the contacts take from the screw; of several sets the sum of the changes' "
@@ -258,12 +324,29 @@ class LoadPath:
         show=lambda contacts: contacts[:3],
         parts="[]",
     )
+    #: Pitch radius, which converts moments to forces [m].
     arm: float
+    #: Body on which the loads act, if they are those on one body only; empty for all loads.
     where: str = ""
 
 
 def path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadPath | None:
-    """Where the loads of one set go; bare: its result without them. None without loads."""
+    """Return the load path of a scene with one set.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its result.
+    bare
+        Its result without loads.
+
+    Returns
+    -------
+    LoadPath or None
+        The path; None without loads.
+    """
     applied = sum_of(scene.loads)
     if not applied.any():
         return None
@@ -272,7 +355,24 @@ def path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadP
 
 
 def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where: str = "") -> LoadPath | None:
-    """Where the loads on a shaft and its housings go; bare: the result without them. None without loads."""
+    """Return the load path of several sets on one shaft.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several sets.
+    result
+        Its result.
+    bare
+        Its result without loads.
+    where
+        Body on which the loads act; empty: all bodies.
+
+    Returns
+    -------
+    LoadPath or None
+        The path; None without loads.
+    """
     on_shaft = sum_of(assembly.loads)
     applied = on_shaft + sum_of([Load(h.at, h.force, h.moment) for h in assembly.housings])
     if not applied.any():
@@ -288,7 +388,7 @@ def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where
 
 
 def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
-    """Of each body with loads, the shaft or a housing, by name: the assembly with its loads only, and with all others."""
+    """Return, for each loaded body (shaft or housing), the assembly with only its loads and that with all others."""
     none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
     bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
     off = tuple(replace(x, force=none, moment=none) for x in assembly.loads)
@@ -302,7 +402,7 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
 
 
 def sum_of(loads: Sequence[Load]) -> Array:
-    """Force and couple (6,) of loads as they are written, without the moments of forces [N, N m]."""
+    """Return force and moment of loads, (6,) [N, N m], without the moments of the forces about the origin."""
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
@@ -315,18 +415,18 @@ def _supports(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[Ta
 
 
 def _on_screw(result: StaticResult) -> Array:
-    """Force and moment (6,) of the contacts on the screw, about the origin; none without a solution."""
+    """Return force and moment (6,) of the contacts on the screw about the origin; zero without equilibrium."""
     e = result.equilibrium
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
 def _at(station: float, wrench: Array) -> Array:
-    """A wrench (6,) about a station [m] of the axis in place of the origin."""
+    """Move a wrench (6,) from the origin to a station [m] of the axis."""
     return about_origin(np.array([-station]), wrench[None])
 
 
 def path_words(path: LoadPath) -> str:
-    """How much of each component of the loads goes into which support; empty where supports take nothing of it."""
+    """Describe which share of each load component each support takes; empty if they take none."""
     out = []
     for k in np.flatnonzero(path.applied):
         load, unit = float(path.applied[k]), "N" if k < 3 else "N m"
@@ -340,8 +440,10 @@ def path_words(path: LoadPath) -> str:
 
 
 def path_warnings(path: LoadPath | None) -> Iterator[Warned]:
-    """A warning where little of the axial force, or of all loads on the shaft together, reaches the contacts: what is
-    computed of them then says nothing of the load. Of loads on several bodies: of the path of each by itself."""
+    """Yield a warning if little of the axial force, or of all loads on the shaft, reaches the contacts.
+
+    The contact loads then do not represent the load. Loads on several bodies are judged body by body.
+    """
     if path is None:
         return
     size, axial = np.repeat([1.0, 1.0 / path.arm], 3), path.applied[2]

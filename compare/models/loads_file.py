@@ -1,5 +1,7 @@
-"""Contact loads as CSV files, read and written: the columns ball, flank, newton, where the balls are, and more of the
-contacts; of a user, of another program, of `solve`."""
+"""Contact loads as CSV files, read and written: columns ball, flank, newton, and further quantities of the contacts.
+
+The files come from users, other programs or ``rollbench solve --csv``.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +25,10 @@ from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma, parse, t
 
 COLUMNS = ("ball", "flank", "newton")
 
-#: Words of a row.
+#: Columns of a row that hold text.
 WORDS = ("ball", "flank", "case", "set")
 
-#: Numbers of a row by the name that headings have for them: the name here, and its dimension; none goes without unit.
+#: Columns of a row that hold numbers, by their name in headings: name here and dimension. Each needs a unit.
 NAMES = {
     "contact_angle": ("angle", "angle"),
     "contact_load": ("load", "force"),
@@ -41,42 +43,55 @@ NAMES = {
     "z": ("z", "length"),
 }
 
-#: Units as they are spelt in headings without capitals; ``mn`` may mean two.
+#: Units by their spelling without capitals; ``mn`` is left out because it is ambiguous.
 FOLDED = {unit.lower(): unit for units in COMMON.values() for unit in units if unit != "MN"}
 
 FOLDED |= {"newton": "N", "newtons": "N"}
 
-#: First line by which Excel says its separator.
+#: First line in which Excel names the separator.
 SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
 
-#: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
+#: Columns with the position of a ball; if both are given, they identify the ball, whatever its number in the file.
 PLACE = {"azimuth", "z"}
 
-#: What a file may say of contacts besides, by the names of `NAMES`.
+#: Further quantities of contacts that a file may give, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 
-#: Which rows of a file are read: by column the words that they have there, the usual one first.
+#: Rows of a file that are read: by column, the texts that they have there, the usual one first.
 Only = Mapping[str, Sequence[str]]
 
 EVERY: Only = {}
 
-#: Largest file [bytes]: four loads of 100 000 balls.
+#: Largest size of a file [bytes]: four loads of 100 000 balls.
 MAX_BYTES = 16_000_000
 
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 
 
 class Column(NamedTuple):
-    """What a heading names, as `WORDS` and `NAMES` have it, or ``uncertain share``, of a load (empty: nothing known, or no
-    unit that fits), and the factor of its numbers to SI."""
+    """Quantity of a column of a file."""
 
+    #: Name by `WORDS` or `NAMES`; ``uncertain share`` for the relative uncertainty of a load; empty if unknown.
     name: str
+    #: Factor of its numbers to SI.
     factor: float = 1.0
 
 
 def column(head: str) -> Column:
-    """What a heading names: ``newton`` or any unit of force is the load, others are a name with its unit.
+    """Return the quantity that a heading names; ``newton`` or any unit of force is the load.
 
+    Parameters
+    ----------
+    head
+        Heading: a name with its unit.
+
+    Returns
+    -------
+    Column
+        Name and factor to SI; an empty name if the quantity is unknown or has no fitting unit.
+
+    Examples
+    --------
     >>> column("approach_um"), column("Contact angle [deg]").name, column("load / kN"), column("note")
     (Column(name='approach', factor=1e-06), 'angle', Column(name='load', factor=1000.0), Column(name='', factor=1.0))
     """
@@ -102,20 +117,39 @@ def _with_unit(name: str, text: str, dimension: str) -> Column:
 
 @dataclass(frozen=True)
 class GivenLoads:
-    """Loads ``(n, 4)`` [N] in the order of SIDES, zero on the flanks that the file does not name, the named flanks, and
-    how many balls have another number in the file than in the scene; further: what else the file says of contacts
-    ``(n, 4)`` in SI, nan in empty cells, by the names of `FURTHER`; unknown: headings that nothing is known of; notes."""
+    """Contact loads of a file, and what else it gives."""
 
+    #: Contact loads (n, 4) [N]; zero on flanks that the file does not name.
     load: Array
+    #: Flanks that the file names.
     flanks: tuple[str, ...]
+    #: Number of balls whose number differs between file and scene.
     renumbered: int = 0
+    #: Further quantities (n, 4) in SI by the names of `FURTHER`; nan in empty cells.
     further: Mapping[str, Array] = field(default_factory=dict)
+    #: Headings that are not known.
     unknown: tuple[str, ...] = ()
+    #: Texts of notes by name.
     notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
-    """Rows of a file with every contact: loads ``(n, 4)`` [N], azimuths ``(n,)`` [rad], stations ``(n,)`` [m]."""
+    """Return the rows of a CSV file with every contact.
+
+    Parameters
+    ----------
+    load
+        Contact loads, (n, 4) [N].
+    azimuth
+        Azimuths of the balls, (n,) [rad].
+    z
+        Axial positions of the balls, (n,) [m].
+
+    Returns
+    -------
+    list of dict
+        Texts by heading.
+    """
     return [
         {
             "ball": str(i + 1),
@@ -131,20 +165,47 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 
 @dataclass(frozen=True)
 class Rows:
-    """A CSV file: its headings as written, the number of their line, whether numbers have a decimal
-    comma, its rows with their line numbers, and its notes: lines above the headings, ``# name: text``."""
+    """Table of a CSV file."""
 
+    #: Headings as written.
     titles: tuple[str, ...]
+    #: Number of the line with the headings.
     line: int
+    #: Whether numbers have a decimal comma.
     decimal_comma: bool
+    #: Rows with their line numbers.
     rows: tuple[tuple[int, dict[str, str]], ...]
+    #: Notes: lines ``# name: text`` above the headings.
     notes: Mapping[str, str]
 
     @classmethod
     def read(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> Rows:
-        """A file with some columns, in any order, among others, separated by commas, semicolons or tabs, or by what a first
-        line ``sep=;`` says (a decimal comma is read where they are not commas). optional: columns that are read where there
-        are any. Raises InputError, with an example, also for a row whose cells do not fit the headings."""
+        """Read a CSV file that has some columns, in any order, among others.
+
+        Separators are commas, semicolons, tabs, or what a first line ``sep=;`` names; unless commas separate, a decimal
+        comma is read.
+
+        Parameters
+        ----------
+        path
+            The file.
+        columns
+            Columns that it must have.
+        example
+            Example that errors show.
+        optional
+            Further columns that are read if present.
+
+        Returns
+        -------
+        Rows
+            The table.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, lacks a column, or a row does not fit the headings.
+        """
         lines = read_table(path).splitlines()
         says = SEPARATOR.fullmatch(lines[0]) if lines else None
         begin = 0 if says is None else 1
@@ -177,7 +238,7 @@ class Rows:
 
 
 def _cells(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
-    """Cells of every row, with the number of its line. Raises InputError for quotes that do not fit."""
+    """Yield the cells of every row with the number of its line; InputError for unmatched quotes."""
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
         for row in reader:
@@ -188,7 +249,7 @@ def _cells(path: Path, lines: Sequence[str], above: int, separator: str) -> Iter
 
 
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
-    """Raises InputError for a row with a filled cell that has no heading; the first may be one, where row numbers stand."""
+    """Raise InputError for a row with a filled cell without heading, except a first one with row numbers."""
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return
     value = f"{sum(map(bool, row))} cells: {separator.join(row)}"
@@ -199,13 +260,31 @@ def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[s
 
 
 def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:
-    """Loads of a file for a scene of ``balls`` balls, and what else it says of their contacts.
+    """Read the contact loads of a file, and the further quantities that it gives.
 
-    scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers;
-    only: which rows are read, by their words in the columns case and set; those of one case where it says none.
+    Headings state the units (`column`). Every ball must be given on every named flank, with 0 where it carries no load: a
+    missing row is not taken for a contact without load.
 
-    Headings say the units (`column`). Every ball must be given on every flank that is named, 0 where it carries
-    nothing: a row that was lost is not taken for a contact without load. Raises InputError.
+    Parameters
+    ----------
+    path
+        The file.
+    balls
+        Number of balls of the scene.
+    scene
+        Scene whose balls are identified by azimuth and axial position if the file has both; else by their numbers.
+    only
+        Rows that are read, by the texts in the columns case and set.
+
+    Returns
+    -------
+    GivenLoads
+        The loads.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or does not fit the scene.
     """
     table = Rows.read(path, COLUMNS[:2], EXAMPLE)
     columns = _columns(path, table)
@@ -246,13 +325,13 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
 
 
 def _note(line: str) -> tuple[str, str]:
-    """Name and text of a line of notes, which a spreadsheet may have filled up with separators."""
+    """Return name and text of a line of notes, without separators that a spreadsheet appended."""
     name, _, text = line.strip("#;, \t").partition(":")
     return name.strip().lower(), text.strip()
 
 
 def _columns(path: Path, table: Rows) -> dict[str, Column]:
-    """What the headings name. Raises InputError where one is missing, or two name the same."""
+    """Return the quantities that the headings name; InputError if one is missing or named twice."""
     columns = {head: column(head) for head in table.titles}
     where, names = f"line {table.line}", [column(head).name for head in table.titles]
     if "load" not in names:
@@ -264,21 +343,21 @@ def _columns(path: Path, table: Rows) -> dict[str, Column]:
 
 
 class _Row:
-    """A row of a file, by what its columns name."""
+    """Row of a file, with cells by the quantities of their columns."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """The refusal of a cell."""
+        """Return the error for a cell."""
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
-        """The text of a cell, empty where there is none."""
+        """Return the text of a cell; empty if there is none."""
         return self._cells.get(name, ("", 1.0, ""))[2]
 
     def ball(self, balls: int) -> int:
-        """Index of the ball by its number."""
+        """Return the index of the ball with the number in the row."""
         ball = self.word("ball")
         if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
             first = "the file's seem to begin with 0: " if ball == "0" else ""
@@ -287,7 +366,7 @@ class _Row:
         return int(ball) - 1
 
     def side(self) -> int:
-        """Index of the flank."""
+        """Return the index of the flank that the row names."""
         flank = self.word("flank")
         if flank.upper() not in SIDES:
             advice = "SL and SR: left and right flank of the screw, NL and NR: of the nut"
@@ -295,15 +374,14 @@ class _Row:
         return SIDES.index(flank.upper())
 
     def place(self, name: str) -> float:
-        """An azimuth [rad] or a station [m]."""
+        """Return an azimuth [rad] or an axial position [m]."""
         value, factor, text = self._number(name)
         if not np.isfinite(value):
             raise self.fault(self._cells[name][0], text, "a number", comma_or("or leave the column out", text))
         return value * factor
 
     def amount(self, name: str) -> float:
-        """A number of zero or more, in SI. Of any column but the load: nan where the cell is empty, or the file has no such
-        column."""
+        """Return a number of zero or more in SI; nan if the cell is empty or missing, except for the load."""
         value, factor, text = self._number(name)
         if not text and name != "load":
             return float("nan")
@@ -313,13 +391,13 @@ class _Row:
         return value * factor
 
     def _number(self, name: str) -> tuple[float, float, str]:
-        """A cell as it is, nan for anything but a number; the factor to SI; the text."""
+        """Return the number of a cell (nan if it is none), the factor to SI and the text."""
         _, factor, text = self._cells.get(name, ("", 1.0, ""))
         return number_of(text, decimal_comma=self._comma), factor, text
 
 
 class _Places:
-    """Which ball of a scene is at an azimuth and a station."""
+    """Index of the balls of a scene by azimuth and axial position."""
 
     def __init__(self, scene: Scene) -> None:
         layout = ball_layout(scene)
@@ -327,7 +405,7 @@ class _Places:
         self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
 
     def number(self, row: _Row) -> int:
-        """Index of the ball at the place of a row. Raises InputError where none is within a ball's radius."""
+        """Return the index of the ball at the position of a row; InputError if none is within a ball radius."""
         azimuth, z = row.place("azimuth"), row.place("z")
         turn = np.angle(np.exp(1j * (self._azimuth - azimuth)))
         away = np.hypot(self._pitch * turn, self._z - z)
@@ -341,7 +419,15 @@ class _Places:
 
 
 def number_of(text: str, *, decimal_comma: bool) -> float:
-    """A number; nan for anything else."""
+    """Return a number from text; nan for anything else.
+
+    Parameters
+    ----------
+    text
+        Text of a cell.
+    decimal_comma
+        Whether a comma is read as the decimal point.
+    """
     try:
         return float(text.replace(",", ".") if decimal_comma else text)
     except ValueError:
@@ -349,8 +435,17 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
 
 
 def comma_or(advice: str, text: str) -> str:
-    """What to do about a cell that is no number: with a decimal comma its name, else some advice.
+    """Return advice for a cell that is no number: about the decimal comma if it has one, else that given.
 
+    Parameters
+    ----------
+    advice
+        General advice.
+    text
+        Text of the cell.
+
+    Examples
+    --------
     >>> comma_or("write a number", "489,5"), comma_or("write a number", "x")
     ('is it a decimal comma? write a point, and nothing between thousands', 'write a number')
     """
@@ -358,7 +453,7 @@ def comma_or(advice: str, text: str) -> str:
 
 
 def read_table(path: Path) -> str:
-    """The text of a file. Raises InputError where it cannot be read, is no text, or is too large."""
+    """Return the text of a file; InputError if it cannot be read, is not text, or is too large."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():

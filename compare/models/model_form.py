@@ -1,20 +1,22 @@
-"""Model-form error to expect of a low-order result: the same model's errors against the 3D reference on other scenes.
+"""Error to expect of a low-order model, estimated from its errors against the 3D reference on other scenes.
 
-A scene is a point of features; the compared scenes, shipped ones and those drawn by the survey of ``stability``, are
-points with measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few
-scenes do not make steep slopes). What is expected is the fitted error times the factor that holds ``SHARE`` of the
-compared scenes, each judged by a fit without it. This is plain leave-one-out, the jackknife, of which no theorem says how
-often it holds a new scene (Barber, Candes, Ramdas and Tibshirani 2021: where a fit is unstable it may hold none), and a
-user's scene is not drawn as the compared were. So it is counted: `left_out` makes the bound of every compared scene,
-factor and all, from the others, and at least nine of ten were within it in each quantity of lin and refined (the report's
-table ladder-estimate; tests/unit/models/test_covered.py). A scene that lies beyond the compared ones in any feature is not
-covered.
-`rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its own (survey.json).
+A scene is a point in a space of features; the compared scenes, shipped ones and those drawn by the survey, are points with
+measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few scenes do not
+give steep slopes). The expected error is the fitted one times the factor within which ``SHARE`` of the compared scenes lie,
+each judged by a fit without it.
 
-What one compared scene tells of a model is its errors against a run of the 3D reference (`point`). Displacement and
-rigidity are those of the section of the screw that the axial load acts on. Beyond the nut a beam and a 3D shaft agree on
-what a section's motion is (Saint-Venant); within it contacts move material on their own, and a section's motion is a matter
-of definition.
+This is plain leave-one-out (jackknife), for which no theorem states how often a new scene lies within (Barber, Candes,
+Ramdas and Tibshirani 2021: for an unstable fit it may be none), and a user's scene is not drawn as the compared ones were.
+So it is counted: `left_out` estimates every compared scene from the others, and at least nine of ten were within the
+estimate in each quantity of lin and refined (the report's table ladder-estimate; tests/unit/models/test_covered.py). A
+scene beyond the compared ones in any feature is "not covered".
+
+`rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its points (survey.json).
+
+The errors of a compared scene are those against one run of the 3D reference (`point`). Displacement and rigidity are those
+of the section of the screw on which the axial load acts. Beyond the nut a beam and a 3D shaft agree on the motion of a
+section (Saint-Venant); within it contacts deform the material locally, and the motion of a section depends on its
+definition.
 """
 
 from __future__ import annotations
@@ -46,29 +48,29 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Loads
     from rollbench.compare.reference.store import Run
 
-#: File of the points of shipped scenes in a store of runs.
+#: File with the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
 
 #: Errors that are expected, each by itself: loads (largest and RMS, of the mean load), axial displacement and tangent
 #: rigidity of the section that the axial load acts on, largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
-#: Share of compared scenes that an expected error holds, each judged without itself.
+#: Share of compared scenes whose error lies within the expected one, each estimated without itself.
 SHARE = 0.92
 
-#: Errors [%] below which all count alike: those of loads are sizes, the others change their sign from scene to scene.
+#: Errors [%] below this count as this: errors of loads are absolute values, the others change sign from scene to scene.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
 
-#: Weight of a coefficient of one per unit of a feature against the misfit of one scene.
+#: Weight of the ridge penalty: of a slope of one per unit of a feature, against the misfit of one scene.
 RIDGE = 2.0
 
-#: Fewest compared scenes of a kind from which anything is expected.
+#: Smallest number of compared scenes of a kind for an estimate.
 FEWEST = 3
 
-#: How far beyond the compared range of a feature a scene is still like it, in the feature's units.
+#: Distance beyond the compared range of a feature, in its units, up to which a scene is covered.
 MARGIN = 0.5
 
-#: Features with the difference that counts as one unit.
+#: Features, with the difference that counts as one unit.
 SCALES: dict[str, tuple[str, float]] = {
     "wall": ("wall of the nut over the pitch radius", 0.1),
     "length": ("length of the nut over the pitch diameter", 0.8),
@@ -101,15 +103,12 @@ WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 
 @record
 class ModelForm:
-    """Model-form error to expect of a result: errors of the same model against a 3D reference on other scenes.
+    """Error of a model to expect for a result, from its errors against the 3D reference on other scenes.
 
-    Largest and RMS error of the loads in per cent of the mean contact load; of axial displacement and tangent rigidity of
-    the section that the axial load acts on, and of the largest pressure (Hertz' on the reference's loads), in per cent of
-    their own; None where that is not covered: nothing like the scene was compared. distance: to the nearest compared scene
-    in units of the features; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are
-    in, and what is unlike.
+    Percentages are None if no similar scene was compared (not covered).
     """
 
+    #: Largest error of a contact load [% of the mean contact load].
     percent: float | None = quantity(
         "covered",
         "whether scenes like this one were compared with the 3D reference",
@@ -119,37 +118,48 @@ class ModelForm:
         ),
         show=lambda percent: percent is not None,
     )
+    #: Root mean square error of the loads [% of the mean contact load].
     rms_percent: float | None = quantity("rms_percent_of_mean", "the same of the root mean square over all contacts")
+    #: Distance to the nearest compared scene, in units of the features.
     distance: float = quantity("distance", "distance to the nearest compared scene, in the space of what decides the error")
+    #: Name of this scene.
     nearest: str = quantity("nearest", "its name")
+    #: Number of compared scenes of this kind.
     compared: int = quantity("compared", "number of compared scenes")
+    #: Which parts the model contains, and in what the scene differs from the compared ones.
     words: tuple[str, ...] = quantity("words")
+    #: Error of the axial displacement of the loaded section [%].
     displacement_percent: float | None = quantity(
         "displacement_percent", "the same of the axial displacement", default=None
     )
+    #: Error of the tangent rigidity of the loaded section [%].
     rigidity_percent: float | None = quantity("rigidity_percent", "the same of the tangent rigidity", default=None)
+    #: Error of the largest pressure, against Hertz on the loads of the reference [%].
     pressure_percent: float | None = quantity("pressure_percent", "the same of the largest pressure", default=None)
 
 
 @dataclass(frozen=True)
 class Point:
-    """Errors of a model on one scene, as in `ModelForm` (None: not measured), and the scene's features by name;
-    gate_percent: the largest error of a load by the gate's rule (`measure.LoadError`)."""
+    """Errors of a model on one compared scene, in per cent as in `ModelForm`; None: not measured."""
 
     scene: str
     model: str
     percent: float
     rms_percent: float
+    #: Features of the scene by name.
     features: dict[str, float]
     displacement_percent: float | None = None
     rigidity_percent: float | None = None
     pressure_percent: float | None = None
+    #: Largest error of a contact load as the gate defines it (`measure.LoadError`).
     gate_percent: float | None = None
 
 
 def carried_across(scene: Scene, result: StaticResult) -> tuple[float, float]:
-    """Force [N] across the axis and tilting moment [N m] about the nut's centre that the contacts pass from screw to nut:
-    what reaches them of loads anywhere on the shaft, of their arms and of displaced supports. Needs loaded contacts."""
+    """Return the lateral force [N] and the tilting moment about the nut's centre [N m] that the contacts carry.
+
+    They include what loads anywhere on the shaft, their arms and displaced supports contribute. Needs loaded contacts.
+    """
     touching = result.load[:, :2] > 0.0
     forces = (result.load[:, :2, None] * result.force_direction[:, :2])[touching]
     arms = result.contact_point[:, :2][touching] - np.array([0.0, 0.0, scene.nut.position])
@@ -158,7 +168,25 @@ def carried_across(scene: Scene, result: StaticResult) -> tuple[float, float]:
 
 
 def features(scene: Scene, result: StaticResult) -> dict[str, float]:
-    """Dimensionless features of a scene with the loads that any model finds. Raises ValueError as `dimensions`."""
+    """Compute the dimensionless features of a scene, with the loads of any model.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its converged result.
+
+    Returns
+    -------
+    dict
+        Values by name.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no solid dimensions (`meshes.solid.dimensions`).
+    """
     dims, R, layout, load = dimensions(scene), scene.track.pitch_radius, ball_layout(scene), result.load
     flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
@@ -193,7 +221,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
 
 
 def _middle(values: Array) -> float:
-    """Median; numpy's own loads its masked arrays, which takes longer."""
+    """Return the median, without numpy's, which imports masked arrays and takes longer."""
     ordered = np.sort(values)
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
@@ -203,7 +231,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
-    """Write the points of all models."""
+    """Write the points of all models to a store."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
@@ -212,13 +240,13 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def shipped_points() -> tuple[Point, ...]:
-    """The points that come with the package; none of a file that is absent or damaged."""
+    """Return the shipped points; empty if the file is missing or damaged."""
     return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
 
 
 @cache
 def surveyed_points() -> tuple[Point, ...]:
-    """Those of the survey."""
+    """Return the points of the survey; empty if the file is missing or damaged."""
     return _points(lambda: [point for scene in survey() for point in scene["points"]])
 
 
@@ -231,7 +259,7 @@ def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
 
 
 def unlike_kind(scene: Scene) -> str:
-    """Reason why no compared scene is of this one's kind; empty where some are (rings with a rigid screw among them)."""
+    """Return why no compared scene is of the kind of this one; empty if some are."""
     if scene.solid.nut == "rigid":
         return "its nut is rigid, that of every compared scene is elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
@@ -242,14 +270,27 @@ def unlike_kind(scene: Scene) -> str:
 
 
 def held_by_flange(scene: Scene) -> bool:
-    """Whether the face of its flange holds a scene's nut."""
+    """Return whether the nut is fixed at the face of its flange."""
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
 def bound(known: Array, errors: Array, here: Array, least: float) -> float:
-    """Error [%] that holds ``SHARE`` of scenes like those with scaled features ``(n, k)`` and errors ``(n,)`` [%] (below
-    ``least`` all alike), at features ``(k,)``: the fit of their logarithms, plus that of its residuals on scenes left out,
-    in order, which holds the share."""
+    """Return the error [%] within which ``SHARE`` of similar scenes lie, at given features.
+
+    It is the fit of the logarithms of the errors, plus that of its residuals on scenes left out, in order, that has the
+    share below it.
+
+    Parameters
+    ----------
+    known
+        Scaled features of the compared scenes, (n, k).
+    errors
+        Their errors, (n,) [%]; below ``least`` all count as that.
+    here
+        Scaled features of the scene, (k,).
+    least
+        Smallest error that counts [%].
+    """
     A = np.column_stack([np.ones(len(known)), known - known.mean(axis=0)])
     y = np.log(np.maximum(np.abs(errors), least))
     solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(known.shape[1])]), A.T)
@@ -259,10 +300,24 @@ def bound(known: Array, errors: Array, here: Array, least: float) -> float:
 
 
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
-    """The model-form error to expect of a result, or that it is not covered by what was compared.
+    """Estimate the error of a model to expect for a result.
 
-    Not covered: models that were not compared (Mei's, those of users), kinds of scenes that were not (rings are compared
-    with rings only), and scenes beyond the range of what describes the compared ones.
+    Not covered are models that were not compared (Mei's, those of users), other kinds of scenes (rings are compared with
+    rings only), and scenes beyond the range of the compared ones.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    result
+        Its converged result.
+    points
+        Errors of the model on compared scenes; None: those of the package.
+
+    Returns
+    -------
+    ModelForm
+        The estimate, without percentages where it is not covered.
     """
     if result.model not in MODELS:
         return ModelForm(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
@@ -303,13 +358,13 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
 
 
 def _beyond(known: Array, here: Array) -> list[str]:
-    """Features in which scaled ones ``(k,)`` lie beyond compared ones ``(n, k)``."""
+    """Return the features in which scaled values (k,) lie beyond the compared ones (n, k)."""
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
 def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
-    """Expected errors [%] by quantity."""
+    """Return the expected errors [%] by quantity."""
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
         errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
@@ -321,14 +376,16 @@ def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, flo
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A compared scene and what the other ones expect of it: errors [%] by quantity, None where it is not covered."""
+    """Compared scene, with the errors that are expected from all others."""
 
+    #: Measured errors of the scene.
     point: Point
+    #: Expected errors [%] by quantity; None if the scene is not covered by the others.
     expected: dict[str, float | None] | None
 
 
 def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
-    """Every compared screw of a model, judged by all others; one without a flange by those without."""
+    """Estimate every compared screw of a model from all others; those without a flange from others without one."""
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
         like = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)]
@@ -340,40 +397,76 @@ def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
     return out
 
 
-#: Scene, result of a model and run of the reference with the loads raised.
+#: Scene, result of a model and run of the reference under increased loads.
 Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
 @dataclass(frozen=True)
 class SectionAnswer:
-    """Axial motion [m] of the section that the axial load acts on, and axial force [N] of the screw on the nut."""
+    """Axial motion and force of the loaded section."""
 
+    #: Axial displacement of the section [m].
     moved: float
+    #: Axial force of the screw on the nut [N].
     force: float
 
 
 def section(scene: Scene, answer: Loads) -> SectionAnswer:
-    """That of a low-order model or of a run of the 3D reference: at the largest axial load, else at the nut's centre."""
+    """Return motion and force of the loaded section, by a low-order model or a run of the 3D reference.
+
+    The section is that with the largest axial load, or the nut's centre without loads.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    answer
+        Loads and displacements.
+
+    Returns
+    -------
+    SectionAnswer
+        Axial displacement and force.
+    """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
     return SectionAnswer(moved, pull(scene, answer.load, np.radians(answer.angle)))
 
 
 def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
-    """Tangent axial rigidity [N/m] between two states; None where nothing moves."""
+    """Return the tangent axial rigidity [N/m] between two states; None if nothing moves."""
     first, second = answers
     step = second.moved - first.moved
     return (second.force - first.force) / step if step != 0.0 else None
 
 
 def pull(scene: Scene, load: Array, angle: Array) -> float:
-    """Axial force [N] of the screw on the nut by loads and contact angles ``(n, 4)`` [N, rad]."""
+    """Return the axial force [N] of the screw on the nut from loads [N] and contact angles [rad], both (n, 4)."""
     along = np.where(load > 0.0, load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     return float(along[0] - along[1])
 
 
 def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
-    """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
+    """Measure the errors of a model on a scene against a run of the 3D reference.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    scene
+        Scene with one set.
+    result
+        Result of the model.
+    run
+        Run of the reference.
+    raised
+        Scene, result and run under increased loads, for the rigidity; None: without.
+
+    Returns
+    -------
+    Point
+        The errors.
+    """
     error = load_error(result.load, run.load, nominal_contacts(scene))
     from rollbench.compare.models.comparison import from_result, from_run
 
@@ -400,5 +493,5 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
 
 
 def off(value: float | None, reference: float | None) -> float | None:
-    """Error of a value [%]; None where either has none."""
+    """Return the error of a value [%]; None if value or reference is missing."""
     return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -1,13 +1,12 @@
-"""What modelling choices change: idealisations of the 3D reference one by one, and each rung of the ladder from the
-source's model to the refined one.
+"""Effect of modelling choices on contact loads: idealisations of the 3D reference, and each step of the model ladder.
 
-Modelling uncertainty of the reference is the effect of its idealisations and of unprinted dimensions.
-Every modelling choice is varied alone on the coarsest level, every choice of the mesh refined alone on the finest, against
-the same scene on the same level (``base``). Of several
-variants of one choice each contact counts its largest change; choices are independent of one another and have no known
-sign, so contact by contact they add by the root of the sum of squares. That sum is an estimate of one typical variation of
-every choice, not a bound. What is the scene's own (where the nut is held) or the method's (modes, sockets) is listed, and
-is not in it; nor are choices that cannot be varied (``compare.reference.variants.NOT_VARIED``).
+The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that the source does not
+print. Each choice is varied separately on the coarsest level, each choice of the mesh refined separately on the finest,
+against the same scene on the same level (``base``). Of several variants of one choice the largest change of each contact
+counts; choices are independent and of unknown sign, so they add by the root of the sum of squares, contact by contact. The
+sum is an estimate of one typical variation of every choice, not a bound. Properties of the scene (where the nut is fixed)
+or of the method (modes, sockets) are listed but not included, nor are choices that cannot be varied
+(``compare.reference.variants.NOT_VARIED``).
 """
 
 from __future__ import annotations
@@ -40,50 +39,64 @@ from rollbench.meshes.parts import Scene
 #: Scenes on which every choice is varied: one without preload, one with.
 VARIED = ("lin-case1", "lin-case3")
 
-#: The one of them, preloaded, with all four flanks, on which every choice of the finest mesh is refined alone.
+#: The preloaded one of them, with all four flanks loaded, on which each choice of the finest mesh is refined separately.
 REFINED = "lin-case3"
 
-#: The varied scene that speaks for others of the same parts.
+#: Varied scene that stands for others with the same parts.
 SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3"}
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One variant on one scene: changes of the contact loads ``(n, 4)`` [% of the mean load], their largest and RMS with
-    the place, and the change of largest : smallest load on SL [%] (nan where one is zero)."""
+    """Effect of one variant on one scene."""
 
+    #: Name of the scene.
     scene: str
+    #: Name of the variant.
     variant: str
+    #: Description of the variant.
     label: str
+    #: Modelling choice that it varies.
     choice: str
+    #: Kind of the choice.
     kind: Kind
+    #: Changes of the contact loads, (n, 4) [% of the mean load].
     change: Array
+    #: Largest and root mean square change, with its contact.
     error: LoadError
+    #: Change of the ratio of largest to smallest load on SL [%]; nan if one is zero.
     ratio: float
 
 
 @dataclass(frozen=True)
 class Modelling:
-    """Modelling uncertainty of a scene: of every contact's load ``(n, 4)`` [% of the mean load], its largest and RMS over
-    the loaded contacts, and of largest : smallest load on SL [%]; the choices in it, by falling RMS, with their largest
-    changes."""
+    """Modelling uncertainty of a scene, from all choices."""
 
+    #: Name of the scene.
     scene: str
+    #: Uncertainty of every contact load, (n, 4) [% of the mean load].
     contacts: Array
+    #: Largest of these.
     largest: float
+    #: Root mean square over the loaded contacts.
     rms: float
+    #: Uncertainty of the ratio of largest to smallest load on SL [%].
     ratio: float
+    #: Largest change by choice, sorted by decreasing root mean square.
     choices: dict[str, float]
 
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """What variants of a level are compared with: the scene alone, or else in its group."""
+    """Return the run with which variants of a level are compared: of the scene, or else in its group."""
     return load(scene, level, "base", stores) or load(scene, level, stores=stores)
 
 
 def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
-    """Effects of all variants of a scene that a store holds converged; the dropped coupling by the refined model, whose
-    loads answer a turned shaft as the reference's do. Empty without any run."""
+    """Return the effects of all variants of a scene with a converged run in a store.
+
+    The effect of the dropped coupling is that of the refined model, whose loads respond to a turned shaft like the
+    reference's. Empty without any run.
+    """
     out = []
     for name, variant in VARIANTS.items():
         run, against = load(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
@@ -100,7 +113,17 @@ def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
 
 
 def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
-    """The effect of loads ``changed`` (n, 4) against ``base`` (n, 4) [N]."""
+    """Compute the effect of a variant from its loads and those of the base run.
+
+    Parameters
+    ----------
+    scene, variant, label, choice, kind
+        As in `Effect`.
+    changed
+        Contact loads of the variant, (n, 4) [N].
+    base
+        Contact loads of the base run, (n, 4) [N].
+    """
     change = np.asarray(error_percent(changed, base, mean_load(base)))
     with np.errstate(divide="ignore", invalid="ignore"):
         before, after = (float(x[:, 0].max() / x[:, 0].min()) for x in (base, changed))
@@ -109,7 +132,7 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
 
 
 def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
-    """Root of squares over the choices of a scene's effects; None where nothing was varied in 3D."""
+    """Combine the effects of a scene, by the root of squares over the choices; None if nothing was varied in 3D."""
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
         return None
@@ -132,7 +155,10 @@ def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
 
 
 def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
-    """Largest modelling uncertainty [% of the mean load] that speaks for a scene; None where its parts were not varied."""
+    """Return the largest modelling uncertainty that applies to a scene [% of the mean load].
+
+    None if its parts were not varied.
+    """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest
 
@@ -140,30 +166,35 @@ def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | 
 #: Screws and a bearing that were not used while the refined model was developed.
 UNSEEN = with_role("unseen")
 
-#: Scenes that four mesh levels leave with an uncertainty above 0.3 %, by lightly loaded contacts beside heavy ones.
+#: Scenes with an uncertainty above 0.3 % on four mesh levels, due to lightly loaded contacts next to heavily loaded ones.
 DEEP = ("two-balls", "unseen-25x5")
 
-#: Models on the ladder, from the source's upwards.
+#: Models of the ladder, from the source's to the refined one.
 RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m: m.ladder_step or (0, "")))
 
 
 @dataclass(frozen=True)
 class Rung:
-    """One model on one scene against its reference: errors, the reference's uncertainty in per cent of the mean load,
-    seconds of the solve of a geometry that is new (libraries loaded, interpreted), sum of loads against the reference's
-    [%]."""
+    """Result of one model of the ladder on one scene, against its reference."""
 
+    #: Name of the scene.
     scene: str
+    #: Name of the model.
     model: str
+    #: Result of the model.
     result: StaticResult
+    #: Errors of the contact loads.
     error: LoadError
+    #: Uncertainty of the reference [% of the mean load].
     uncertainty: float | None
+    #: Difference of the sum of loads from the reference's [%].
     bias: float
+    #: Run time for a new geometry, in plain Python with libraries imported [s].
     seconds: float
 
 
 def climb(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
-    """Every rung that a scene's stored data allow."""
+    """Solve a scene with every model of the ladder that its stored data allow."""
     rungs = []
     for model in RUNGS:
         options = Options(discretisation=False, engine="interpreted")
@@ -193,16 +224,18 @@ def climb(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> 
 
 @dataclass(frozen=True)
 class Share:
-    """Error of the refined model on one scene with the bodies named taken from the finest 3D run, the low-order ones for
-    the rest: none of them, one, both."""
+    """Errors of the refined model on one scene, with some bodies replaced by those of the finest 3D run."""
 
+    #: Name of the scene.
     scene: str
+    #: Errors of the loads, by the bodies that are taken from 3D: none, one, both.
     errors: dict[tuple[str, ...], LoadError]
+    #: Difference of the sum of loads [%], by the same.
     bias: dict[tuple[str, ...], float]
 
 
 def shares(study: Study) -> list[Share]:
-    """Which body's idealisation the refined model's error is, on every scene whose condensed bodies are stored."""
+    """Compute which body's idealisation causes the error of the refined model, on every scene with stored 3D bodies."""
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)
@@ -222,7 +255,7 @@ def shares(study: Study) -> list[Share]:
 
 
 def ladder(study: Study) -> list[Rung]:
-    """Every rung of every scene that has a stored reference; the study keeps the results."""
+    """Solve every scene with a stored reference by every model of the ladder; the study keeps the results."""
     references = study.references((*REFERENCED, *UNSEEN))
     rungs = [rung for name, ref in references.items() for rung in climb(study.scene(name), ref, study.stores)]
     for rung in rungs:
@@ -232,14 +265,19 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """What the model-form estimate rests on."""
+    """Return the data of the estimate of the model's error: a point for each model and scene."""
     references = study.references((*REFERENCED, *UNSEEN))
     return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
-    """Every compared screw judged by the others, drawn ones of the survey among them: errors of its loads that were
-    measured and that were to be expected [% of the mean load]; None where the others do not cover it."""
+    """Estimate the errors of every compared screw, drawn ones included, from all others.
+
+    Returns
+    -------
+    list of dict
+        Measured and expected errors of the loads [% of the mean load]; None if the others do not cover the screw.
+    """
     everything = [*points(study, rungs), *surveyed_points()]
     return [
         {

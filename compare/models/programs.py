@@ -1,8 +1,8 @@
-"""A user's low-order model as a program of any language: a command that reads a scene as JSON and writes loads as CSV.
+"""Low-order models of users as programs in any language: a command that reads a scene as JSON and writes loads as CSV.
 
-``prog {scene.json} {loads.csv}`` is run for every scene with two paths in place of the braces, without a shell, in the
-folder where rollbench was called. Such a command stands wherever the name of a model does, so it reaches every worker as
-text; ``{seconds=600}`` in it is its limit of time (`model_command` writes it).
+``prog {scene.json} {loads.csv}`` is run for every scene in the current folder, without a shell, with two paths in place of
+the braces. Such a command can be given wherever a model is named; ``{seconds=600}`` in it is its time limit (see
+`model_command`).
 """
 
 from __future__ import annotations
@@ -34,29 +34,55 @@ if TYPE_CHECKING:
 
     from rollbench.compare.models.loads_file import GivenLoads
 
-#: What stands for the two files in a command, and for its limit of time.
+#: Placeholders of the two files in a command, and of its time limit.
 SCENE, LOADS, LIMIT = "{scene.json}", "{loads.csv}", re.compile(r"\{seconds=([^{}]*)\}")
-#: Seconds that a program has for a scene unless it is given others, and the most that it may be given.
+#: Default and largest time limit of a program for one scene [s].
 SECONDS, LONGEST = 60.0, 1e6
-#: Least load of a contact [N]: what a program leaves below it is round-off.
+#: Contact loads below this [N] are round-off and set to zero.
 LEAST = 1e-9
-#: Note of the loads' file that gives the motion of the screw at the nut's centre.
+#: Name of the note in the file of loads that gives the displacement of the screw at the nut's centre.
 DISPLACEMENT = "displacement"
-#: Bytes of a program's output in which its last line is looked for.
+#: Bytes at the end of a program's output that are searched for its last line.
 TAIL = 4096
 MEND = "run it by hand on what rollbench export SCENE --format json writes; `model_seconds` gives it more time"
 
 
 def is_command(name: str) -> bool:
-    """Whether a model is named by a command."""
+    """Return whether the name of a model is a command.
+
+    Parameters
+    ----------
+    name
+        Name of a model, or a command.
+    """
     return SCENE in name or LOADS in name
 
 
 def model_command(command: str, seconds: float = SECONDS) -> str:
-    """The name of a program as a model, for every function that takes one: ``solve(scene, model_command(...))``.
+    """Make the name of a model from the command of a program, for every function that takes a model.
 
-    command: its words, ``{scene.json}`` and ``{loads.csv}`` in place of the files that it reads and writes; seconds: its
-    limit of time for a scene. Raises InputError where one of them cannot be.
+    Parameters
+    ----------
+    command
+        Program and its arguments, with ``{scene.json}`` for the file that it reads and ``{loads.csv}`` for the file that it
+        writes, each once.
+    seconds
+        Time limit for one scene [s], at most 1e6.
+
+    Returns
+    -------
+    str
+        The name: ``rollbench.solve(scene, rollbench.model_command("./mine {scene.json} {loads.csv}"))``.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a file is missing in the command, its quotes do not match, or the time limit is out of range.
+
+    Examples
+    --------
+    >>> model_command("awk -f share.awk {scene.json} {loads.csv}", seconds=600)
+    'awk -f share.awk {scene.json} {loads.csv} {seconds=600}'
     """
     name = command if seconds == SECONDS else f"{command} {{seconds={seconds:g}}}"
     program(name)
@@ -64,8 +90,20 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
 
 
 def title_of(name: str) -> str:
-    """The name of a model in words: of a command its words without folders and files.
+    """Return the name of a model for headings; of a command its words without folders and files.
 
+    Parameters
+    ----------
+    name
+        Name of a model, or a command.
+
+    Returns
+    -------
+    str
+        The heading.
+
+    Examples
+    --------
     >>> title_of("awk -f /home/me/share.awk {scene.json} {loads.csv}"), title_of("lin")
     ('awk -f share.awk', 'lin')
     """
@@ -74,8 +112,23 @@ def title_of(name: str) -> str:
 
 @cache
 def program(name: str) -> Program:
-    """The program of a command. Raises InputError for one without its files, with quotes that do not fit, or a time that is
-    none."""
+    """Split a command into a program and its time limit.
+
+    Parameters
+    ----------
+    name
+        The command.
+
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    ArgumentError
+        If a file is missing in the command, its quotes do not match, or the time limit is out of range.
+    """
     advice = f'give its words in one text: "./prog {SCENE} {LOADS}"'
     limit = LIMIT.search(name)
     command = LIMIT.sub("", name).strip()
@@ -99,20 +152,22 @@ def program(name: str) -> Program:
 
 @dataclass(frozen=True)
 class Program:
-    """A program as a model: the words of its command and its limit of time [s] for a scene."""
+    """Program of a user as a model."""
 
     words: tuple[str, ...]
+    """Words of the command, with placeholders for the files."""
     seconds: float
+    """Time limit for one scene [s]."""
 
     @property
     def label(self) -> str:
-        """Its words without those of the files, paths by their last part."""
+        """Words of the command without the files, paths shortened to their last part."""
         words = [Path(word).name or word for word in self.words if SCENE not in word and LOADS not in word]
         return one_line(" ".join(words), 40)
 
     @property
     def files(self) -> str:
-        """Files that the command names, with a digest of what they hold: whether it is the same program as before."""
+        """Files that the command names, with a digest of their contents, to recognise a changed program."""
         import hashlib
 
         paths = [Path(shutil.which(self.words[0]) or self.words[0]), *map(Path, self.words[1:])]
@@ -120,11 +175,23 @@ class Program:
         return ", ".join(found)
 
     def __call__(self, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """What the program answers a scene, whose errors are all drawn: loads, and the motion of the screw ``(6,)``
-        [m, rad] where it says one.
+        """Run the program for a scene, in a temporary folder.
 
-        Its files lie in a folder of their own, which goes with the call however that ends. Raises ProgramError where the
-        program cannot be started, ends with another exit code than 0, is late, or writes no loads of every contact.
+        Parameters
+        ----------
+        scene
+            Scene, whose random errors are drawn.
+
+        Returns
+        -------
+        tuple
+            Loads, and the displacement of the screw (6,) [m, rad] or None.
+
+        Raises
+        ------
+        ProgramError
+            If the program cannot be started, exits with another code than 0, exceeds its time limit, or does not write the
+            loads of every contact.
         """
         import tempfile
 
@@ -147,7 +214,7 @@ class Program:
                 raise self._failed(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
-        """Run the program with its output in a file; why it did not end well, empty where it did."""
+        """Run the program with its output in a file; return why it failed, empty if it did not."""
         import subprocess
 
         with said.open("wb") as output:
@@ -167,13 +234,13 @@ class Program:
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
-        """What is said of a program that did not answer, with its last line."""
+        """Return the error of a program that failed, with the last line that it printed."""
         line = last_line(said)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
         return ProgramError(self.label, scene.name, why + words, MEND)
 
     def _read(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """The answer of a file. Raises InputError."""
+        """Return the loads and the displacement in a file; InputError if they cannot be used."""
         from rollbench.compare.models.loads_file import read_loads
 
         given = read_loads(path, scene.ball_count, scene)
@@ -194,7 +261,7 @@ class Program:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a program that is still at work, with all that it started."""
+    """Kill a program that is still running, with all processes that it started."""
     if process.poll() is None:
         with suppress(OSError):
             if hasattr(os, "killpg"):
@@ -205,7 +272,18 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def last_line(path: Path) -> str | None:
-    """The last line of a program's output, empty where it printed none; None where it was not run."""
+    """Return the last line of a program's output.
+
+    Parameters
+    ----------
+    path
+        File with the output.
+
+    Returns
+    -------
+    str or None
+        The line, empty if nothing was printed; None if there is no such file.
+    """
     try:
         with path.open("rb") as file:
             file.seek(max(0, path.stat().st_size - TAIL))
@@ -216,11 +294,19 @@ def last_line(path: Path) -> str | None:
 
 
 def scene_json(scene: Scene) -> str:
-    """A scene as JSON for a program, SI units: its fields, and what a low-order model is made of.
+    """Return a scene as JSON for a program, in SI units.
 
-    Under ``given`` the lead angle [rad] and the axial force of all loads [N]; under ``contacts`` of every ball (a row a
-    line) azimuth [rad] and station [m], closures [m] of its two pairs of flanks in the nominal place by all errors
-    (positive: pressed), and Hertz's constants C [m/N^(2/3)] of its contacts: approach C F^(2/3).
+    Parameters
+    ----------
+    scene
+        The scene, whose random errors are drawn.
+
+    Returns
+    -------
+    str
+        Fields of the scene; under ``given`` the lead angle [rad] and the axial force of all loads [N]; under ``contacts``
+        for every ball its azimuth [rad] and axial position [m], the closures of both pairs of flanks by all errors in the
+        nominal position [m] (positive: pressed), and the Hertz constants C [m/N^(2/3)] of its contacts.
     """
     from rollbench.lowfi.statics.contacts import error_free, hertz_C
     from rollbench.lowfi.statics.problem import distances

@@ -1,4 +1,4 @@
-"""The models by name, and how each is run on a scene."""
+"""List of the low-order models by name, and how each is run on a scene."""
 
 from __future__ import annotations
 
@@ -23,13 +23,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options:
-    """How to run: leave nothing out (``everything``), which specimen of a scene with random errors, which engine;
-    ``condensed``: file of condensed bodies for the elastic models."""
+    """Options of running a model."""
 
+    #: Whether terms that cannot change the result are computed too.
     everything: bool = False
+    #: Number of the specimen of a scene with random errors.
     member: int = 0
+    #: Kernels: ``interpreted``, ``compiled``, or ``auto``, by size.
     engine: str = "auto"
+    #: Whether the error of the beam's discretisation is estimated.
     discretisation: bool = True
+    #: File with condensed bodies for the elastic models.
     condensed: Path | None = None
 
 
@@ -46,7 +50,25 @@ def _lin(scene: Scene, options: Options) -> StaticResult:
 
 
 def read_condensed(scene: Scene, options: Options) -> Condensed:
-    """Bodies of the file that the options name. Raises InputError where there is none that fits the scene."""
+    """Read the condensed bodies of the file in the options.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    options
+        Options that name the file.
+
+    Returns
+    -------
+    Condensed
+        The bodies.
+
+    Raises
+    ------
+    InputError
+        If there is no file or it does not fit the scene.
+    """
     from rollbench.lowfi.compliance.bodies import Condensed
 
     if options.condensed is None:
@@ -64,7 +86,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
 
 
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
-    """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
+    """Solve by a model with elastic bodies, named by its backend; "condensed" takes them from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation
@@ -120,23 +142,23 @@ def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisRes
 
 
 def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
-    """A model that can describe every scene."""
+    """Return True: condition of a model that covers every scene."""
     return True
 
 
 def with_beam(scene: Scene) -> bool:
-    """A model whose equations are those of a beam."""
+    """Return whether the scene has a screw that the equations of a beam describe."""
     return scene.ingredients.screw == "beam"
 
 
 def axial_only(scene: Scene) -> bool:
-    """Mei's model: axial loads on a beam, without preload and without a further support."""
+    """Return whether Mei's model covers a scene: axial loads on a beam, no preload and no further support."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and with_beam(scene)
 
 
 def loaded_at_one_end(scene: Scene) -> bool:
-    """Liu's model: axial loads at one end of the balls, without preload, the screw free along its axis."""
+    """Return whether Liu's model covers a scene: axial loads at one end of the balls, no preload, screw free axially."""
     from rollbench.lowfi.statics.liu import describes
 
     return describes(scene)
@@ -144,35 +166,39 @@ def loaded_at_one_end(scene: Scene) -> bool:
 
 @dataclass(frozen=True)
 class Model:
-    """A low-order model, by all that the project says of it and does with it.
+    """Low-order model, with everything that commands, tables and the report need of it."""
 
-    name: on the command line; about: one sentence for ``rollbench list``; label: in tables and figures; words: how screw,
-    nut and balls answer a contact force; run: its runner; assembly: its runner on several sets on one shaft, or why it has
-    none; suits: whether it can describe a scene; compared: takes part in ``rollbench compare``; extremes: takes part in
-    the stability table; ingredients: changes of the scene that make it a variant of another model; ladder_step: its rank
-    on the ladder from the source's model to the refined one and what it adds there; errors_of: the model whose compared
-    errors speak for it (itself unless given).
-    """
-
+    #: Name on the command line.
     name: str
+    #: Sentence for ``rollbench list``.
     about: str
+    #: Name in tables and figures.
     label: str
+    #: How screw, nut and balls respond to a contact force.
     words: str
+    #: Function that runs it on a scene with one set.
     run: Callable[[Scene, Options], StaticResult]
+    #: Function that runs it on several sets on one shaft, or why there is none.
     assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one set"
+    #: Whether it covers a scene.
     suits: Callable[[Scene], bool] = any_scene
+    #: Whether ``rollbench compare`` shows it by default.
     compared: bool = False
+    #: Whether it is in the table of numerical stability.
     extremes: bool = False
+    #: Changes of the scene that make it a variant of another model.
     ingredients: tuple[tuple[str, Any], ...] = ()
+    #: Rank on the ladder from the source's model to the refined one, and what it adds there.
     ladder_step: tuple[int, str] | None = None
+    #: Model whose compared errors apply to it; empty: itself.
     errors_of: str = ""
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the ingredients of this model."""
+        """Return a copy of the scene with the changes of this model."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
     def of_assembly(self, assembly: Assembly) -> Assembly:
-        """The assembly with the ingredients of this model, and those of its sets."""
+        """Return a copy of the assembly and its sets with the changes of this model."""
         parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
         sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
@@ -292,19 +318,21 @@ _ALL = (
         compared=True,
     ),
 )
-#: Every model by name, in the order of tables.
+#: All models by name, in the order of tables.
 MODELS = {m.name: m for m in _ALL}
 
 
-#: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
+#: Models that solve several sets on one shaft: the source's and the steps of the ladder to the refined one.
 AXIS_MODELS = tuple(name for name, model in MODELS.items() if callable(model.assembly))
-#: The model that is used unless another one is asked for.
+#: Default model.
 DEFAULT = "refined"
 
 
 def default_model(scene: Scene | Assembly) -> str:
-    """The model where none is asked for: `DEFAULT`, but lin where an inner ring sits on a housing on springs, which no
-    other model has."""
+    """Return the name of the default model of a scene.
+
+    It is `DEFAULT`, but lin where an inner ring sits on a housing on springs, which no other model covers.
+    """
     if isinstance(scene, Scene):
         return DEFAULT
     sprung = {h.name for h in scene.housings if h.stiffness is not None}
@@ -313,16 +341,31 @@ def default_model(scene: Scene | Assembly) -> str:
 
 
 def is_model(name: str) -> bool:
-    """Whether a model has that name: one of ours, of an installed package, or a command."""
+    """Return whether there is a model of that name: of rollbench, of an installed package, or a command."""
     return name in MODELS or programs.is_command(name) or name in user_models.installed()
 
 
 def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
-    """The model of that name: ours, that of an installed package, which is loaded now, ours where both have the name, or
-    that of a command.
+    """Return the model of a name: of rollbench, else of an installed package, which is imported, or a command.
 
-    Raises ArgumentError for another name and for those it is asked without, with all that are known, and as
-    `user_models.load`.
+    Parameters
+    ----------
+    name
+        Name of the model, or a command.
+    argument
+        Argument that errors name.
+    without
+        Names that are refused.
+
+    Returns
+    -------
+    Model
+        The model.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such model, it is refused, or as `user_models.load`.
     """
     command = programs.is_command(name)
     others = () if command else user_models.installed()
@@ -344,15 +387,17 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
 
 
 def random_errors(scene: Scene | Assembly) -> bool:
-    """Whether the scene, or any of its sets, has random errors."""
+    """Return whether the scene, or any of its sets, has random errors."""
     if isinstance(scene, Scene):
         return scene.errors.random
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
 
 
 def blamed(error: ValueError) -> str:
-    """The key of a scene that a solver's refusal names, or ``scene``.
+    """Return the key of a scene that the error of a solver names; ``scene`` if none.
 
+    Examples
+    --------
     >>> blamed(UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")), blamed(ValueError("no"))
     ('solid.nut_inner_diameter', 'scene')
     """
@@ -364,10 +409,26 @@ def run_model(scene: Scene, name: str = "", options: Options | None = None) -> S
 @overload
 def run_model(scene: Assembly, name: str = "", options: Options | None = None) -> AxisResult: ...
 def run_model(scene: Scene | Assembly, name: str = "", options: Options | None = None) -> StaticResult | AxisResult:
-    """Run one model, the default one unless named, on a scene of one set or several; no loads stand in a result that did
-    not converge.
+    """Run a model on a scene with one set or several.
 
-    Raises InputError for an unknown name, a scene that the model cannot describe, or a member of one without random errors.
+    Parameters
+    ----------
+    scene
+        One load case.
+    name
+        Name of the model; empty: the default.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    StaticResult or AxisResult
+        The result; loads are nan if it did not converge.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown, the model does not cover the scene, or a specimen is asked for without random errors.
     """
     name, options = name or default_model(scene), options or Options()
     run = _runner(scene, name)
@@ -385,7 +446,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """The runner of the named model on the scene. Raises InputError where there is none."""
+    """Return the function that runs a model on a scene; InputError if there is none."""
     if isinstance(scene, Scene):
         model = known_model(name)
         return partial(model.run, model.scene(scene))

@@ -1,4 +1,4 @@
-"""Scenes, results and references, each made once per report, gate or test module."""
+"""Cache of scenes, results and references that a report, a gate or a test module uses several times."""
 
 from __future__ import annotations
 
@@ -22,33 +22,37 @@ if TYPE_CHECKING:
 
 @dataclass
 class Study:
-    """What a report, a gate or a test works on: scenes by name, results, ensembles and stored 3D references.
+    """Scenes, results and stored 3D references of one report, gate or test module, each computed once."""
 
-    stores: folders of runs of the 3D reference, in the order they are searched (None: those of the package); members:
-    drawn screws of an ensemble (None: as many as the scene says; 0: no ensemble is made, and what needs one stays open);
-    quick: coarse meshes only; timed: run times are measured, not taken from those that are kept; cache: folder of
-    meshes and condensed parts (None: none); others:
-    scenes of a kind that only friction solves, whose results the evidence itself keeps.
-    """
-
+    #: Folders with runs of the 3D reference, in order of search; None: those of the package.
     stores: Sequence[Path] | None = None
+    #: Number of specimens of an ensemble; None: as the scene states; 0: none, entries that need one stay open.
     members: int | None = None
+    #: Whether only coarse meshes are used.
     quick: bool = False
+    #: Whether run times are measured instead of taken from stored ones.
     timed: bool = False
+    #: Folder of meshes and condensed parts; None: no cache.
     cache: Path | None = None
+    #: Scenes by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
+    #: Scenes that only friction is computed for, by name.
     others: dict[str, Described] = field(default_factory=dict)
+    #: Results by scene, model and specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
+    #: Values of `once`.
     computed: dict[Any, Any] = field(default_factory=dict)
+    #: Evidence by printed table.
+    evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
-        """Shipped scene by name."""
+        """Return a shipped scene by name."""
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
 
     def uses(self, names: Sequence[str]) -> None:
-        """Note that results rest on these shipped scenes, of whatever kind."""
+        """Record that results depend on these shipped scenes."""
         for name in names:
             scene = catalogue.shipped(name)
             if isinstance(scene, Scene):
@@ -58,17 +62,17 @@ class Study:
 
     @property
     def used(self) -> dict[str, Described]:
-        """All scenes used so far, by name, sorted."""
+        """Return all scenes used so far by name, sorted."""
         scenes: dict[str, Described] = {**self.scenes, **self.others}
         return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
-        """Shipped scene with other ingredients (see ``meshes.parts.Ingredients``)."""
+        """Return a shipped scene with other model ingredients (`meshes.parts.Ingredients`)."""
         scene = self.scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Result of a model on a scene, the source's unless named; solved on first use."""
+        """Return the result of a model on a scene; solved on first use."""
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
         if key not in self.results:
@@ -79,18 +83,18 @@ class Study:
         return self.results[key]
 
     def once(self, make: Callable[..., T], *args: Any) -> T:
-        """``make(study, *args)``, computed on first use; the arguments must be hashable."""
+        """Return ``make(study, *args)``, computed on first use; the arguments must be hashable."""
         key = (make, *args)
         if key not in self.computed:
             self.computed[key] = make(self, *args)
         return cast(T, self.computed[key])
 
     def reference(self, name: str) -> Reference | None:
-        """Stored 3D reference of a shipped scene with its grid convergence; None where no store has a converged run."""
+        """Return the stored 3D reference of a shipped scene, with its uncertainty; None without a converged run."""
         return self.once(_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
-        """Stored 3D references of those of the scenes that have one."""
+        """Return the stored 3D references by name, of the scenes that have one."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
@@ -100,13 +104,13 @@ def _reference(study: Study, name: str) -> Reference | None:
 
 
 def with_groove(scene: Scene, conformity: float) -> Scene:
-    """The scene with both groove radii set to ``conformity`` times the ball's diameter."""
+    """Return a copy of the scene with another conformity of both grooves (groove radius over ball diameter)."""
     radius = 2.0 * conformity * scene.balls.radius
     return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
 
 
 def with_balls(base: Scene, count: int) -> Scene:
-    """The screw of ``base`` with ``count`` balls at the same spacing; nut and screw grow with them [m]."""
+    """Return a copy of the screw with another number of balls at the same spacing; nut and screw grow with it."""
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
     length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)

@@ -1,26 +1,25 @@
-"""What a comparison with the 3D reference is uncertain by: parts, which add by squares.
+"""Uncertainty of a comparison with the 3D reference, in parts that add by squares.
 
-Of a quantity of a scene, as ASME V&V 20 has it, the comparison error is E = model - reference, and what E does not owe to
-the model is told apart by
+As ASME V&V 20 has it, the comparison error of a quantity is E = model - reference. The model's own error is separated from
+the rest by the validation uncertainty
 
     u_val = sqrt(u_grid^2 + u_model^2 + u_input^2),
 
 u_grid: grid convergence of the reference (`compare.reference.grid_parts`); u_model: idealisations and unprinted dimensions
-of the reference, each varied by itself (`compare.models.modelling`); u_input: tolerances of what goes into both, each
-varied by itself. |E| <= u_val says that the model's error is not told from that; else the model's error lies within E +-
-u_val. Per cent are of the reference's value, those of contact loads of the mean load. u_input is computed by the source's
-model (lin), whose sensitivities are cheap. Model and reference are given the same inputs, so that it cancels in E here: it
-is what E would be uncertain by if one of the two were a measured screw, and the share of values within the reference's
-part, sqrt(u_grid^2 + u_model^2), stands next to it. Where choices of the reference were not varied on a scene, those of the
-varied scene whose effect is largest stand in, but not for a scene beyond what was compared, of which they say nothing.
-u_val is not known where a part is not.
+of the reference, each varied separately (`compare.models.modelling`); u_input: tolerances of the inputs of both, each
+varied separately. If |E| <= u_val, the error of the model cannot be distinguished from it; else it lies within E +- u_val.
+Percentages are of the reference's value, those of contact loads of the mean load. u_input is computed by the source's model
+(lin), whose sensitivities are cheap. Model and reference get the same inputs, so u_input cancels in E here: it is the
+uncertainty of E if one of the two were a measured screw. The share of values within the reference's part, sqrt(u_grid^2 +
+u_model^2), is therefore given too. If choices were not varied on a scene, those of the varied scene with the largest effect
+are taken, unless the scene lies beyond what was compared. u_val is not known if a part is not.
 
-Of the largest contact load of a scene (`total`) a fourth part is the second order of displacements, which the reference
-leaves out: CalculiX finds contacts of the scene two-balls weaker by large displacements in proportion to their larger
-semi-axis a over the ball radius r, dF / F = -`SECOND_ORDER` a / r, within 15 %. Here a part that is not known counts as
-nothing, and words say so. Next to it stands what all contacts of a screw share whose sum of loads equilibrium does not
-hold: independent 3D programs find that sum larger by `SHARED`, with one sign, while finer meshes of the reference move it
-by less and the other way.
+The largest contact load of a scene (`total`) has a fourth part, the second order of displacements, which the reference
+neglects: CalculiX finds contacts of the scene two-balls weaker by large displacements in proportion to their larger
+semi-axis a over the ball radius r, dF / F = -`SECOND_ORDER` a / r, within 15 %. Here an unknown part counts as zero, and
+the text says so. Contacts of a screw whose sum of loads is not fixed by equilibrium share a further part: independent 3D
+programs find that sum larger by `SHARED`, with one sign, while finer meshes of the reference move it by less and the other
+way.
 """
 
 from __future__ import annotations
@@ -59,11 +58,11 @@ Take = Callable[[Scene, Loads], Array]
 GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", "large displacements"
 #: Record of the modelling choices, next to the stored runs.
 FILE = "choices.json"
-#: Relative loss of load by large displacements over a / r [-] (tests/unit/models/test_uncertainty.py).
+#: Relative loss of load by large displacements, over a / r [1] (tests/unit/models/test_uncertainty.py).
 SECOND_ORDER = 0.030
-#: Sums of independent 3D programs over the reference's, preloaded scenes, least and largest [%].
+#: Excess of the sum of loads in independent 3D programs over the reference, preloaded scenes, smallest and largest [%].
 SHARED = (0.12, 0.19)
-#: Model whose sensitivities to the inputs are taken.
+#: Model that gives the sensitivities to the inputs.
 SENSITIVE = "lin"
 #: Name of the quantity that is judged contact by contact.
 CONTACTS = "contact loads"
@@ -71,23 +70,27 @@ CONTACTS = "contact loads"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is compared: name, unit, its values (any shape) of an answer; whether per cent are of the mean of the loaded
-    contacts in place of the value itself; whether it is the load of the most loaded contact."""
+    """Quantity that is compared."""
 
+    #: Name of the quantity.
     name: str
+    #: Unit of its values.
     unit: str
+    #: Function that takes its values (any shape) from an answer.
     take: Take
+    #: Whether percentages are of the mean of the loaded contacts instead of the value.
     of_mean: bool = False
+    #: Whether it is the load of the most loaded contact.
     of_largest: bool = False
 
 
 def _axial(scene: Scene, answer: Loads) -> Array:
-    """Axial displacement [um] of the screw at the nut's centre."""
+    """Return the axial displacement of the screw at the nut's centre [um]."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
 def _angle(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Contact angle [deg] of the most loaded contact."""
+    """Return the contact angle of the most loaded contact [deg]."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
 
@@ -101,9 +104,11 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class Input:
-    """A tolerance of what a drawing or a catalogue gives: words, and the scene changed by it (None where it has none)."""
+    """Tolerance of an input value."""
 
+    #: Description, with the size of the tolerance.
     name: str
+    #: Function that changes a scene by it; None if the scene has no such value.
     change: Callable[[Scene], Scene | None]
 
 
@@ -133,7 +138,7 @@ def _larger(scene: Scene) -> Scene | None:
     return replace(scene, errors=replace(scene.errors, balls=replace(balls, oversize=balls.oversize + 0.25e-6)))
 
 
-#: Assumed tolerances: what makers state of such parts or do not print at all; no source of a scene gives them.
+#: Assumed tolerances: makers state them for such parts or do not print them; no source of a scene gives them.
 INPUTS = (
     Input("conformity of both grooves 0.005", _conforming),
     Input("contact angle 1 deg", _turned),
@@ -144,26 +149,40 @@ INPUTS = (
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Parts by name in per cent, each a number or of the shape of the values; nan where it is not known. ``varied``: the
-    scene on which the modelling choices were varied."""
+    """Uncertainty of a quantity, in parts."""
 
+    #: Parts by name in per cent, each a number or of the shape of the values; nan: not known.
     parts: Mapping[str, Array | float]
+    #: Scene on which the modelling choices were varied.
     varied: str = ""
 
     def combined(self, *names: str, unknown: float = np.nan) -> Array:
-        """Root of the sum of squares of the parts, of all unless named; unknown: what one counts that is not known."""
+        """Return the root of the sum of squares of the parts.
+
+        Parameters
+        ----------
+        *names
+            Parts to combine; all unless given.
+        unknown
+            Value of a part that is not known.
+
+        Returns
+        -------
+        Array
+            The sum, in per cent.
+        """
         parts = (np.asarray(self.parts[name]) for name in names or self.parts)
         return np.asarray(np.sqrt(sum(np.where(np.isnan(part), unknown, part) ** 2 for part in parts)))
 
 
 def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Difference in per cent of what the quantity is given in; mean: contact load [N] of the reference."""
+    """Return a difference in per cent of the value, or of the mean load of the reference [N] for a quantity ``of_mean``."""
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Of the finest run, in per cent; nan with one level, but for loads, of which there is experience."""
+    """Return the grid uncertainty of the finest run in per cent; nan with one level, except for loads (from experience)."""
     base = quantity.take(scene, from_run(reference.best, ""))
     if quantity.of_mean:
         return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
@@ -178,7 +197,7 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
 
 def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Choice, answer with it changed and answer without, of every modelling choice that a store holds varied on a scene."""
+    """Return all modelling choices that were varied on a scene, as (choice, answer with the change, answer without)."""
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
     for key, variant in VARIANTS.items():
@@ -194,8 +213,7 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Root of squares over the modelling choices that were varied on a scene, the largest of the variants of one choice;
-    None where none was."""
+    """Return the root of squares over the modelling choices of a scene, the largest variant of each; None without any."""
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
     for choice, changed, base in study.once(variants_of, name):
@@ -206,7 +224,7 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
 
 
 def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
-    """Change in per cent by every tolerance of the inputs that a scene has, by the sensitivities of a cheap model."""
+    """Compute the change of a quantity by every input tolerance of a scene, by the model lin [%]."""
     base = study.solve(scene, SENSITIVE)
     unchanged, out = quantity.take(scene, from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
@@ -219,13 +237,13 @@ def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Arr
 
 
 def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[Array, str]:
-    """Root of squares over the tolerances of the inputs, and the one with the largest change."""
+    """Return the root of squares over the input tolerances [%], and the name of the one with the largest effect."""
     parts = input_parts(study, scene, quantity)
     return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """The parts of u_val of a scene's quantity; None without a stored reference."""
+    """Compute the parts of u_val of a quantity of a scene; None without a stored reference."""
     reference = study.reference(name)
     if reference is None:
         return None
@@ -244,28 +262,35 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
 
 
 def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
-    """`choice_uncertainty` of every varied scene that a store holds."""
+    """Return the `choice_uncertainty` of every scene on which choices were varied."""
     changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
     return {name: u for name, u in changes.items() if u is not None}
 
 
 @dataclass(frozen=True)
 class Validated:
-    """A model on a quantity of a scene: error, parts of u_val and itself [%], of contact loads at the worst contact; the
-    shares of values that lie within u_val and within the reference's own part of it; ratio: model over reference of every
-    loaded contact above a tenth of the mean, or of the value; varied: scene that stands for the choices."""
+    """Error of a model in one quantity of a scene, with the parts of u_val [%]; of contact loads at the worst contact."""
 
     scene: str
     model: str
     quantity: str
+    #: Error of the model [%].
     error: float
+    #: Grid uncertainty of the reference [%].
     grid: float
+    #: Uncertainty by modelling choices of the reference [%].
     choices: float
+    #: Uncertainty by tolerances of the inputs [%].
     inputs: float
+    #: u_val [%].
     combined: float
+    #: Share of values within u_val.
     within: float
+    #: Share of values within the reference's part of u_val.
     within_own: float
+    #: Model over reference, of the value or of every loaded contact above a tenth of the mean.
     ratio: tuple[float, ...]
+    #: Scene on which the modelling choices were varied.
     varied: str
 
     @property
@@ -278,7 +303,7 @@ class Validated:
 
 
 def validated(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
-    """A model's answer on a quantity of a scene; None without a stored reference."""
+    """Compare a model's answer in one quantity of a scene with the reference; None without a stored reference."""
     ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
     if ref is None or parts is None:
         return None
@@ -301,26 +326,31 @@ def validated(study: Study, name: str, model: str, quantity: Quantity, answer: L
 
 @dataclass(frozen=True)
 class Scatter:
-    """Bias and scatter of a model on a quantity over all scenes: number of scenes and of values, relative deviation
-    from the reference as a geometric mean [%], relative standard deviation of the model [%] with the grid's uncertainty
-    taken out, and shares of values within u_val and within the reference's own part of it."""
+    """Bias and scatter of a model in one quantity over all scenes."""
 
     model: str
     quantity: str
+    #: Number of scenes.
     scenes: int
+    #: Number of values.
     values: int
+    #: Relative deviation from the reference, as a geometric mean [%].
     bias: float
+    #: Relative standard deviation of the model without the grid uncertainty [%].
     scatter: float
+    #: Share of values within u_val.
     within: float
+    #: Share of values within the reference's part of u_val.
     within_own: float
 
 
 def scatter(rows: Sequence[Validated]) -> list[Scatter]:
-    """Bias and scatter by model and quantity.
+    """Compute bias and scatter by model and quantity, as in fire-model validation (NUREG-1824, supplement 1).
 
-    As fire-model validation does (NUREG-1824, supplement 1): delta = exp(mean ln(M/E)), sigma_M^2 = var(ln(M/E)) -
-    sigma_E^2, the latter u_grid / 2 (a bound of 95 % taken as two standard deviations), and no less than zero. Inputs and
-    choices are the same for model and reference and scatter neither.
+    Notes
+    -----
+    delta = exp(mean ln(M/E)), sigma_M^2 = var(ln(M/E)) - sigma_E^2, the latter u_grid / 2 (a bound of 95 % taken as two
+    standard deviations), and at least zero. Inputs and choices are the same for model and reference and cause no scatter.
     """
     out = []
     for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
@@ -337,7 +367,7 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
 
 
 def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """By model: measured errors within what was expected of them, and of how many any was (`ladder.left_out_one`)."""
+    """Count, by model, measured errors within the expected ones, and all with an expected one (`ladder.left_out_one`)."""
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
         if row["expected"] is None:
@@ -353,25 +383,27 @@ def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]
 
 @dataclass(frozen=True)
 class Choices:
-    """Modelling choices varied on a scene: largest change of a contact load by all together [% of the mean load], the one
-    that changes most, and by how much."""
+    """Modelling choices that were varied on a scene."""
 
+    #: Name of the scene.
     scene: str
+    #: Largest change of a contact load by all choices together [% of the mean load].
     percent: float
+    #: Choice with the largest effect.
     choice: str
+    #: Effect of this choice [% of the mean load].
     alone: float
 
 
 @record
 class Total:
-    """Uncertainty of a scene's contact loads [% of the mean load] by part (None: not known): discretisation and whether it
-    is from experience only; modelling choices, the one that dominates, the scene on which they were varied; inputs and the
-    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share;
-    stated: of a user's reference what that says, which is all that is known; of the discretisation, what the contact
-    ``at_face`` has by a free face of the nut (`compare.reference.grid_parts`)."""
+    """Uncertainty of the contact loads of a scene [% of the mean load], by part; None: not known."""
 
+    #: Discretisation of the reference.
     discretisation: float
+    #: Whether it is from experience with other scenes, as with a single mesh level.
     by_experience: bool = quantity("discretisation_by_experience")
+    #: Modelling choices, with the dominant one and the scene on which they were varied.
     choices: Choices | None = quantity(
         "modelling_percent",
         "what choices change that no mesh shows",
@@ -379,33 +411,40 @@ class Total:
         Stated("modelling_varied_on", show=lambda choices: choices and choices.scene),
         show=lambda choices: choices and choices.percent,
     )
+    #: Tolerances of the inputs.
     inputs: float | None = quantity("input_percent", "what tolerances of the input change")
+    #: Dominant input.
     input: str = quantity("input_dominated_by", show=lambda name: name or None)
+    #: Second order of displacements.
     second_order: float = quantity("large_displacements_percent", "what the second order of displacements changes")
+    #: Whether the sum of loads has a part that all contacts share.
     shared: bool = quantity(
         "shared_by_all_percent",
         "part that all contacts share and no mesh shows; null where it is not known",
         show=lambda shared: SHARED if shared else None,
     )
+    #: Statement of a user's reference, which then is all that is known.
     stated: str = ""
+    #: Part of the discretisation for the contact ``at_face``, near a free face of the nut (`compare.reference.grid_parts`).
     beside_face: float = quantity(
         "beside_free_face_percent",
         "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
         "it is less than the rest",
         default=0.0,
     )
+    #: Contact near a free face of the nut with the largest such part.
     at_face: str = quantity("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
     @Stated("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
     def of_mesh(self) -> float | None:
-        """`discretisation`; None of a user's reference, which says one number of all."""
+        """Discretisation; None of a user's reference, which states one number for everything."""
         return None if self.stated else self.discretisation
 
     @property
     @Stated("total_percent", "discretisation, modelling and input as independent errors")
     def percent(self) -> float:
-        """All parts, by the root of the sum of squares."""
+        """Root of the sum of squares of all parts."""
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
         parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
@@ -413,7 +452,7 @@ class Total:
 
     @property
     def text(self) -> str:
-        """All and by part, in words."""
+        """The sum and its parts in words."""
         if self.stated:
             return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
@@ -431,7 +470,7 @@ class Total:
 
     @property
     def beside(self) -> str:
-        """What no part holds, as a sentence; empty where the sum of loads is held by equilibrium."""
+        """Sentence on effects that no part contains; empty if equilibrium fixes the sum of loads."""
         if not self.shared:
             return ""
         low, high = SHARED
@@ -442,7 +481,22 @@ class Total:
 
 
 def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
-    """The uncertainty of a scene's reference; inputs: whether that by the tolerances of the inputs is looked for."""
+    """Compute the uncertainty of the contact loads of a scene's reference.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    reference
+        Its reference.
+    inputs
+        Whether the tolerances of the inputs are varied (several solutions).
+
+    Returns
+    -------
+    Total
+        The parts.
+    """
     if reference.stated:
         return Total(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
     share, name = _inputs(scene) if inputs else (None, "")
@@ -461,8 +515,10 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
 
 
 def beside_face(reference: Reference) -> tuple[float, str]:
-    """Largest part of a contact's uncertainty that is by a free face beside it [% of the mean load], and the contact; none
-    where it is less than what discretisation leaves uncertain in all."""
+    """Return the largest part of a contact's uncertainty due to a nearby free face [% of the mean load], and the contact.
+
+    Zero if it is smaller than the total uncertainty by discretisation.
+    """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.bar or not reference.parts.bar:
         return 0.0, ""
@@ -471,7 +527,7 @@ def beside_face(reference: Reference) -> tuple[float, str]:
 
 
 def second_order(scene: Scene, reference: Reference) -> float:
-    """What large displacements take from the most loaded contact [% of the mean load]."""
+    """Return the reduction of the largest contact load by large displacements [% of the mean load]."""
     worst = load_answers(scene, reference.load, np.radians(reference.best.angle)).worst
     if worst is None:
         return 0.0
@@ -480,7 +536,7 @@ def second_order(scene: Scene, reference: Reference) -> float:
 
 
 def _inputs(scene: Scene) -> tuple[float | None, str]:
-    """Largest effect [%] of the tolerances of the inputs on a contact's load, and the one that has most of it."""
+    """Return the largest effect of the input tolerances on a contact load [%], and the dominant input."""
     study = Study()
     if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
         return None, ""
@@ -489,25 +545,27 @@ def _inputs(scene: Scene) -> tuple[float | None, str]:
 
 
 def recorded(varied: Modelling) -> Choices:
-    """The record of choices that were varied on a scene."""
+    """Return the record of the choices that were varied on a scene."""
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return Choices(varied.scene, varied.largest, first, varied.choices[first])
 
 
 def spoken_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
-    """The choices that speak for a scene: of its own parts, or else the ones with the largest effect; none for a scene
-    beyond what was compared. Raises ValueError as `applicability.outside`."""
+    """Return the modelling choices that apply to a scene: of its own parts, else those with the largest effect.
+
+    None for a scene beyond what was compared. ValueError as `applicability.outside`.
+    """
     if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
 def save(store: Path, known: Mapping[str, Choices]) -> None:
-    """Write the record of a store. Raises OSError where that cannot be done."""
+    """Write the modelling choices to a store; OSError if that is not possible."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 
 @cache
 def read(store: Path) -> dict[str, Choices]:
-    """The record of a store. Raises OSError, ValueError or TypeError without a whole one."""
+    """Read the modelling choices of a store; OSError, ValueError or TypeError if the file is missing or damaged."""
     return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}

@@ -1,12 +1,12 @@
-"""A user's low-order models: functions that an installed package names in the entry point group ``rollbench.models``.
+"""Low-order models of users: functions that an installed package names in the entry point group ``rollbench.models``.
 
 In the ``pyproject.toml`` of that package::
 
     [project.entry-points."rollbench.models"]
     mine = "my_package:contact_loads"
 
-``rollbench compare my.toml --model mine`` then judges it as the models of rollbench are judged. A model is loaded only when
-it is named. A program of any language takes the place of such a function by its command (`programs`).
+``rollbench compare my.toml --model mine`` then compares it like the models of rollbench. A model is imported only when it
+is named. A program in any language can be named by its command instead (`programs`).
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from rollbench.lowfi.statics.result import Equilibrium, StaticResult
 
 GROUP = "rollbench.models"
-#: Part of the largest force or moment that may be left unbalanced without a warning.
+#: Largest unbalanced share of the largest force or moment without a warning.
 UNBALANCED = 0.01
-#: How such a model answers a contact force, and what is to be expected of it.
+#: Descriptions of such a model in results.
 WORDS = "the model is a function of an installed package, or a program"
 NOT_COMPARED = "a model of yours has not been compared with the 3D reference"
 ASSUMPTION = "contact angles stay nominal: the model gives loads only"
@@ -44,17 +44,29 @@ ASSUMPTION = "contact angles stay nominal: the model gives loads only"
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """What a model finds for a scene, in SI units.
+    """Answer of a user's model for a scene, in SI units.
 
     Parameters
     ----------
     loads
-        Of each contact ``(n, 4)`` [N]: balls in the order of the scene, flanks SL, SR, NL, NR (screw and nut, the left and
-        the right one); zero without contact.
+        Contact loads, (n, 4) [N]: balls in the order of the scene, flanks SL, SR, NL, NR (screw and nut, left and right);
+        zero without contact.
     displacement
-        Motion of the screw at the nut's centre from its nominal place ``(6,)`` [m, rad]; not known unless given.
+        Displacement of the screw at the nut's centre from its nominal position, (6,) [m, rad]; None: not known.
     pressure
-        Pressure at the pole of each contact ``(n, 4)`` [Pa]; by Hertz from the loads unless given.
+        Largest pressure of each contact, (n, 4) [Pa]; None: by Hertz from the loads.
+
+    Examples
+    --------
+    >>> import numpy as np, rollbench
+    >>> def shared_equally(scene):
+    ...     loads = np.zeros((scene.ball_count, 4))
+    ...     axial = sum(load.force[2] for load in scene.loads)
+    ...     loads[:, [0, 3]] = axial / scene.ball_count / np.sin(scene.track.contact_angle)
+    ...     return rollbench.ModelAnswer(loads)
+    >>> answer = shared_equally(rollbench.read("lin-case1"))
+    >>> round(float(answer.loads[0, 0]), 1)
+    221.0
     """
 
     loads: Array
@@ -68,14 +80,31 @@ UserModel = Callable[[Scene], Array | ModelAnswer]
 
 @cache
 def installed() -> dict[str, EntryPoint]:
-    """Entry points of users' models by name, sorted; nothing is loaded."""
+    """Return the entry points of all installed models; nothing is imported.
+
+    Returns
+    -------
+    dict
+        Entry points by name, sorted.
+    """
     from importlib.metadata import entry_points  # takes longer to import than a small solve
 
     return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
 
 
 def origin(name: str) -> str:
-    """Where a user's model comes from: its function, and the version of its package; of a command its files."""
+    """Describe where a user's model comes from.
+
+    Parameters
+    ----------
+    name
+        Name of an installed model, or a command.
+
+    Returns
+    -------
+    str
+        Function, and name and version of its package; for a command its files with their digests.
+    """
     if programs.is_command(name):
         return programs.program(name).files
     point = installed()[name]
@@ -84,8 +113,24 @@ def origin(name: str) -> str:
 
 @cache
 def load(name: str) -> UserModel:
-    """The function of an installed model, or what runs a command. Raises ArgumentError where several packages have a model
-    of that name, its package cannot be imported or has no function there, or the command is none."""
+    """Import the function of a model, or wrap a command as a function.
+
+    Parameters
+    ----------
+    name
+        Name of an installed model, or a command.
+
+    Returns
+    -------
+    callable
+        Function of a scene that returns loads or a `ModelAnswer`.
+
+    Raises
+    ------
+    ArgumentError
+        If several packages have a model of that name, its package cannot be imported or has no such function, or the
+        command is not valid.
+    """
     if programs.is_command(name):
         return partial(_answer_of, programs.program(name))
     from importlib.metadata import entry_points
@@ -115,11 +160,30 @@ def _broken(point: EntryPoint, reason: str) -> ArgumentError:
 
 
 def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
-    """The result of a user's model: its loads at nominal contact angles, how far they are from balance, and the time it
-    took. A specimen of a scene with random errors is given to it as a scene with the errors that were drawn.
+    """Compute a scene with a user's model: loads at nominal contact angles, their imbalance, and the run time.
 
-    Raises ArgumentError for an answer of a wrong shape or with numbers that mean nothing, Refusal where the function fails,
-    ProgramError where a program does.
+    Parameters
+    ----------
+    name
+        Name of an installed model, or a command.
+    scene
+        The scene; of one with random errors the model gets a copy with the drawn errors as given ones.
+    member
+        Number of the specimen, from 0.
+
+    Returns
+    -------
+    StaticResult
+        Result like that of the models of rollbench.
+
+    Raises
+    ------
+    ArgumentError
+        If the answer has a wrong shape or holds negative loads or values that are not finite.
+    Refusal
+        If the function raises.
+    ProgramError
+        If the program fails.
     """
     from rollbench.lowfi.statics.contacts import error_free, hertz_C
     from rollbench.lowfi.statics.problem import SIGNS
@@ -170,15 +234,17 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
 
 
 def _warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """A warning where the loads of a model do not balance those of the scene."""
+    """Yield a warning if the loads of a model do not balance those of the scene."""
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
         yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
 
 
 def _balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
-    """Balance of loads of contacts ``(n, 4)`` [N] at points ``(n, 4, 3)`` [m] with normals away from the balls: a check of
-    a model that was not asked for it. The supports take what they can of what is left: what they cannot is the residual."""
+    """Return the balance of contact loads (n, 4) [N] at points (n, 4, 3) [m], with normals pointing away from the balls.
+
+    The supports take what they can of the resultant of loads and contacts; the residual is what they cannot.
+    """
     from rollbench.lowfi.statics.shape import rigid_transport
     from rollbench.lowfi.statics.summary import balance_of, wrench_of
 
@@ -199,7 +265,7 @@ def _balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equi
 
 
 def _numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
-    """An array of that shape of finite numbers, none below the least. Raises ArgumentError."""
+    """Return an array of this shape with finite numbers, none below ``least``; ArgumentError otherwise."""
     advice = "mend the model"
     try:
         array = np.array(value, dtype=float)

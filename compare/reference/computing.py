@@ -1,4 +1,4 @@
-"""Computing runs of the 3D reference: one set-up and its load cases, patches enlarged where a contact reaches their rim."""
+"""Computing runs of the 3D reference: one set-up and its load cases, with larger patches if a contact reaches their rim."""
 
 from __future__ import annotations
 
@@ -38,23 +38,60 @@ if TYPE_CHECKING:
 
 Step = Callable[[str], None]
 
-#: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
+#: Most enlargements of patches whose rim a contact reaches, factor of a step, and most steps at a time.
 ENLARGE, BEYOND, LARGER = 3, 1.2, 4
-#: Share of the length askew that a zone must have: with 0.995 of it, drawn contacts stay off the rim.
+#: Share of the length of skew contacts that a patch must have; with 0.995, drawn contacts stay off the rim.
 ALIKE = 0.99
-#: Share by which a patch must grow to be built again.
+#: Smallest relative growth for which a patch is rebuilt.
 GROWN = 5e-3
 
 
 def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
-    """Run a task. Raises InputError where a mesh cannot be built, or memory runs out."""
+    """Run a task.
+
+    Parameters
+    ----------
+    task
+        Scenes, mesh level and variant.
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    list of Run
+        A run for each scene.
+
+    Raises
+    ------
+    InputError
+        If a mesh cannot be built, or memory runs out.
+    """
     return compute_with_bodies(task, step)[0]
 
 
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
-    """Run a task; with its runs, where all have loads, the bodies condensed to the contacts, if `with_bodies`.
+    """Run a task, and return its runs with the bodies condensed to the contacts.
 
-    Where a contact reaches the rim of its patch, patches are enlarged to what the loads found need, if that changes them.
+    Patches whose rim a contact reaches are enlarged to the size that the loads need, if that changes them.
+
+    Parameters
+    ----------
+    task
+        Scenes, mesh level and variant.
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    list of Run
+        A run for each scene.
+    CondensedBodies or None
+        The bodies, if all runs have loads and `with_bodies`.
+
+    Raises
+    ------
+    InputError
+        If a mesh cannot be built, or memory runs out.
     """
     need_reference()
     from rollbench.hifi.condensed import condensed_bodies
@@ -87,7 +124,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
-    """The set-up of each set, shared by equal ones. Raises InputError where a mesh cannot be built, or memory runs out."""
+    """Prepare the set-up of each set, shared by equal sets; InputError if a mesh cannot be built or memory runs out."""
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
@@ -107,7 +144,7 @@ def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step
 
 
 def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
-    """Loads of one load case. Raises Refusal for what a set-up cannot take."""
+    """Solve one load case; Refusal if a set-up does not cover it."""
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
 
@@ -125,7 +162,7 @@ def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceRe
 def _run(
     task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
-    """The run of one load case; it carries the name of the task's own scene."""
+    """Make the run of one load case, with the name of the task's scene."""
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
     without = {}
@@ -166,11 +203,26 @@ def _run(
 
 
 def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
-    """Settings with patches for the loads and contact angles ``(n, 4)`` [N, rad] that were found, or None where that
-    changes no patch; a text with both numbers.
+    """Return settings with larger patches, for the loads that were found.
 
-    Patches grow by a step; where ``left`` steps would leave them shorter than the contacts reach along the groove, as its
-    lead sets these askew, they are at once as long as those need.
+    Patches grow by a fixed factor. If ``left`` steps would leave them shorter than the skew contacts reach along the
+    groove, they get that length at once.
+
+    Parameters
+    ----------
+    setup
+        The set-up.
+    contacts
+        Contact loads (n, 4) [N] and angles (n, 4) [rad] of each load case.
+    left
+        Number of further steps.
+
+    Returns
+    -------
+    Settings or None
+        The settings; None if no patch changes.
+    str
+        Description with old and new size.
     """
     from rollbench.hifi.meshing.part_meshes import patch_lines, reach_along, socket_size
     from rollbench.hifi.meshing.settings import hertz_units
@@ -217,5 +269,5 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
 
 
 def with_bodies(task: Task) -> bool:
-    """Whether a task also stores its bodies, condensed to the contacts: one set, base variant on a regular mesh level."""
+    """Return whether a task also stores its condensed bodies: one set, base variant, regular mesh level."""
     return bool(task.single) and not task.variant and task.level in LEVELS

@@ -1,20 +1,22 @@
-"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), alone and pooled: of
-displacements, angles and friction. Contact loads do not converge by an order: `compare.reference.grid_parts`.
+"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), single and pooled.
 
-A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit of the
-smaller standard deviation counts. Where its order p lies outside ``ORDERS``, phi_0 + alpha h, phi_0 + alpha h^2 and (below
-the range, from four levels on) phi_0 + alpha_1 h + alpha_2 h^2 take its place, the best of them. With delta = phi_1 - phi_0
-the error that the fit gives the finest level, sigma the fit's standard deviation, r_1 the residual of the finest level and
+It is used for displacements, angles and friction; contact loads do not converge with an order
+(`compare.reference.grid_parts`).
+
+A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
+the smaller standard deviation counts. If its order p lies outside ``ORDERS``, phi_0 + alpha h, phi_0 + alpha h^2 and (below
+the range, from four levels on) phi_0 + alpha_1 h + alpha_2 h^2 replace it, the best of them. With delta = phi_1 - phi_0
+the error of the finest level by the fit, sigma the fit's standard deviation, r_1 the residual of the finest level and
 Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
 
     U = F |delta| + sigma + |r_1|                        where sigma < Delta,
     U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,
 
-with F = 1.25 for an order in the range, else 3. Where this module differs from the source, ``observe`` and ``pool`` say
-so; both are tested for the share of noisy sequences whose truth U holds.
+with F = 1.25 for an order in the range, else 3. Deviations from the source are stated at ``observe`` and ``pool``; both are
+tested for the share of noisy sequences whose true value lies within U.
 
-Quantities ``(levels, m)`` that are fitted together share the powers of h; limit and coefficients are each quantity's own
-(variable projection: for a given p they follow by linear least squares, so that only p is searched). Sizes are over the
+Quantities ``(levels, m)`` that are fitted together share the powers of h; limit and coefficients differ (variable
+projection: for a given p they follow by linear least squares, so that only p is searched). Sizes are relative to the
 finest: h falls to 1.
 """
 
@@ -29,18 +31,18 @@ from numpy.typing import ArrayLike
 
 from rollbench.meshes.arrays import Array
 
-#: Orders that are believed (the source's range): below, cells are too coarse to tell; above, it is chance.
+#: Range of credible orders (the source's): below, cells are too coarse; above, the order is due to scatter.
 ORDERS = (0.5, 2.0)
-#: Safety factors: of an order in the range, and without one.
+#: Safety factors with a credible order, and without.
 SAFE, CAREFUL = 1.25, 3.0
-#: Changes below this share of the largest value are the last digit of stored values.
+#: Changes below this share of the largest value are rounding of stored values.
 ROUND_OFF = 1e-6
-#: Orders of the interval that ``pool`` goes through for the largest uncertainty.
+#: Number of orders in the allowed interval that ``pool`` tries for the largest uncertainty.
 STEPS = 16
 
-#: Orders that are looked for, negative ones (values that drift off) among them.
+#: Range of orders that are searched, including negative ones (values that diverge).
 SEARCH = (-4.0, 12.0)
-#: Of the F test for orders that the data allow.
+#: Confidence of the F test for orders that the data allow.
 CONFIDENCE = 0.95
 
 MONOTONE = "monotone"
@@ -52,25 +54,27 @@ TOO_FEW = "fewer than three levels"
 
 @dataclass(frozen=True)
 class Convergence:
-    """One quantity: ``values`` coarse to fine; ``label``: why it has an order of its own or none;
-    ``own_order``: what its own values give, believed or not (None where they give nothing); ``extrapolated``: value on
-    cells of no size, None where none is believed; ``uncertainty`` of the finest value, in the quantity's unit, None with
-    one level."""
+    """Grid convergence of one quantity."""
 
+    #: Values, coarse to fine.
     values: tuple[float, ...]
+    #: Why it has a separate order or none.
     label: str
+    #: Order that its values show, credible or not; None if they show none.
     own_order: float | None
+    #: Value at zero cell size; None without credible order.
     extrapolated: float | None
+    #: Uncertainty of the finest value, in the unit of the quantity; None with one level.
     uncertainty: float | None
 
     @property
     def order(self) -> float | None:
-        """The quantity's own order, where it is believed."""
+        """Observed order, if credible; else None."""
         return self.own_order if self.label == MONOTONE else None
 
     @property
     def text(self) -> str:
-        """The label with the order."""
+        """The label, with the order."""
         if self.own_order is None:
             return self.label
         if self.label == MONOTONE:
@@ -84,19 +88,34 @@ def _shown(p: float) -> str:
 
 
 def representative_size(settings: Mapping[str, Any]) -> float:
-    """Relative cell size of a level from its mesh settings: a level refines all its sizes together, by the ratio of the
-    cells across a contact."""
+    """Return the relative cell size of a level, by the cells across a contact: a level refines all sizes together."""
     return 1.0 / float(settings["b_over_h"])
 
 
 def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
-    """Convergence of one quantity's ``values`` on cells of ``sizes`` (only their ratios count), coarse to fine.
+    """Estimate the grid convergence of one quantity.
 
-    Against the source: U is no smaller than by first order, with F = 1.25, as long as the values do not contradict first
-    order (F test), because a few noisy values easily show an order that is too high; and three levels, from which the
-    source refrains, leave the fit of an order no freedom to show scatter, so that the smallest standard deviation of the
-    fits of fixed order stands in for it. Two levels: a band of three times their difference, no order.
-    Raises ValueError for sizes that do not fall, or numbers of values and sizes that differ.
+    Deviations from the source: U is at least that of first order with F = 1.25, as long as the values do not contradict
+    first order (F test), because a few noisy values easily show too high an order. With three levels, where the source
+    gives no estimate, the fit of an order has no degree of freedom left, so the smallest standard deviation of the fits of
+    fixed order is taken. With two levels U is three times their difference, without order.
+
+    Parameters
+    ----------
+    values
+        Values of the quantity, coarse to fine.
+    sizes
+        Cell sizes; only their ratios count.
+
+    Returns
+    -------
+    Convergence
+        Order, extrapolated value and uncertainty.
+
+    Raises
+    ------
+    ValueError
+        If the sizes do not fall, or differ in number from the values.
     """
     y, h = _checked(values, sizes)
     n, column = len(h), y[:, 0]
@@ -125,18 +144,34 @@ def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 
 
 def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
-    """Uncertainties ``(m,)`` of the finest values of many like quantities ``(levels, m)`` that converge, on cells of
-    ``sizes``, coarse to fine, with one order for all; nan with one level.
+    """Estimate the uncertainty of many similar quantities that converge with one common order.
 
-    phi_0 and alpha are each quantity's own; the order that all share is searched, with the interval of orders that the
-    data allow (F test, 95 %). So many degrees of freedom are left that sigma is known, which changes against the source:
-    U is the largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``; where all of them lie above,
-    2 is taken, whose error is larger than the fit's own; where all lie below, the source's fits of fixed orders are,
-    with its factor of 3. sigma of a quantity is its own or that of all, whichever is larger: one or two residuals are
-    small by chance too often.
+    phi_0 and alpha differ between the quantities; the common order is searched, with the interval of orders that the data
+    allow (F test, 95 %). With so many degrees of freedom sigma is known, which changes the source's formula: U is the
+    largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``. If all of them lie above, order 2 is
+    taken, whose error is larger than the fit's; if all lie below, the source's fits of fixed orders with its factor of 3.
+    sigma of a quantity is its value or that of all, whichever is larger: one or two residuals are small by chance too
+    often.
 
-    Two levels: a band of three times the difference, or three times the RMS difference of all where that is larger.
-    Quantities that are the same on every level have no uncertainty. Raises ValueError as ``observe``.
+    With two levels U is three times the difference, or three times the RMS difference of all if that is larger. Quantities
+    that are equal on all levels have no uncertainty.
+
+    Parameters
+    ----------
+    values
+        Values, (levels, m), coarse to fine.
+    sizes
+        Cell sizes; only their ratios count.
+
+    Returns
+    -------
+    Array
+        Uncertainties of the finest values, (m,); nan with one level.
+
+    Raises
+    ------
+    ValueError
+        As `observe`.
     """
     y, h = _checked(values, sizes)
     bars = np.zeros(y.shape[1])
@@ -153,7 +188,7 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
 
 
 def _pooled(data: Array, h: Array) -> Array:
-    """The uncertainties of `pool` for three levels or more of quantities that all move."""
+    """Return the uncertainties of `pool` for three or more levels, of quantities that all change."""
     free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
     low, high = allowed(data, h, free)
     if high < ORDERS[0]:
@@ -165,7 +200,7 @@ def _pooled(data: Array, h: Array) -> Array:
 
 
 def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Values ``(levels, m)`` and sizes over the finest."""
+    """Return values (levels, m), and sizes relative to the finest."""
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
     if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
@@ -176,12 +211,12 @@ def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
 
 
 def _still(column: Array) -> bool:
-    """Whether a quantity is the same on every level, but for the last digit it was stored with."""
+    """Return whether a quantity is equal on all levels, up to rounding of stored values."""
     return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
 
 
 def _label(column: Array, h: Array) -> tuple[str, float | None]:
-    """Why a quantity on three or more levels has an order of its own or none, and the order."""
+    """Return why a quantity on three or more levels has an order or none, and the order."""
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
         return NOT_MONOTONE, None
@@ -191,7 +226,7 @@ def _label(column: Array, h: Array) -> tuple[str, float | None]:
 
 
 def _bar(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
-    """U of every quantity's finest value ``(m,)``; spread: Delta, where sigma is judged by it."""
+    """Return the uncertainty of the finest value of each quantity, (m,); ``spread`` is Delta."""
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
     if np.max(sigma) < spread:
         return np.asarray(factor * error + sigma + off)
@@ -200,21 +235,26 @@ def _bar(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fit: ``form`` as text, ``order`` (None where it was not fitted), ``weighted`` by 1 / h (Eca and Hoekstra's
-    weights), limits ``(m,)`` at h = 0 (nan for orders at which there is none), residuals ``(levels, m)``, standard
-    deviation of all, and of each ``(m,)``; both are zero where no degree of freedom is left."""
+    """Least-squares fit of quantities over cell size."""
 
+    #: Form of the fit as text.
     form: str
+    #: Order p; None if it was not fitted.
     order: float | None
+    #: Whether levels are weighted by 1 / h (Eca and Hoekstra).
     weighted: bool
+    #: Limits at h = 0, (m,); nan for orders without limit.
     limit: Array
+    #: Residuals, (levels, m).
     residual: Array
+    #: Standard deviation of all residuals; zero without degree of freedom.
     deviation: float
+    #: Standard deviation of the residuals of each quantity, (m,); zero without degree of freedom.
     own: Array
 
 
 def searched(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit of one order to all quantities, the best in ``SEARCH``; by zooms, because squares have several minima."""
+    """Fit one common order to all quantities, the best in ``SEARCH``, by repeated zooming: there are several minima."""
     w = weights(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
@@ -226,7 +266,7 @@ def searched(y: Array, h: Array, weighted: bool = False) -> Fit:
 
 
 def given(y: Array, h: Array, p: float, weighted: bool) -> Fit:
-    """Fit of an order p that was searched or is varied: it counts as one parameter of all quantities together."""
+    """Fit a given order p that was searched or varied: it counts as one parameter of all quantities together."""
     x = _box(h, np.array([p]))[0]
     finest, slope, residual = _linear(y, x[:, None], weights(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
@@ -234,8 +274,7 @@ def given(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 
 
 def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
-    """Fits of first and of second order, each without and with weights; ``both``: of the two together too, which takes
-    more than three levels."""
+    """Fit first and second order, each without and with weights; if ``both``, also both together (four levels or more)."""
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
         forms["first and second order"] = (1.0, 2.0)
@@ -249,8 +288,10 @@ def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
 
 
 def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
-    """Interval of orders about that of the ``searched`` fit whose squares exceed its own by no more than chance allows (F
-    test, ``CONFIDENCE``); all of ``SEARCH`` where the fit has no degree of freedom."""
+    """Return the interval of orders around the searched one whose squares exceed its squares no more than by chance.
+
+    By the F test with ``CONFIDENCE``; all of ``SEARCH`` if the fit has no degree of freedom.
+    """
     from scipy.stats import f as f_ratio
 
     n, m = y.shape
@@ -269,13 +310,13 @@ def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def weights(h: Array, weighted: bool) -> Array:
-    """Weights of the levels, of sum one: equal, or as 1 / h."""
+    """Return the weights of the levels, with sum one: equal, or as 1 / h."""
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
 
 def _squares(y: Array, h: Array, w: Array, p: Array) -> Array:
-    """Weighted squares of the residuals of all quantities for every order of ``p``, limits and slopes fitted."""
+    """Return the weighted squares of the residuals for every order of ``p``, with fitted limits and slopes."""
     centred = y - w @ y
     x = _box(h, p)
     x = x - (x @ w)[:, None]
@@ -285,13 +326,13 @@ def _squares(y: Array, h: Array, w: Array, p: Array) -> Array:
 
 
 def _box(h: Array, p: Array) -> Array:
-    """(h^p - 1) / p ``(orders, levels)``: h^p but for a constant and a factor, and ln h at p = 0."""
+    """Return (h^p - 1) / p, (orders, levels): h^p up to a constant and a factor, and ln h at p = 0."""
     safe = np.where(p == 0.0, 1.0, p)[:, None]
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 
 
 def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Constants ``(m,)``, coefficients ``(k, m)`` and residuals ``(levels, m)`` of weighted linear least squares."""
+    """Return constants (m,), coefficients (k, m) and residuals (levels, m) of weighted linear least squares."""
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])
     coefficients = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
@@ -301,7 +342,7 @@ def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
 def _fit(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """The record of a fit with ``of_each`` parameters of each quantity and ``of_all`` of all of them."""
+    """Make the record of a fit with ``of_each`` parameters of each quantity and ``of_all`` common ones."""
     n, m = residual.shape
     squares = n * (weights(h, weighted) @ (residual * residual))
     freedom = (n - of_each) * m - of_all

@@ -1,4 +1,4 @@
-"""The 3D reference of a scene: loads of its finest stored run, what the mesh leaves uncertain in them, and a summary."""
+"""The 3D reference of a scene: loads of the finest stored run, and their uncertainty by discretisation."""
 
 from __future__ import annotations
 
@@ -19,29 +19,33 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
-#: Levels that a scene's uncertainty is taken from, the finest: the coarsest of more say least of the finest.
+#: Number of the finest levels from which the uncertainty is estimated: coarser ones say little about the finest.
 FITTED = 4
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
-    [N] by discretisation and by what the finest did not settle by, zero where no level has load; its parts; how many
-    contacts the nominal screw loads, zero where that is not known; what of the uncertainty contacts have by a free face
-    of the nut beside them ``(n, 4)`` [N] (`compare.reference.grid_parts`).
+    """The 3D reference of a scene, or a user's reference."""
 
-    Of a user's own reference: label, its file; stated, what that says of itself; further, what it says of contacts besides
-    ``(n, 4)`` [SI] by quantity; one run without mesh, displacements or seconds."""
-
+    #: Name of the scene.
     scene: str
+    #: Runs, coarse to fine; of a user's reference one without mesh, displacements or times.
     runs: tuple[Run, ...]
+    #: Contact loads of the finest run, (n, 4) [N].
     load: Array
+    #: Uncertainty of the loads by discretisation and incomplete convergence, (n, 4) [N]; zero where no level has load.
     uncertainty: Array
+    #: Parts of this uncertainty.
     parts: GridParts
+    #: Number of contacts that the nominal screw loads; 0: not known.
     contacts: int = 0
+    #: Name of the reference; of a user's its file.
     label: str = "3D reference"
+    #: Statement of a user's reference about itself.
     stated: str = ""
+    #: Further quantities of contacts in a user's reference, (n, 4) in SI.
     further: Mapping[str, Array] = field(default_factory=dict)
+    #: Part of the uncertainty due to a free face of the nut near a contact, (n, 4) [N] (`compare.reference.grid_parts`).
     beside_face: Array | None = None
 
     @property
@@ -66,19 +70,49 @@ class Reference:
 
     @property
     def unsettled(self) -> str:
-        """What is said of runs that did not settle; empty where all did."""
+        """Note on runs that did not fully converge; empty if all did."""
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 
 def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
-    """Best stored reference of a scene, its `FITTED` finest runs, or None."""
+    """Return the best stored reference of a scene.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    stores
+        Folders with runs; None: those of the package.
+
+    Returns
+    -------
+    Reference or None
+        The reference, by its `FITTED` finest runs; None if there is none.
+    """
     runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
 def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
-    """Reference of a scene (of one set of several: its parts) by runs, coarse to fine; contacts: see `Reference`."""
+    """Make the reference of a scene from its runs.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    scene
+        Scene with one set; of several sets the parts of one.
+    runs
+        Runs, coarse to fine.
+    contacts
+        Number of contacts that the nominal screw loads; 0: not known.
+
+    Returns
+    -------
+    Reference
+        The reference.
+    """
     loads = {run.level: run.load for run in runs}
     grid, best = parts(loads, grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
@@ -88,5 +122,5 @@ def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int =
 
 
 def uncertainty_percent(reference: Reference) -> float:
-    """What discretisation leaves uncertain in any contact load of a reference at most, in per cent of its mean load."""
+    """Return the largest uncertainty of a contact load by discretisation [% of the mean load]."""
     return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.bar else 0.0

@@ -1,41 +1,40 @@
-"""What the mesh leaves uncertain in contact loads: the part of every choice alone, added.
+"""Uncertainty of contact loads by the mesh: the sum of the parts of each refinement.
 
-A level refines its choices by different ratios, cells of the contact by 4/3, those of the bodies by 1.15, the cut of the
-coarse sockets not at all, so that no order over one cell size describes its loads. Nor do they approach a limit from one
-side: consecutive changes of a contact's load correlate by -0.5, as those of independent errors do, because no cell of one
-level's mesh is a cell of the next; extrapolated by any order they lie further from the next level than they are
+A level refines by different ratios: cells of the contact by 4/3, those of the bodies by 1.15, the cut of the coarse sockets
+not at all, so that no order over one cell size describes its loads. Nor do the loads approach a limit from one side:
+consecutive changes of a contact load correlate by -0.5, like independent errors, because no cell of one level's mesh is a
+cell of the next; extrapolated with any order they are further from the next level than without
 (tests/unit/models/test_grid_coverage.py). So errors of a level count as scatter, whose variance falls by part,
 
     s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
 
-with sizes h_c and h_b over those of the finest level (second-order cells: errors fall as h^2). The changes of a scene's own
-levels give the first two, whose variances add between two levels. What its levels do not show is taken from experience:
-sockets, from a run in which they alone are cut finer; common, which moves all loads of a level together and so is one draw
-that the contacts of one scene do not average, from the mean changes of all scenes whose sum of loads is not held by
-equilibrium: those with load on both flanks of the screw.
+with sizes h_c and h_b over those of the finest level (second-order cells: errors fall as h^2). The changes between the
+scene's levels give the first two, whose variances add between two levels. The others are taken from experience: sockets,
+from a run in which only they are cut finer; common, which moves all loads of a level together and so does not average over
+the contacts of one scene, from the mean changes of all scenes whose sum of loads is not fixed by equilibrium: those with
+load on both flanks of the screw.
 
-The bar is twice the root of the sum for the finest level and a next one together (2.2 times where it rests on the change
-between two neighbouring levels alone): in 95 % of contacts it holds what a finer mesh finds. What bodies and sockets get
-wrong are displacements, which a contact turns into load by its own stiffness, dF / dx ~ F^(1/3) (Hertz): these two parts
-are shared out among the contacts so. No bar holds what all meshes have in common
-(`compare.models.uncertainty`).
+The uncertainty is twice the root of the sum for the finest level and a next one together (2.2 times if it rests on the
+change between two neighbouring levels only): in 95 % of contacts it covers what a finer mesh finds. Errors of bodies and
+sockets are displacements, which a contact turns into load by its stiffness, dF / dx ~ F^(1/3) (Hertz): these two parts are
+distributed over the contacts accordingly. Errors that all meshes share are not covered (`compare.models.uncertainty`).
 
-Near a free face of the nut a level leaves a part of a contact's compliance out. A contact's own compliance is that of a
-finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Beside a free face a lip gives way besides,
-as the cells of the level's body have it, which are too stiff: nuts of six balls, solved alone with ever finer bodies,
-say by how much (``near_face.json``, written by ``tests/near_face.py``). In terms of 1 / (E r) the missing compliance is
-the same for balls and leads of all sizes within a quarter, and depends on the distance d from the face over the ball
-radius r: on level 1 it is 0.4 at d = 1.1 r and 0.03 at 2.5 r.
+Near a free face of the nut a level neglects a part of a contact's compliance. A contact's local compliance is that of a
+finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the lip adds compliance, which
+the cells of the level's body underestimate. Nuts of six balls with ever finer bodies give the difference
+(``near_face.json``, written by ``tests/near_face.py``). In terms of 1 / (E r) the missing compliance is the same for balls
+and leads of all sizes within a quarter, and depends on the distance d from the face over the ball radius r: on level 1 it
+is 0.4 at d = 1.1 r and 0.03 at 2.5 r.
 
-It concerns the flank that is pressed towards the face, and through its ball the screw's opposite flank. At a given approach
-of the bodies a missing compliance dC makes their load F too large by
+It concerns the flank that is pressed towards the face, and through its ball the opposite flank of the screw. At a given
+approach of the bodies a missing compliance dC makes their load F too large by
 
     dF = F dC / (2/3 (delta_s + delta_n) / F + C_lip),
 
-delta: Hertz's approaches, whose tangent is 2/3 delta / F. Held faces, and balls away from faces, have none. Where one flank
-of the screw carries load, equilibrium holds the sum of loads, and what these contacts have too much the others of their
-side have too little, in proportion to their own stiffness (`left_out`). The changes between a scene's own levels show that,
-and of a ring, all of whose contacts are beside both faces, the rest as well.
+delta: Hertz's approaches, whose tangent is 2/3 delta / F. Fixed faces, and balls far from faces, have no such part. If one
+flank of the screw carries load, equilibrium fixes the sum of loads, and the excess of these contacts is missing on the
+others of their side, in proportion to their stiffness (`left_out`). The changes between the levels of a scene show that,
+and of a ring, all of whose contacts are near both faces, the rest as well.
 """
 
 from __future__ import annotations
@@ -61,24 +60,24 @@ from rollbench.meshes.solid import dimensions
 
 FILE = "grid_parts.json"
 
-#: Standard deviations of a bar that holds 95 %, and of one that rests on the change between two neighbouring levels alone:
-#: what this tells of the next change scatters from scene to scene, and 2 held 87 % of one drawn screw's contacts.
+#: Standard deviations in an uncertainty that covers 95 %, and in one that rests on the change between two neighbouring
+#: levels only: this scatters from scene to scene, and 2 covered 87 % of the contacts of one drawn screw.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
 
 #: Second-order cells.
 ORDER = 2
 
-#: Power of the load by which a contact's stiffness grows.
+#: Exponent of the load in the stiffness of a contact.
 STIFFNESS = 1.0 / 3.0
 
-#: Cells of the contact and of the bodies over those of the level before, of a level after the last.
+#: Cell size of contact and bodies over that of the level before, for a level after the last.
 NEXT = (0.75, 0.87)
 
-#: Shares of contacts that the bar of a single level holds: of all compared scenes, and of every one with one loaded flank
-#: of the screw, and with both, of which there are fewer to learn from.
+#: Shares of contacts that the uncertainty of a single level covers: of all compared scenes, and of each scene with one
+#: loaded flank of the screw, and with both (of which there are fewer).
 SHARE, LEAST = 0.95, (0.93, 0.95)
 
-#: Rounds of weights in a fit of variances, and the least variance [%^2] that is told from none.
+#: Rounds of reweighting in a fit of variances, and the smallest variance [%^2] that differs from zero.
 ROUNDS, TINY = 20, 1e-12
 
 #: Loads ``(n, 4)`` [N] of a scene by level.
@@ -87,36 +86,46 @@ Levelled = Mapping[int, Array]
 
 @dataclass(frozen=True)
 class Experience:
-    """What compared scenes tell of parts that the levels of a scene do not show, in per cent of the mean load: standard
-    deviations of sockets and of what all contacts have in common; what holds 95 % of the errors of the coarsest level alone
-    (93 % of those of every scene) with one flank of the screw loaded, and with both (95 %); the scenes."""
+    """Parts of the uncertainty that the levels of a scene do not show, from compared scenes [% of the mean load]."""
 
+    #: Standard deviation by the cut of the sockets.
     sockets: float
+    #: Standard deviation of an error that all contacts share.
     common: float
+    #: Uncertainty of the coarsest level without others, with one and with both flanks of the screw loaded: it covers 95 %
+    #: of the errors (93 % of those of every scene with one).
     single: tuple[float, float]
+    #: Names of the scenes.
     scenes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class GridParts:
-    """Discretisation of the finest level and a next one together, in per cent of the mean load, RMS over the contacts:
-    standard deviations by part, and the ``bar`` of 95 % (zero without load), which is ``cover`` of them. Of a single level
-    the bar is experience and the parts are None."""
+    """Discretisation of the finest level and a next one together [% of the mean load], RMS over the contacts.
 
+    With a single level only the uncertainty is known, from experience; the parts are None.
+    """
+
+    #: Uncertainty at 95 %; zero without load.
     bar: float
+    #: Standard deviation by the cells of the contact.
     contact: float | None = None
+    #: Standard deviation by the cells of the bodies.
     bodies: float | None = None
+    #: Standard deviation by the cut of the sockets.
     sockets: float | None = None
+    #: Standard deviation of an error that all contacts share.
     common: float | None = None
+    #: Uncertainty over the root of the sum of squares.
     cover: float = COVER
 
     @property
     def by_experience(self) -> bool:
-        """Whether the bar is that of a single level."""
+        """Whether the uncertainty is that of a single level."""
         return self.contact is None
 
     def bars(self, loads: Levelled) -> Array:
-        """Bars ``(n, 4)`` of 95 % [% of the mean load] of the contacts, zero where no level has load."""
+        """Return the uncertainty at 95 % of each contact, (n, 4) [% of the mean load]; zero where no level has load."""
         on = moving(loads)
         if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
             return np.where(on, self.bar, 0.0)
@@ -127,17 +136,30 @@ class GridParts:
 
 
 def both_flanks(load: Array) -> bool:
-    """Whether both flanks of the screw carry load ``(n, 4)``, so that equilibrium does not hold the sum of loads."""
+    """Return whether both flanks of the screw carry load (n, 4); then equilibrium does not fix the sum of loads."""
     return bool((load[:, :2] > 0.0).any(axis=0).all())
 
 
 def moving(loads: Levelled) -> Array:
-    """Contacts ``(n, 4)`` that carry load on any level."""
+    """Return the contacts (n, 4) that carry load on any level."""
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
 def parts(loads: Levelled, known: Experience) -> GridParts:
-    """The discretisation's parts of a scene from the loads on its levels."""
+    """Compute the parts of the discretisation uncertainty.
+
+    Parameters
+    ----------
+    loads
+        Contact loads (n, 4) [N] by level.
+    known
+        Experience with compared scenes.
+
+    Returns
+    -------
+    GridParts
+        The parts.
+    """
     levels = sorted(loads)
     finest, both = levels[-1], both_flanks(loads[levels[-1]])
     if not (loads[finest] > 0.0).any():
@@ -154,13 +176,13 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
 
 
 def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
-    """Change of the loads of moving contacts from a level to another [% of the mean load of the finest]."""
+    """Return the change of the loaded contacts from a level to another [% of the mean load of the finest]."""
     on = moving(loads)
     return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
 
 
 def _sizes(level: int) -> Array:
-    """Relative cells of the contact and of the bodies; of a level after the last by the ratios ``NEXT``."""
+    """Return the relative cell sizes of contact and bodies; of a level after the last by the ratios ``NEXT``."""
     last = max(LEVELS)
     cells = LEVELS[min(level, last)]
     size = np.array([1.0 / cells["b_over_h"], cells["fine"] / LEVELS[PRODUCTION]["fine"]])
@@ -168,13 +190,15 @@ def _sizes(level: int) -> Array:
 
 
 def _added(level: int, other: int) -> Array:
-    """Variances of the difference of two levels, by part, for parts of size one."""
+    """Return the variances of the difference of two levels, by part, for parts of size one."""
     return np.asarray(_sizes(level) ** (2 * ORDER) + _sizes(other) ** (2 * ORDER))
 
 
 def _variances(columns: Array, shown: Array, fixed: float) -> Array:
-    """Variances by part, no less than zero, from those ``shown`` between levels beside a ``fixed`` one, by relative least
-    squares; with two levels all is the bodies', which fall slower."""
+    """Return the variances by part from those shown between levels, in addition to a fixed one, by relative least squares.
+
+    They are at least zero; with two levels all is attributed to the bodies, whose part falls more slowly.
+    """
     from scipy.optimize import nnls
 
     columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
@@ -186,11 +210,26 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
 
 
 def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
-    """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own;
-    known: by scene, what has a bar of its own on the coarsest level ``(n, 4)`` [% of the mean load]
-    (`compare.reference.grid_parts`), so that a single level's bar need not hold it.
+    """Derive the experience from scenes on several levels.
 
-    Raises ValueError without a scene of each kind.
+    Parameters
+    ----------
+    scenes
+        Contact loads by level, for each scene.
+    sockets
+        Standard deviation by the cut of the sockets [% of the mean load], from a separate run.
+    known
+        Errors of the coarsest level with a separate uncertainty (`left_out`), (n, 4) [% of the mean load] by scene.
+
+    Returns
+    -------
+    Experience
+        The experience.
+
+    Raises
+    ------
+    ValueError
+        Without a scene of each kind.
     """
     shifts, errors = list[float](), (list[Array](), list[Array]())
     for name, loads in scenes.items():
@@ -208,18 +247,18 @@ def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str,
 
 
 def _holding(errors: Sequence[Array], least: float) -> float:
-    """The bar that holds ``SHARE`` of all errors and ``least`` of those of every scene."""
+    """Return the bound that covers ``SHARE`` of all errors, and ``least`` of those of every scene."""
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
 def save(store: Path, known: Experience) -> None:
-    """Write the record of a store. Raises OSError where that cannot be done."""
+    """Write the experience to a store; OSError if that is not possible."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 
 @cache
 def read(store: Path) -> Experience:
-    """The record of a store. Raises OSError, ValueError, KeyError or TypeError without a whole one."""
+    """Read the experience of a store; OSError, ValueError, KeyError or TypeError if the file is missing or damaged."""
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
     one, both = (float(x) for x in data["single"])
     return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
@@ -227,39 +266,44 @@ def read(store: Path) -> Experience:
 
 LIP_FILE = "near_face.json"
 
-#: Distance [ball radii] from which on a face is not near: linear to nothing from the last one measured.
+#: Distance [ball radii] beyond which a face has no influence; linear to zero from the last measured one.
 AWAY = 3.0
 
-#: How far it goes on growing before the nearest one measured [ball radii]; no socket finds room nearer to a face.
+#: Smallest distance to which the influence is extrapolated [ball radii]; closer to a face no socket can be meshed.
 CLOSER = 0.25
 
 #: Approach [m] below which there is no load.
 NO_STIFFNESS = 1e-30
 
-#: Flank of the nut that is pressed towards its low face, and towards its high one.
+#: Flanks of the nut that are pressed towards its low and its high face.
 TOWARDS = (2, 3)
 
 
 @dataclass(frozen=True)
 class Lip:
-    """Distances [ball radii] of contacts from a free face, rising; times Young's modulus and the ball's radius, the
-    compliance of the lip before them, and what of it a level leaves out, by level."""
+    """Compliance of the lip between a contact and a free face."""
 
+    #: Distances from the face [ball radii], rising.
     radii: Array
+    #: Compliance of the lip, times Young's modulus and ball radius.
     lip: Array
+    #: The part that a level neglects, by level.
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Compliance of the lip and what is missing on a level (beyond the last one measured: as on that)."""
+        """Return compliance and missing part on a level (beyond the last measured one: as on that)."""
         missing = self.missing[min(max(level, 1), max(self.missing))]
         return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
 
 @cache
 def read_lip(store: Path) -> Lip:
-    """The record of a store: the scene that is measured on all levels, what is missing there raised by the largest ratio
-    that any other scene has to it; nearer to the face by the two nearest distances, further away down to nothing. Raises
-    OSError, ValueError or KeyError without a whole one."""
+    """Read the compliance of lips from a store.
+
+    It is that of the scene measured on all levels, raised by the largest ratio of any other scene; extrapolated closer to
+    the face from the two nearest distances, and further away to zero. OSError, ValueError or KeyError if the file is
+    missing or damaged.
+    """
     rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
     radii = np.array([row["radii"] for row in first])
@@ -275,7 +319,7 @@ def read_lip(store: Path) -> Lip:
 
 
 def too_large(scene: Scene, load: Array, level: int) -> Array:
-    """What contact loads ``(n, 4)`` [N] of a level are too large by at most beside free faces of the nut ``(n, 4)`` [N]."""
+    """Return by how much contact loads (n, 4) [N] of a level are at most too large near free faces of the nut [N]."""
     from rollbench.hifi.meshing.settings import hertz_units
 
     out = np.zeros_like(load)
@@ -298,8 +342,10 @@ def too_large(scene: Scene, load: Array, level: int) -> Array:
 
 
 def left_out(scene: Scene, load: Array, level: int) -> Array:
-    """What contact loads ``(n, 4)`` [N] of a level are wrong by at most, because contacts beside free faces have too much:
-    these, and where equilibrium holds the sum of loads the others of their side ``(n, 4)`` [N]."""
+    """Return the largest error of contact loads (n, 4) [N] of a level due to free faces of the nut [N].
+
+    If equilibrium fixes the sum of loads, the other contacts of their side have errors too.
+    """
     excess = too_large(scene, load, level)
     if both_flanks(load) or not excess.any():
         return excess

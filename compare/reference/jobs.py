@@ -1,9 +1,8 @@
-"""Runs of the 3D reference as jobs: what is missing, side by side where asked, each stored when it is done.
+"""Runs of the 3D reference as jobs: which are missing, their expected time and memory, and computing them in parallel.
 
-What a run will take, in seconds and memory, stage by stage, is fitted to the stored runs of 17 screws and bearings (6
-to 264 contacts, four levels), each in one process beside another on two cores of 2026: within a factor of two in time
-and in memory. Several processes for one run: from case 1 on level 3, and screws of 228 and 264 contacts on level 1. Not
-fitted: level 5 (twice level 4).
+Expected seconds and memory of each stage are fitted to the stored runs of 17 screws and bearings (6 to 264 contacts, four
+levels), each in one process next to another on two cores of 2026: within a factor of two. Several processes for one run:
+from case 1 on level 3, and screws of 228 and 264 contacts on level 1. Level 5 is not fitted (twice level 4).
 """
 
 from __future__ import annotations
@@ -24,20 +23,20 @@ from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, bodies_path, load, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.running import available_GB, cores, reader_gone
+from rollbench.compare.running import available_GB, cores, duration, reader_gone
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak
 
-#: Seconds of the contact patches, by level: they do not depend on the number of contacts.
+#: Seconds of the contact patches by level, independent of the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
 
-#: Seconds a contact of the stages that do, on level 1, and how they grow with the level.
+#: Seconds per contact of the other stages on level 1, and their growth with the level.
 A_CONTACT = {"meshes": 0.02, "shaft section": 0.05, "screw": 0.08, "nut": 0.06, "contact loads": 0.02}
 
 GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 
-#: Memory [GB]: of all that does not grow with the contacts, by level, and a contact.
+#: Memory [GB] by level: independent of the number of contacts, and per contact.
 BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 CONTACT_GB = 0.007
@@ -48,25 +47,27 @@ SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", 
 
 PATCHES_ALONE = 0.68
 
-#: Order of the stages, by the names that `hifi.setup.prepare` gives them.
+#: Order of the stages, by their names in `hifi.setup.prepare`.
 STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact loads")
 
 
 @dataclass(frozen=True)
 class Expected:
-    """Seconds of each stage of a run, and its peak of memory [GB]."""
+    """Expected cost of a run."""
 
+    #: Seconds of each stage.
     stages: dict[str, float]
+    #: Peak memory [GB].
     memory_GB: float
 
     @property
     def seconds(self) -> float:
-        """Of all stages."""
+        """Seconds of all stages."""
         return sum(self.stages.values())
 
 
 def expected(task: Task) -> Expected:
-    """Seconds and memory that a task will take."""
+    """Estimate time and memory of a task."""
     by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
     contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
@@ -81,7 +82,25 @@ def expected(task: Task) -> Expected:
 
 
 def need_memory(tasks: Sequence[Task], workers: int) -> float:
-    """Peak of memory [GB] of so many of the tasks at the same time. Raises InputError where there is less."""
+    """Estimate the peak memory of several tasks in parallel.
+
+    Parameters
+    ----------
+    tasks
+        The tasks.
+    workers
+        Number of tasks at the same time.
+
+    Returns
+    -------
+    float
+        Memory [GB].
+
+    Raises
+    ------
+    InputError
+        If this machine has less.
+    """
     each = sorted((expected(task).memory_GB for task in tasks), reverse=True)
     peak, free = sum(each[:workers]), available_GB()
     if free is not None and peak > free:
@@ -97,26 +116,11 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
     return peak
 
 
-def duration(seconds: float) -> str:
-    """A duration in words, with one number.
-
-    >>> duration(42.0), duration(600.0), duration(9000.0)
-    ('40 s', '10 min', '2.5 h')
-    """
-    if seconds < 90.0:
-        return f"{10 * max(round(seconds / 10), 1)} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
-
-
 class Progress:
-    """Stage, share and time left of one task, from what its stages were expected to take and have taken.
-
-    ``stages``: name and expected seconds of those to come, the contact loads of every scene one of them; ``after``:
-    expected seconds of the tasks that follow, which are left too.
-    """
+    """Progress of a task: stage, share and time left, from expected and measured seconds of its stages."""
 
     def __init__(self, task: Task, after: float = 0.0) -> None:
-        """Nothing is done yet."""
+        """Start a task; ``after``: expected seconds of the tasks that follow."""
         self.label, self.after = task.label, after
         stages, scenes = expected(task).stages, len(task.scenes)
         loads = stages.pop("contact loads")
@@ -125,13 +129,13 @@ class Progress:
 
     @property
     def under_way(self) -> str:
-        """The task, and the stage that is not done yet."""
+        """The task and its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """The line for ``text``, a `StageDone` at the end of a stage, ``spent`` seconds after the task began.
+        """Return the line of progress for ``text``, which is a `StageDone` at the end of a stage.
 
-        Stages from the cache say nothing of the machine's pace.
+        ``spent``: seconds since the task began. Stages from the cache say nothing about the speed of the machine.
         """
         stage = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
         if stage is None or not isinstance(text, StageDone):
@@ -147,7 +151,7 @@ class Progress:
 
 Step = Callable[[str], None]
 
-#: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
+#: Smallest time saved [s] for which further processes are started: each has to import and compile.
 WORTH_WORKERS = 10.0
 
 #: Interval of progress messages [s].
@@ -156,25 +160,46 @@ HEARTBEAT = 20.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Where jobs run: joblib's processes on this machine, or a Dask cluster at ``scheduler``; ``workers`` at once;
-    ``cache``: folder of meshes and condensed parts (None: none); ``wait``: see `parallel.as_done`."""
+    """Where and how jobs run."""
 
+    #: ``joblib``: processes of this machine; ``dask``: a cluster.
     backend: str = "joblib"
+    #: Address of the scheduler of a Dask cluster.
     scheduler: str | None = None
+    #: Number of jobs at the same time.
     workers: int | None = None
+    #: Folder of meshes and condensed parts; None: no cache.
     cache: Path | None = None
+    #: Seconds to wait for a worker, see `parallel.as_done`.
     wait: float | None = None
 
     @property
     def processes(self) -> int:
-        """Processes that one job may use: the cores of this machine, divided among the workers; one on a cluster."""
+        """Number of processes for one job: the cores of this machine over the workers; one on a cluster."""
         return max(cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
 
 
 def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
-    """Numbers and results as of `parallel.as_done`. Where other processes of this machine are asked for, two jobs run here
-    first; the rest follow here too where the second (everything is loaded by then) shows that starting processes takes
-    longer. ``step`` announces that; ``what``: plural name of what the jobs make."""
+    """Run jobs and yield number and result of each, the first two in this process.
+
+    The rest runs here too if the second (everything is then loaded) shows that starting processes would take longer.
+
+    Parameters
+    ----------
+    jobs
+        Independent jobs.
+    engine
+        Where they run.
+    what
+        Plural name of what the jobs compute, for messages.
+    step
+        Called with lines of progress.
+
+    Yields
+    ------
+    tuple
+        Number of the job and its result, as `parallel.as_done`.
+    """
     workers, here = engine.workers, 0
     if (workers or 1) > 1 and engine.backend == "joblib":
         start, here = perf_counter(), min(2, len(jobs))
@@ -196,8 +221,26 @@ def plan(
     source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:
-    """Tasks of a study: the coarsest level of every geometry, which already says something, then the dearest of the rest;
-    variants on their level, ablation on the coarsest."""
+    """List the tasks of a study: the coarsest level of every geometry first, then the most expensive of the rest.
+
+    Parameters
+    ----------
+    scenes
+        Scenes with one load case each.
+    levels
+        Mesh levels.
+    variants
+        Modelling variants, each on its level.
+    source
+        Whether the source's mesh is added.
+    ablate
+        Whether each ingredient is left out in turn on the coarsest level.
+
+    Returns
+    -------
+    list of Task
+        The tasks.
+    """
     tasks = []
     for cases in map(tuple, groups(scenes)):
         tasks += [Task(cases, level, ablate=ablate and level == min(LEVELS)) for level in levels]
@@ -211,7 +254,7 @@ def plan(
 
 
 def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
-    """What no store holds yet, task by task; an ablation is missing where a run has none."""
+    """Return what no store holds yet, task by task."""
     left = []
     for task in tasks:
         runs = [load(scene, task.level, task.variant, stores) for scene in task.scenes]
@@ -231,9 +274,25 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 def perform(
     task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
 ) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
+    """Compute a task and store its results at once, so that an interrupted study loses only the current one.
 
-    The record of peak memory starts again, so that every run has its own. step: hears of every stage, by ``progress``.
+    Parameters
+    ----------
+    task
+        The task.
+    store
+        Folder of runs.
+    step
+        Called with lines of progress.
+    progress
+        Progress of the task.
+
+    Returns
+    -------
+    list of Run
+        A run for each scene, with its peak memory.
+    CondensedBodies or None
+        Condensed bodies, if any.
     """
     reset_peak()
     start, progress = perf_counter(), progress or Progress(task)
@@ -243,7 +302,7 @@ def perform(
 
 
 def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Store the runs of a task that have loads, and its bodies. Raises InputError where the folder cannot be written to."""
+    """Store the runs of a task that have loads, and its bodies; InputError if the folder cannot be written."""
     for run, scene in zip(runs, task.scenes, strict=True):
         if run.answers:
             save(store, scene, run)
@@ -267,10 +326,34 @@ def ensure(
     fresh: bool = False,
     stored: Callable[[Task], None] = lambda _: None,
 ) -> list[Run]:
-    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs without loads.
+    """Compute the runs that no store holds.
 
-    What it will take is said first. stored: hears of every task that is kept while more are to come. Raises InputError
-    where this machine has too little memory for it.
+    Parameters
+    ----------
+    tasks
+        Tasks that are needed.
+    store
+        Folder that takes the runs.
+    engine
+        Where they are computed.
+    step
+        Called with lines of progress, the expected time first.
+    stores
+        Further folders of runs.
+    fresh
+        Whether stored runs are computed again.
+    stored
+        Called with every task that is stored while more follow.
+
+    Returns
+    -------
+    list of Run
+        Runs without loads.
+
+    Raises
+    ------
+    InputError
+        If this machine has too little memory.
     """
     wanted = tasks if fresh else missing(tasks, (store, *stores))
     local = engine.backend == "joblib"
@@ -315,7 +398,7 @@ def ensure(
                 interrupt_main()
                 return
             stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
-            step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done{stage}")
+            step(f"[{finished}/{len(left)}] {perf_counter() - start:.0f} s{stage}")
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
@@ -325,7 +408,8 @@ def ensure(
         if reader_gone():
             raise BrokenPipeError from None
         stages = "" if engine.cache is None else f", finished stages of the one under way in {engine.cache}"
-        step(f"interrupted: {finished} of {len(left)} set-ups are kept in {store}{stages}; the same command goes on there")
+        kept = f"{finished} of {len(left)} set-ups are kept in {store}{stages}"
+        step(f"WARNING: interrupted: {kept}; the same command goes on there")
         raise
     finally:
         over.set()
@@ -333,7 +417,7 @@ def ensure(
 
 
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """The announcement before set-ups are computed. Raises InputError where this machine has too little memory."""
+    """Return the announcement before set-ups are computed; InputError if this machine has too little memory."""
     kept = f", {stored} are stored" if stored > 0 else ""
     head = f"3D reference: {count_of(len(left), 'set-up')} to compute{kept}"
     if not here:
@@ -344,10 +428,10 @@ def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, 
 
 
 def all_variants() -> tuple[str, ...]:
-    """Names of the variants of choices that no mesh level refines."""
+    """Return the names of the variants of choices that no mesh level refines."""
     return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
 
 
 def refinements() -> tuple[str, ...]:
-    """Names of the variants that refine one choice of the finest level alone."""
+    """Return the names of the variants that refine one choice of the finest level."""
     return tuple(name for name, variant in VARIANTS.items() if variant.refined)

@@ -1,4 +1,4 @@
-"""Mesh levels of the 3D reference: every numerical choice, refined together; bodies under rolling contacts."""
+"""Mesh levels of the 3D reference, each of which refines all numerical choices together; also of rolling contacts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from rollbench.compare import files
 
-#: Ball radius [m] to which the levels' lengths belong; other scenes in proportion.
+#: Ball radius [m] for which the lengths of the levels are stated; for other radii they are in proportion.
 BALL = 2.778e-3
 _TABLES = files.table("reference/levels.toml")
 
@@ -23,13 +23,13 @@ def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
 #: balls' modes with them. The plane mesh of the shaft's section is the same on all: within 0.04 % in bending
 #: (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {int(level): _settings(keys) for level, keys in _TABLES["level"].items()}
-#: Settings by which single choices of the finest level are refined alone (`compare.reference.variants`).
+#: Settings that refine single choices of the finest level (`compare.reference.variants`).
 BEYOND: dict[str, Any] = _settings(_TABLES["beyond"])
 #: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones of
 #: twice the size, split); no part of a convergence study.
 SOURCE_LEVEL = 0
 SOURCE_MESH: dict[str, Any] = _settings(_TABLES["source"])
-#: Finest level of a production run, from which single choices are refined alone.
+#: Finest level of a production run, of which single choices are refined.
 PRODUCTION = 3
 #: Levels of a study: the one beyond production judges the uncertainty of those before it. Level 5 is for scenes with
 #: lightly loaded contacts beside heavy ones, of which it judges that of four levels.
@@ -44,7 +44,7 @@ _RATIOS = ("b_over_h", "growth")
 
 
 def scaled(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
-    """Settings of a level for a ball radius [m]; ``refined``: names taken from ``BEYOND``."""
+    """Return the settings of a level for a ball radius [m]; ``refined``: names of settings taken from ``BEYOND``."""
     ratio = ball / BALL
     settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {name: BEYOND[name] for name in refined}
 

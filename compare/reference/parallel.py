@@ -1,4 +1,4 @@
-"""Independent jobs side by side: in this process, in processes of this machine (joblib), or on a Dask cluster.
+"""Parallel execution of independent jobs: in this process, in processes of this machine (joblib), or on a Dask cluster.
 
 One job at a time unless more are asked for: a run of the 3D reference takes gigabytes, and its set-up uses all cores.
 """
@@ -20,28 +20,28 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.processes import local, one_thread
+from rollbench.meshes.processes import local, one_thread, restarts_unsaid
 
-#: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
+#: A job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
 Step = Callable[[str], None]
-#: What is asked of a worker: the job's number, the version that asks, function and arguments.
+#: Request to a worker: number of the job, version of this program, function and arguments.
 Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
-#: What comes back from a worker: the job's number, whether it went well, its pickled result or exception.
+#: Answer of a worker: number of the job, whether it succeeded, its pickled result or exception.
 Answer = tuple[int, bool, bytes]
 
 BACKENDS = ("joblib", "dask")
 #: Seconds to wait for a scheduler.
 PATIENCE = 5.0
-#: Seconds to wait for a worker, the first one or another where the last one was lost, unless the user gives them.
+#: Default time to wait for a worker [s], for the first, and for another after the last was lost.
 LONELY = 60.0
-#: Seconds between two looks at the cluster, and between two at the jobs.
+#: Intervals at which the cluster and the jobs are polled [s].
 LOOK, BLINK = 1.0, 0.02
-#: Seconds without an answer of a scheduler that still holds the connection, after which it counts as lost.
+#: Time without answer of a connected scheduler after which it counts as lost [s].
 SILENCE = 120.0
-#: What to do when a cluster was lost.
+#: Advice when a cluster was lost.
 AGAIN = "see what ended it, restart it, and give the same command again: runs that are stored are not repeated"
-#: What to do about workers without this program.
+#: Advice about workers without this program.
 INSTALL = "install it where the workers run"
 
 _ALONE = threading.Lock()
@@ -54,16 +54,36 @@ def as_done(
     workers: int | None = None,
     wait: float | None = None,
 ) -> Generator[tuple[int, Any], None, None]:
-    """Numbers (from 0) and results of independent jobs, as they are done; a generator that drops the rest when closed.
+    """Run independent jobs and yield the result of each as soon as it is there; closing the generator drops the rest.
 
-    backend: "joblib" for this machine, "dask" for the cluster of `scheduler` (its address; None starts a cluster on this
-    machine). workers: jobs at the same time; None for one on this machine, and for one on each worker of a scheduler,
-    whenever it joins. wait: seconds to wait for a worker of the scheduler where there is none, `LONELY` unless given. The
-    linear algebra of a job runs on one thread.
-    The first exception of a job is raised here, once, and jobs that have not begun are dropped; one that cannot travel
-    between processes becomes a RuntimeError with its message.
-    Raises InputError for an unknown backend, fewer than one worker, a package that is missing, a scheduler that does not
-    answer, gets no workers or has other versions, and for a worker that died.
+    The linear algebra of a job runs on one thread.
+
+    Parameters
+    ----------
+    jobs
+        The jobs.
+    backend
+        ``joblib`` for this machine, ``dask`` for a cluster.
+    scheduler
+        Address of the scheduler of a cluster; None: a cluster is started on this machine.
+    workers
+        Number of jobs at the same time; None: one on this machine, or one on each worker of a scheduler, whenever it joins.
+    wait
+        Seconds to wait for a worker of the scheduler; `LONELY` unless given.
+
+    Yields
+    ------
+    tuple
+        Number of the job (from 0) and its result.
+
+    Raises
+    ------
+    InputError
+        If the backend is unknown, there is less than one worker, a package is missing, the scheduler does not answer, gets
+        no workers or has other versions, or a worker died.
+    RuntimeError
+        If the exception of a job cannot be pickled. Other exceptions of jobs are raised as they are, once, and the
+        remaining jobs dropped.
     """
     if backend not in BACKENDS:
         raise ArgumentError("backend", backend, " or ".join(BACKENDS), "leave it out for this machine")
@@ -84,7 +104,7 @@ def as_done(
 def _elsewhere(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
-    """Numbers and results of jobs in other processes."""
+    """Yield numbers and results of jobs in other processes."""
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
     answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
     with closing(answers):
@@ -98,15 +118,18 @@ def _elsewhere(
 def _call(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
 
-    A worker that is not of ``version``, which may have joined the cluster at any time, refuses it by an InputError.
-    Results and exceptions travel as bytes: joblib hangs on results that cannot be unpickled.
+    A worker of another ``version``, which may have joined the cluster at any time, refuses it by an InputError.
+    Results and exceptions are sent as bytes: joblib hangs on results that cannot be unpickled. Those of
+    cloudpickle may hold functions without a name, as a table of the report has them.
     """
+    import cloudpickle
+
     one_thread()
     with _ALONE:
         try:
             if version != __version__:
                 raise _other_version(f"a worker of rollbench {__version__}, which joined later", version)
-            return number, True, pickle.dumps(function(*arguments))
+            return number, True, cloudpickle.dumps(function(*arguments))
         except Exception as error:
             note = f"In a worker: {traceback.format_exc()}"
             try:
@@ -122,7 +145,7 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
 
 
 def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
-    """Answers of processes of this machine as they come; jobs that have not begun when it is closed are dropped."""
+    """Yield answers of processes of this machine as they come; remaining jobs are dropped when it is closed."""
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
@@ -130,8 +153,9 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:
-            for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
-                yield answer
+            with restarts_unsaid():
+                for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
+                    yield answer
         except BrokenProcessPool as error:
             raise _died(error) from error
         finally:
@@ -141,9 +165,9 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
 
 
 def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
-    """Answers of the workers of a cluster as they come; jobs that have not begun when it is closed are dropped.
+    """Yield answers of the workers of a cluster as they come; remaining jobs are dropped when it is closed.
 
-    The scheduler gets all jobs at once, or as many as are to run at the same time: it hands them to workers whenever these
+    The scheduler gets all jobs at once, or as many as may run at the same time: it hands them to workers whenever these
     join, and a cluster that adapts its size sees how much there is to do.
     """
     with _cluster(scheduler, workers) as client:
@@ -177,8 +201,11 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
 
 
 def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
-    """Looks at a cluster, one for each that is asked for. Raises InputError where nobody is there to do the jobs: no worker
-    comes in ``wait`` seconds, the first or another after the last one, or its scheduler does not answer any more."""
+    """Poll a cluster, once for each item requested.
+
+    InputError if there is nobody to do the jobs: no worker comes in ``wait`` seconds, first or after the last was lost, or
+    the scheduler does not answer any more.
+    """
     alone, silent, had_workers = 0.0, 0.0, False
     while True:
         try:
@@ -218,9 +245,21 @@ def _died(error: BaseException) -> InputError:
 
 
 def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
-    """Certificates for a scheduler at tls://HOST:PORT: of the authority, and this client's with its key; None: none.
+    """Set the certificates for a scheduler at tls://HOST:PORT.
 
-    Raises InputError for files that cannot be read, only some of the three, or without Dask.
+    Parameters
+    ----------
+    ca
+        Certificate of the authority; None: no certificates.
+    cert
+        Certificate of this client.
+    key
+        Key of this client.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, only some of the three are given, or Dask is missing.
     """
     given = {"tls_ca": ca, "tls_cert": cert, "tls_key": key}
     if not any(given.values()):
@@ -246,7 +285,7 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
 
 @contextmanager
 def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
-    """A client of the scheduler, or of a cluster of its own on this machine."""
+    """Connect to the scheduler, or start a cluster on this machine."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -285,7 +324,7 @@ def _other_version(value: str, version: str) -> InputError:
 
 
 def _alive(scheduler: str) -> bool:
-    """Whether a scheduler answers."""
+    """Return whether a scheduler answers."""
     try:
         asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
     except Exception:  # whatever a connection that is gone raises

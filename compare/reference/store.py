@@ -1,7 +1,7 @@
-"""Runs of the 3D reference as they are kept: the record of a run, its content key, its sealed file in a store.
+"""Store of runs of the 3D reference: record of a run, its content key, and its file with a checksum.
 
-A sealed file is text with a checksum: what was damaged or changed by hand is not used. Times that stand in one table,
-figure or ratio are of one measuring run, by the stamp of what they were measured with.
+A file that was damaged or edited is not used. Times in one table, figure or ratio are of one measuring run; a run records
+the version, sources and machine of its times.
 """
 
 from __future__ import annotations
@@ -31,19 +31,36 @@ from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Operation, Scene
 from rollbench.meshes.solid import dimensions
 
-#: Largest file of a run [bytes], and deepest nesting of its brackets: the largest shipped one has a tenth, and 4.
+#: Largest size of a run's file [bytes], and deepest nesting of brackets; the largest shipped one has a tenth, and 4.
 LARGEST, DEEPEST = 8_000_000, 8
 
 
 def sealed(data: Mapping[str, Any]) -> str:
-    """Text of a run's file: its data, rows of numbers line by line, with their checksum."""
+    """Return the text of a run's file: its data with a checksum, rows of numbers line by line."""
     whole = {**data, "checksum": checksum(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
 
 def unsealed(path: Path) -> dict[str, Any]:
-    """Data of a run's file. Raises ValueError for one that is too large, too deep, no run, or does not fit its checksum;
-    OSError where it cannot be read."""
+    """Return the data of a run's file.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    dict
+        The data.
+
+    Raises
+    ------
+    ValueError
+        If it is too large, too deeply nested, not a run, or does not match its checksum.
+    OSError
+        If it cannot be read.
+    """
     data = _parsed(path)
     if data.pop("checksum", None) != checksum(data):
         raise ValueError("the checksum does not fit")
@@ -51,7 +68,7 @@ def unsealed(path: Path) -> dict[str, Any]:
 
 
 def checksum(data: Mapping[str, Any]) -> str:
-    """Digest of JSON data, whatever the order of its keys and the layout of its text."""
+    """Return the digest of JSON data, independent of the order of keys and the layout of the text."""
     return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()[:32]
 
 
@@ -73,32 +90,34 @@ def _parsed(path: Path) -> dict[str, Any]:
     return data
 
 
-#: Folders whose sources decide how long a solution takes.
+#: Folders whose sources determine how long a solution takes.
 SOLVERS = ("hifi", "lowfi", "meshes")
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a time was measured with: version of this program, digest of the solvers' sources, machine; what runs of before
-    0.15 do not say is empty."""
+    """Conditions of a time measurement; empty in runs before 0.15."""
 
+    #: Version of this program.
     version: str
+    #: Digest of the solvers' sources.
     sources: str = ""
+    #: Description of the machine.
     machine: str = ""
 
     def __str__(self) -> str:
-        """In words, after "measured with"."""
+        """Return the conditions in words, to follow "measured with"."""
         return f"{self.version or 'an unknown version'}{f' on {self.machine}' if self.machine else ''}"
 
 
 @cache
 def here() -> Measured:
-    """What a time that is measured by this process is measured with."""
+    """Return the conditions of times measured by this process."""
     return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
 
 
 def one_run(times: Iterable[Measured]) -> Measured | None:
-    """What some times were measured with; None of no times. Raises ValueError for times of several measuring runs."""
+    """Return the conditions of some times; None without times, ValueError if they differ."""
     found = set(times)
     if len(found) > 1:
         raise ValueError(f"times of several measuring runs: {', '.join(sorted(map(str, found)))}")
@@ -106,12 +125,12 @@ def one_run(times: Iterable[Measured]) -> Measured | None:
 
 
 def most_of(times: Iterable[Measured]) -> Measured | None:
-    """What most of some times were measured with, those that a table can show beside one another; None of no times."""
+    """Return the conditions shared by most of some times, which a table can show together; None without times."""
     common = Counter(times).most_common(1)
     return common[0][0] if common else None
 
 
-#: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
+#: Version of the mechanics; bump it when they or an assumption of meshes.solid change: older runs are then not used.
 SCHEMA = 8
 
 #: As `SCHEMA`, for the condensed bodies, and for runs of several sets on one shaft.
@@ -132,7 +151,7 @@ KEY = 16 * "[0-9a-f]"
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 
-#: What of a scene says nothing about static loads (of an ensemble, those of the first member).
+#: Fields of a scene that have no effect on static loads (of an ensemble, those of the first member).
 UNSAID: dict[str, Any] = {
     "name": "",
     "title": "",
@@ -148,51 +167,69 @@ UNSAID: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Run:
-    """Stored result of one scene on one level; of several sets on one shaft the balls of all, set after set.
+    """Stored result of one scene on one mesh level; of several sets on one shaft the balls of all, set after set."""
 
-    Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], loads with directions frozen in the nominal state, centreline
-    ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
-    prepared; unknowns of the equivalent monolithic mesh; seconds of the set-up by stage and of the load case; peak
-    memory [MB] of the set-up and its load cases so far (None: not measured); balance of balls and screw; bound on the
-    modes left out; settings and versions; moving: what any load may still move by [N] in a run that did not settle, else 0;
-    sources, machine: what its seconds were measured with, beside the version (empty in runs of before 0.15).
-    """
-
+    #: Name of the scene.
     scene: str
+    #: Mesh level.
     level: int
+    #: Modelling variant; empty: base.
     variant: str
+    #: Status: converged, or why not.
     status: str
+    #: Contact loads, (n, 4) [N].
     load: Array
+    #: Contact angles, (n, 4) [deg].
     angle: Array
+    #: Contact loads with directions fixed in the nominal state, (n, 4) [N].
     frozen: Array
+    #: Axis of the screw, (stations, 4): z, ux, uy, uz [m].
     centreline: Array
+    #: Contact loads without single ingredients of the model, by ingredient.
     without: dict[str, Array]
+    #: Run times of these [s].
     without_seconds: dict[str, float]
+    #: Flanks that were meshed.
     sides: tuple[int, ...]
+    #: Number of unknowns of the equivalent single mesh.
     unknowns: int
+    #: Seconds of the set-up by stage.
     stages: dict[str, float]
+    #: Seconds of the load case.
     solve_seconds: float
+    #: Peak memory of set-up and load cases so far [MB]; None: not measured.
     peak_MB: float | None
+    #: Largest unbalanced force of a ball, over the largest load.
     balance: float
+    #: Largest unbalanced force of a ball along its groove, over the largest load.
     along_groove: float
+    #: Unbalanced force of shaft and housings where they are free, over the largest load.
     screw_balance: float
+    #: Bounds on truncation errors, such as of neglected modes.
     quality: dict[str, float]
+    #: Mesh settings.
     settings: dict[str, Any]
+    #: Assumptions of scene and model.
     assumed: tuple[str, ...]
+    #: Versions of the programs that affect the result.
     versions: dict[str, str]
+    #: Date of the run.
     date: str
+    #: Largest further change of a load in a run that did not fully converge [N], else 0.
     moving: float = 0.0
+    #: Digest of the solvers' sources when it was measured (empty before 0.15).
     sources: str = ""
+    #: Machine on which it was measured (empty before 0.15).
     machine: str = ""
 
     @property
     def measured(self) -> Measured:
-        """What its seconds were measured with."""
+        """Conditions under which its times were measured."""
         return Measured(self.versions.get("rollbench", ""), self.sources, self.machine)
 
     @property
     def answers(self) -> bool:
-        """Whether the run has loads: converged, or not settled but for a known rest."""
+        """Whether the run has loads: converged, or not fully but with a known remaining change."""
         return self.status == "converged" or self.moving > 0.0
 
     @property
@@ -202,7 +239,7 @@ class Run:
 
 
 def versions() -> dict[str, str]:
-    """Versions of the programs whose results runs depend on; empty for one that is not installed."""
+    """Return the versions of the programs that affect results; empty if not installed."""
     return {name: _version(name) for name in PROGRAMS}
 
 
@@ -221,11 +258,29 @@ def key_of(
     sides: Sequence[int],
     programs: Mapping[str, str] | None = None,
 ) -> str:
-    """Content key of a run: all that its numbers depend on.
+    """Return the content key of a run, a digest of everything that affects its numbers.
 
-    Geometry, errors, loads and supports of the scene (not what is `UNSAID`), its solid dimensions as resolved, the
-    variant, the mesh settings as resolved, in numbers, and the prepared sides (both set by all scenes that were meshed
-    together), ``SCHEMA``, and versions of the mesh generator and the finite elements: those installed unless given.
+    These are geometry, errors, loads and supports of the scene (without `UNSAID`), its solid dimensions, variant, mesh
+    settings and meshed flanks (both set by all scenes that were meshed together), ``SCHEMA``, and the versions of mesh
+    generator and finite elements.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+    variant
+        Modelling variant.
+    settings
+        Mesh settings, in numbers.
+    sides
+        Flanks that were meshed.
+    programs
+        Versions; those installed unless given.
+
+    Returns
+    -------
+    str
+        The key.
     """
     if isinstance(scene, Assembly):
         each = zip(scene.sets, settings["sets"], strict=True)
@@ -237,15 +292,14 @@ def key_of(
 def bodies_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
-    """Content key of condensed bodies: parts, solid dimensions, settings, sides and versions as for runs, ``BODIES``."""
+    """Return the content key of condensed bodies: parts, solid dimensions, settings, flanks, versions and ``BODIES``."""
     return digest(SCHEMA, BODIES, geometry_digest(scene), *_meshed(scene, settings, sides, programs))[:16]
 
 
 def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
-    """What a mesh depends on beside the scene's own fields."""
-
+    """Return what a mesh depends on besides the fields of the scene."""
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
     low, high = dims.ends(scene)
@@ -256,14 +310,17 @@ def _meshed(
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
-    """File of a run of a scene in a store; by the versions that it names, as it may be read where others, or none, are
-    installed, and by the scene's name when it was made."""
+    """Return the file of a run of a scene in a store.
+
+    Its key is made with the versions in the run, which may differ from those installed, and its name with the scene's name
+    at the time of the run.
+    """
     key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
     return store / f"{_stem(run.scene, run.level, run.variant)}{key}.json"
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
-    """File of the condensed bodies that belong to a run of a scene, in a store."""
+    """Return the file of the condensed bodies of a run in a store."""
     key = bodies_key(scene, run.settings, run.sides, run.versions)
     return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
@@ -273,7 +330,7 @@ def _stem(name: str, level: int, variant: str) -> str:
 
 
 def save(store: Path, scene: Solvable, run: Run) -> Path:
-    """Write a run that has loads whole or not at all. Raises ValueError for another one."""
+    """Write a run with loads, completely or not at all; ValueError for a run without loads."""
     if not run.answers:
         raise ValueError(f"a run that did not converge is no reference: {run.status}")
     path = path_in(store, scene, run)
@@ -284,21 +341,37 @@ def save(store: Path, scene: Solvable, run: Run) -> Path:
 
 
 def _rows(array: Array) -> list[list[float | None]]:
-    """Rows with seven significant digits: far beyond the reference's own uncertainty, and small files."""
+    """Return rows with seven significant digits: far beyond the uncertainty, and small files."""
     return [[None if np.isnan(x) else float(f"{x:.7g}") for x in row] for row in array]
 
 
 def shipped_store() -> Path:
-    """Folder of the runs that come with the package."""
+    """Return the folder of the shipped runs."""
     return files.place("references")
 
 
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
-    """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
+    """Return a stored run whose mesh suits the scene.
 
-    It is found by its key, under whatever name the scene had when it was made, which `Run.scene` keeps. stores: the shipped
-    one unless given, the first that has a run counts. Of several runs, made with other scenes, those by the installed
-    versions of gmsh and scikit-fem come first, then those on the finest cells, then those with the largest patches.
+    It is found by its key, whatever the name of the scene was at the time of the run. Of several runs, made together with
+    other scenes, those by the installed versions of gmsh and scikit-fem come first, then the finest cells, then the largest
+    patches.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+    level
+        Mesh level.
+    variant
+        Modelling variant.
+    stores
+        Folders in order of search; None: that of the package.
+
+    Returns
+    -------
+    Run or None
+        The run; None if there is none (a damaged file, or one with another key, does not count).
     """
     installed = versions()
     for store in (shipped_store(),) if stores is None else stores:
@@ -313,8 +386,7 @@ def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] 
 
 
 def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
-    """Files of a store whose name ends with the key of the scene on one of the meshes of that level; those under the
-    scene's own name first."""
+    """Return the files of a store whose key fits the scene on a mesh of that level, those with its name first."""
     own, pattern = (_stem(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
     meshes = {mesh.text: mesh for path in paths if (mesh := _mesh_of(path)) is not None and mesh.balls == scene.ball_count}
@@ -323,16 +395,21 @@ def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> lis
 
 
 class _Mesh(NamedTuple):
-    """What a key has of a run besides its scene, as text too, and how many balls the run is of."""
+    """Parts of a run's key other than the scene."""
 
+    #: Number of balls of the run.
     balls: int
+    #: Mesh settings.
     settings: dict[str, Any]
+    #: Flanks that were meshed.
     sides: tuple[int, ...]
+    #: Versions of programs.
     programs: dict[str, str]
+    #: The same as text.
     text: str
 
     def key(self, scene: Solvable, variant: str) -> str | None:
-        """The key of a scene's run on this mesh; None where it is no mesh of such a scene."""
+        """Return the key of a scene's run on this mesh; None if it is not a mesh of such a scene."""
         try:
             return key_of(scene, variant, self.settings, self.sides, self.programs)
         except (ValueError, KeyError, TypeError):
@@ -340,7 +417,7 @@ class _Mesh(NamedTuple):
 
 
 def _mesh_of(path: Path) -> _Mesh | None:
-    """The mesh of a run's file; None where that cannot be read."""
+    """Return the mesh of a run's file; None if it cannot be read."""
     try:
         return _known_mesh(path, path.stat().st_mtime_ns)
     except OSError:
@@ -360,14 +437,14 @@ def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
 
 
 def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Sort key of runs, the preferred one first."""
+    """Return the sort key of runs, the preferred one first."""
     other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 
 
 def read(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
-    """Run in a file, if that is whole and its name is the key of what it holds."""
+    """Return the run in a file, if the file is intact and named by its key; else None."""
     try:
         data = unsealed(path)
         arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}

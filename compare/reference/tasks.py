@@ -1,5 +1,7 @@
-"""What is asked of the 3D reference: scenes that share set-ups, sides that may touch, mesh settings of a level. A scene of
-one set has one set-up; of several sets on one shaft, equal ones share theirs."""
+"""Tasks of the 3D reference: scenes that share set-ups, flanks that may touch, and mesh settings of a level.
+
+A scene with one set has one set-up; of several sets on one shaft, equal ones share theirs.
+"""
 
 from __future__ import annotations
 
@@ -21,43 +23,46 @@ from rollbench.meshes.parts import Scene
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import ExpectedContacts, Settings
 
-#: What the 3D reference solves: one set, or several on one shaft.
+#: Scenes that the 3D reference solves: one set, or several on one shaft.
 Solvable = Scene | Assembly
-#: Settings that another scene's mesh may have otherwise: cells as fine, patches as large, sides as many.
+#: Settings in which another scene's mesh may differ: it needs cells as fine, patches as large, and as many flanks.
 _SIZED = ("semi", "reach", "sides")
 
 
 @dataclass(frozen=True)
 class SetUp:
-    """A set-up that equal sets share: their bodies (of one set: its scene; of several: in stations of their own), sides
-    that are prepared, mesh settings, places of the sets in the assembly."""
+    """Set-up that equal sets share."""
 
+    #: Its bodies as a scene; of several sets in stations relative to the set.
     bodies: Scene
+    #: Flanks that are meshed.
     sides: tuple[int, ...]
+    #: Mesh settings.
     settings: Settings
+    #: Numbers of its sets in the assembly.
     sets: tuple[int, ...] = (0,)
 
 
 def stations(*cases: Solvable) -> tuple[float, ...]:
-    """Stations [m] of supports and loads of load cases: the 3D shaft has freedoms there."""
+    """Return the stations of supports and loads of load cases [m], where the 3D shaft has degrees of freedom."""
     return tuple(sorted({x.at for case in cases for given in (case.supports, case.loads) for x in given}))
 
 
 def balls_of(described: Solvable) -> list[slice]:
-    """Balls of each set among those of all."""
+    """Return the balls of each set among those of all."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
 def refused(described: Solvable, error: ValueError) -> Refusal:
-    """The refusal of what has no equilibrium, bodies or mesh."""
+    """Return the Refusal for a scene without equilibrium, bodies or mesh."""
     advice = "change what it names, or solve it with a low-order model"
     return Refusal(described.name, "3D reference", str(error), advice)
 
 
 def _bodies(case: Solvable) -> list[Scene]:
-    """What is meshed of each set. Raises Refusal for one without a 3D body."""
+    """Return what is meshed of each set; Refusal for a set without 3D body."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import bodies_of
@@ -69,8 +74,10 @@ def _bodies(case: Solvable) -> list[Scene]:
 
 
 def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
-    """Contacts to expect of each set; of one of several that carries nothing as of a tenth of the mean contact load of the
-    others. Raises Refusal where none can be expected."""
+    """Return the contacts to expect of each set; Refusal if none can be expected.
+
+    A set that carries nothing counts with a tenth of the mean contact load of the others.
+    """
     from rollbench.hifi.meshing.settings import carrying, expected_by_set, expected_contacts
 
     try:
@@ -85,20 +92,39 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
 
 
 def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Sides that may touch, and those opposite, which press a ball against them."""
+    """Return the flanks that may touch, and those opposite, which press a ball against them."""
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Sides of a scene that may touch, by `hifi.meshing.settings`, and those opposite. Raises Refusal where that finds no
-    equilibrium."""
+    """Return the flanks of a scene that may touch (`hifi.meshing.settings`), and those opposite.
+
+    Refusal if no equilibrium is found.
+    """
     return _pressed(_expected(scene, ()))
 
 
 def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[SetUp, ...]:
-    """The set-ups on a mesh level, with a modelling variant, that load cases of the same parts share.
+    """Return the set-ups that load cases of the same parts share on a mesh level.
 
-    Raises InputError for an unknown level, Refusal for sets without 3D bodies, and where no contacts can be expected.
+    Parameters
+    ----------
+    cases
+        Load cases.
+    level
+        Mesh level.
+    variant
+        Modelling variant.
+
+    Returns
+    -------
+    tuple of SetUp
+        The set-ups.
+
+    Raises
+    ------
+    InputError
+        If the level is unknown; as Refusal if a set has no 3D body, or no contacts can be expected.
     """
     from rollbench.hifi.meshing.settings import Settings, rounded
 
@@ -121,18 +147,18 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Mesh settings that serve ``scenes`` of one geometry on a level with a modelling variant. Raises as `set_ups`."""
+    """Return mesh settings for scenes of one geometry, on a level with a variant; errors as `set_ups`."""
     return set_ups(scenes, level, variant)[0].settings
 
 
 def recorded(ups: Sequence[SetUp]) -> dict[str, Any]:
-    """Settings of a run of several sets: those of each set, with its prepared sides; cells across a contact."""
+    """Return the settings of a run of several sets: those of each set with its flanks, and the cells across a contact."""
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
 def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
-    """Whether the meshes of a run serve a scene: cells at least as fine, patches as large, all sides that may touch."""
+    """Return whether the meshes of a run suit a scene: cells as fine, patches as large, all flanks that may touch."""
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
         wanted = recorded(set_ups([changed], level, variant))["sets"]
@@ -158,7 +184,7 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def meant(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
-    """The assembly without what has no effect on static loads."""
+    """Return the assembly without fields that have no effect on static loads."""
     bare = [
         replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets
     ]
@@ -167,7 +193,7 @@ def meant(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
 
 
 def geometry_of(scene: Solvable) -> tuple[Any, ...]:
-    """What scenes must share to share a set-up."""
+    """Return the data that scenes must share to share a set-up."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else geometry_of(s.parts), s.position, s.carrier) for s in scene.sets
@@ -177,7 +203,7 @@ def geometry_of(scene: Solvable) -> tuple[Any, ...]:
 
 
 def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
-    """Scenes of one geometry together, in order."""
+    """Group scenes by geometry, in order."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
         alike.setdefault(geometry_of(scene), []).append(scene)
@@ -185,7 +211,7 @@ def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
 
 
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings as they come back from a file: lists are tuples."""
+    """Return settings as they are read from a file: lists become tuples."""
 
     def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
@@ -197,26 +223,31 @@ def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Task:
-    """Load cases that share set-ups: scenes of one geometry, of one set or several, on one level, with a variant;
-    ``ablate``: also leave out every ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up
-    may use; ``cut_cells``: element size of the shafts that say what a cut does, over the level's."""
+    """Load cases that share set-ups, on one mesh level."""
 
+    #: Scenes of one geometry, with one set or several.
     scenes: tuple[Solvable, ...]
+    #: Mesh level.
     level: int
+    #: Modelling variant; empty: base.
     variant: str = ""
+    #: Whether each ingredient is left out in turn too.
     ablate: bool = False
+    #: Folder of the mesh cache; None: no cache.
     cache: Path | None = None
+    #: Number of processes for one set-up.
     processes: int = 1
+    #: Cell size for the cut ends of the shaft, over that of the level.
     cut_cells: float = 1.0
 
     @property
     def single(self) -> tuple[Scene, ...]:
-        """Its scenes of one set."""
+        """Its scenes with one set."""
         return tuple(scene for scene in self.scenes if isinstance(scene, Scene))
 
     @property
     def label(self) -> str:
-        """What it is, for the terminal."""
+        """Description for the terminal."""
         mesh = "the source's mesh" if self.level == SOURCE_LEVEL else f"level {self.level}"
         tail = f", {VARIANTS[self.variant].label}" if self.variant else ""
         return f"{', '.join(s.name for s in self.scenes)}: {mesh}{tail}"

@@ -1,5 +1,7 @@
-"""Choices of the 3D reference, each varied alone: those that no mesh level refines on the coarsest level, those of the
-mesh refined one at a time on the finest."""
+"""Choices of the 3D reference, each varied separately.
+
+Choices that no mesh level refines are varied on the coarsest level, those of the mesh on the finest.
+"""
 
 from __future__ import annotations
 
@@ -26,13 +28,17 @@ COUPLING = 0.02
 
 @dataclass(frozen=True)
 class Variant:
-    """A choice varied: what it is, the changed scene; ``refined``: mesh settings taken from `levels.BEYOND`, on the finest
-    level; ``choice``: variants of one choice count once."""
+    """Variation of one choice."""
 
+    #: Description.
     label: str
+    #: Choice that it varies; variants of one choice count once.
     choice: str
+    #: Kind of the choice.
     kind: Kind
+    #: Function that changes the scene.
     change: Change
+    #: Mesh settings taken from `levels.BEYOND`, on the finest level.
     refined: tuple[str, ...] = ()
 
     @property
@@ -43,35 +49,39 @@ class Variant:
 
 @dataclass(frozen=True)
 class NotVaried:
-    """A choice that is not varied, and why."""
+    """Choice that is not varied."""
 
+    #: The choice.
     choice: str
+    #: Why it is not varied.
     reason: str
 
 
 def same(scene: Scene) -> Scene:
-    """The scene as it is."""
+    """Return the scene unchanged."""
     return scene
 
 
 def solid(**changes: Any) -> Change:
-    """Change of what only the 3D model reads."""
+    """Return a change of fields that only the 3D model reads."""
     return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
 
 
 def scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
-    """Change of a dimension of the solid parts by a factor and a shift [m]."""
+    """Return a change of a solid dimension by a factor and a shift [m]."""
     return lambda scene: solid(**{name: take(dimensions(scene)) * factor + shift})(scene)
 
 
 def longer(leads: float) -> Change:
-    """3D stretch longer by that many leads on each side."""
+    """Return a change that lengthens the 3D stretch by a number of leads on each side."""
     return lambda scene: scaled("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
 
 
 def held_ring(half: Literal["inner", "outer"]) -> Change:
-    """Nut held at one half of the face, or of the flange's annulus, that holds it. Raises ValueError where the nut is held
-    elsewhere."""
+    """Return a change that fixes the nut at one half of its fixed face, or of the flange's annulus.
+
+    ValueError if the nut is fixed elsewhere.
+    """
 
     def change(scene: Scene) -> Scene:
         face, flange = dimensions(scene).nut_held, scene.nut.flange
@@ -87,19 +97,22 @@ def held_ring(half: Literal["inner", "outer"]) -> Change:
 
 
 def plain_shaft(scene: Scene) -> Scene:
-    """Beyond the 3D stretch the shaft is plain, of the lands' diameter."""
+    """Return the scene with a plain shaft of the lands' diameter beyond the 3D stretch."""
     return solid(shaft_diameter=scene.screw.outer_diameter)(scene)
 
 
 def ends_in_plain_shaft(scene: Scene) -> Scene:
-    """The screw's groove ends where half the 3D stretch does; beyond, the shaft is plain."""
+    """Return the scene with a groove that ends at half of the 3D stretch; beyond, the shaft is plain."""
     return plain_shaft(scaled("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
 def twisted(scene: Scene) -> Scene:
-    """Every support of the rotation about the axis turned by what the dropped coupling would turn the shaft up to the nut:
-    |c| F L / sqrt(EA GJ) with the sum of axial loads F and the sections of a plain shaft of the pitch radius less that
-    of the groove (its core: more than the grooved shaft twists), or of the groove's bottom where that leaves no wall."""
+    """Return the scene with rotations of the supports that the dropped axial-torsional coupling would cause.
+
+    The shaft would turn by |c| F L / sqrt(EA GJ) up to the nut, with the sum of axial loads F and the sections of a plain
+    shaft of the pitch radius less that of the groove (its core: more than the grooved shaft twists), or of the groove's
+    bottom if that leaves no wall.
+    """
     e = scene.screw.material
     core = scene.track.pitch_radius - scene.screw.groove_radius
     if core <= scene.screw.bore / 2.0:
@@ -124,7 +137,7 @@ SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "wh
 
 
 def finer(label: str, choice: str, *refined: str) -> Variant:
-    """A choice of the mesh refined alone on the finest level, by the settings named."""
+    """Return the variant that refines one choice of the mesh on the finest level."""
     return Variant(label, choice, "numerical", same, refined)
 
 
@@ -161,7 +174,7 @@ VARIANTS: dict[str, Variant] = {
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
 }
 
-#: What a modelling uncertainty does not hold.
+#: Choices that the modelling uncertainty does not include.
 NOT_VARIED = (
     NotVaried(
         "deflectors and return tubes of the nut",

@@ -1,1 +1,1 @@
-"""The report and the page of a scene: what stands on them, and how they are written."""
+"""The report and the page of a scene: their contents, and writing them."""

@@ -1,4 +1,4 @@
-"""The first screen: how far low-order models can be trusted, by their errors and run times against the 3D reference."""
+"""First screen of the report: accuracy of low-order models, by errors and run times against the 3D reference."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rollbench.compare.evidence import audit, computations
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
@@ -18,6 +19,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
+from rollbench.compare.sections.source_tables import by_place
 from rollbench.compare.sections.u_val import rows_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
@@ -36,7 +38,7 @@ FAMILIES = (
     ("bodies from 3D", ("condensed",)),
 )
 SOLID = "3D reference"
-#: Models that stand for their kind, as the answer names them.
+#: Models that represent their family, with their names in the answer.
 BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
 LARGEST = Quantity("largest", "largest error", "%", ".1f")
 KINDS = {DEFAULT: "refined", "lin": "lin"}
@@ -44,47 +46,56 @@ KINDS = {DEFAULT: "refined", "lin": "lin"}
 
 @dataclass(frozen=True)
 class Standing:
-    """A model or mesh over the shipped scenes: short name, label, family, number of scenes, largest error [% of the mean
-    load] and its scene, medians of the largest and RMS errors, largest RMS error, median cold seconds of those that were
-    measured (None: of none); by the gate's rule
-    the median of the largest error and of the ends of its bar, and how many scenes pass the gate at `LIMIT`.
+    """Errors and time of a model or mesh over the shipped scenes.
 
     The error of a level that is itself the finest is its grid uncertainty.
     """
 
+    #: Short name.
     name: str
+    #: Name in tables.
     label: str
+    #: Family of the model.
     family: str
+    #: Number of scenes.
     scenes: int
+    #: Largest error [% of the mean load].
     worst: float
+    #: Scene with this error.
     worst_scene: str
+    #: Median of the largest errors.
     median: float
+    #: Median of the RMS errors.
     rms: float
+    #: Largest RMS error.
     worst_rms: float
+    #: Median time of a cold start [s]; None: not measured.
     cold: float | None
+    #: Median of the largest errors as the gate takes them, with the ends of their uncertainty.
     gate: Largest
+    #: Number of scenes that pass the gate at `LIMIT`.
     passed: int
 
 
 def family_of(point: TimePoint) -> str:
-    """Family of a model or mesh."""
+    """Return the family of a model or mesh."""
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
 def off(point: TimePoint) -> float:
-    """Largest error [% of the mean load] of a point; the grid uncertainty of a level that is the finest itself."""
+    """Return the largest error of a point [% of the mean load]; of the finest level its grid uncertainty."""
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
 def by_gate(point: TimePoint) -> Largest:
-    """Largest error by the gate's rule; the grid uncertainty of a level that is the finest itself."""
+    """Return the largest error as the gate takes it; of the finest level its grid uncertainty."""
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
 def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
-    """Every model and mesh over its scenes, from the largest median error to the smallest."""
+    """Return every model and mesh over its scenes, from the largest median error to the smallest."""
     found: dict[str, list[tuple[str, TimePoint]]] = {}
     for scene, several in points.items():
         for point in several:
@@ -116,8 +127,7 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
 
 
 def front(found: Sequence[Standing]) -> list[Standing]:
-    """Those that no other one beats in both median error by the gate's rule and median time, fastest first; of those
-    that were timed."""
+    """Return those that no other one beats in both median gate error and median time, fastest first."""
     best: list[Standing] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
         if not best or one.gate.error < best[-1].gate.error:
@@ -133,8 +143,21 @@ def first_figure(
     *,
     all_names: bool = True,
 ) -> Figure:
-    """How many of all screws compared have which error, and error against the time of a cold start; a narrow figure names
-    the levels, one model of each family and those of the front alone."""
+    """Draw the errors of all compared screws, and error over the time of a cold start.
+
+    Parameters
+    ----------
+    screws
+        Errors of all screws by model.
+    points
+        Errors and times by scene.
+    name
+        Name of the figure.
+    size
+        Width and height [inches].
+    all_names
+        Whether all points are named; else levels, one model of each family and those of the front.
+    """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
     time = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
     counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
@@ -146,7 +169,7 @@ def first_figure(
     return Figure(name, TITLE, panels, caption, columns=2 if all_names else 1, size=size)
 
 
-#: What a panel of errors against time shows.
+#: Contents of a panel of errors over time.
 TIMED = (
     f"Error against run time: by the gate's rule, {RULE}; the line is the gate's {LIMIT:g} %. Light points: shipped "
     "scenes. Markers: medians; bars: the range left by the reference's grid uncertainty. The finest level itself is drawn "
@@ -156,7 +179,7 @@ TIMED = (
 
 
 def screw_panel(screws: Mapping[str, Array]) -> Panel:
-    """Share of all screws compared over their largest error, by model."""
+    """Return the share of all compared screws over their largest error, by model."""
     series = []
     for model, errors in screws.items():
         share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
@@ -165,14 +188,14 @@ def screw_panel(screws: Mapping[str, Array]) -> Panel:
 
 
 def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
-    """Error against the time of a further solve."""
+    """Draw the error over the time of a further solution."""
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=True)
     return Figure("error-time-further", "Error against the time of a further solve", (panel,), TIMED, columns=1)
 
 
 def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Largest errors [% of the mean load] of all screws compared, in order, by the models that stand for their kind."""
+    """Return the sorted largest errors of all compared screws [% of the mean load], by representative models."""
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
@@ -224,8 +247,19 @@ def _shown(point: TimePoint, family: str) -> bool:
 
 
 def answer(screws: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None) -> str:
-    """Errors of the models that stand for their kind on all screws compared, of which some were drawn, and how well the
-    reference is known; total: its largest total uncertainty [%], modelling choices and input included."""
+    """Return the sentence on the errors of representative models on all screws, and the accuracy of the reference.
+
+    Parameters
+    ----------
+    screws
+        Errors of all screws by model.
+    drawn
+        Number of drawn screws among them.
+    bars
+        Grid uncertainties of the scenes [%].
+    total
+        Largest total uncertainty of the reference [%], modelling choices and input included.
+    """
     words = []
     for (model, errors), (middle, nearly) in zip(
         screws.items(), ((" of the mean contact load in the median", " on 19 of 20"), ("", "")), strict=True
@@ -249,7 +283,7 @@ def _range(bars: Sequence[float]) -> str:
 
 
 def drawn_words(drawn: int) -> str:
-    """What the drawn screws are, as a statement."""
+    """Return a sentence that describes the drawn screws."""
     return (
         f"{drawn} catalogue screws, drawn by one seed without redraws and compared on level 1 of the 3D reference (section "
         "stability); finer levels, run times and the gate are shown of the shipped scenes:"
@@ -257,7 +291,7 @@ def drawn_words(drawn: int) -> str:
 
 
 def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
-    """Ranges that the scenes span, as statements."""
+    """Return statements on the ranges that the scenes span."""
     if not scenes:
         return []
     every = list(scenes.values())
@@ -302,7 +336,7 @@ LIMITS = (
 
 
 def standing_table(found: Sequence[Standing]) -> Table:
-    """Every model and mesh over its scenes."""
+    """Return the table of every model and mesh over its scenes."""
     rows: list[Row] = [
         {
             "name": s.name,
@@ -329,7 +363,7 @@ def standing_table(found: Sequence[Standing]) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report, with its first screen."""
+    """Return the section with the first screen of the report."""
     step("error against run time, every model and mesh on every scene")
     points = study.once(all_points, step)
     title = "Models and meshes over the shipped scenes"
@@ -346,19 +380,21 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     limits = (*LIMITS, when_measured(study, step))
     table = standing_table(standings(points))
     step("every model on every quantity")
-    items = (quantity_table(study), contact_figure(study, found))
+    step("printed values by table and section")
+    laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
+    items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
     return Section("overview", title, (table, further_figure(points)), conclusion=sentence, summary=summary)
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
-    """Largest total uncertainty [%] of the scenes: discretisation, modelling choices, input."""
+    """Return the largest total uncertainty of the scenes [%]: discretisation, modelling choices, input."""
     totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
 
 
 def quantity_table(study: Study) -> Table:
-    """Bias, scatter and largest error of the models by quantity, and what others print and measure."""
+    """Return the table of bias, scatter and largest error by quantity, and of what others print and measure."""
     rungs = study.once(ladder)
     rows = rows_of(study, rungs)
     from rollbench.compare.cases.makers.page import first_page
@@ -403,16 +439,16 @@ def quantity_table(study: Study) -> Table:
 
 
 def gate_word(study: Study, rung: Rung) -> str:
-    """What the gate says of a model's loads on a scene at its usual limit."""
+    """Return the gate's verdict on a model's loads on a scene, at its default limit."""
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
     return judge(rung.model, rung.result.load, reference, Limits())[0].word
 
 
 def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
-    """Computed against reference for every contact of every scene, both over the scene's mean load."""
+    """Draw computed over reference load for every contact of every scene, both over the scene's mean load."""
     series = []
-    for model in ("lin", DEFAULT):
+    for model in KINDS:
         x, y, names = [], [], []
         for rung in study.once(ladder):
             if rung.model == model and rung.scene in found:
@@ -422,7 +458,7 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
                 x += [float(truth[i, s]) for i, s in at]
                 y += [float(value[i, s]) for i, s in at]
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
-        series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
+        series.append(Series(model, x, y, "markers", names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
     truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
     allowed = 0.01 * LIMIT * gate_scale(truths, 1.0)
@@ -430,5 +466,5 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     series.append(Series("equal", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %; small dots: lin."
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %."
     return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

@@ -1,6 +1,6 @@
-"""The sections of the report, in order, what each needs, and the pages that they stand on.
+"""Sections of the report in order, their requirements, and the pages that they belong to.
 
-The first report of a machine says what it leaves out and what brings that back, and recomputes one shipped run.
+The first report on a machine states what it leaves out and how to get it, and recomputes one shipped run.
 """
 
 from __future__ import annotations
@@ -38,7 +38,13 @@ PAGES = {
     "entries": "Every printed entry",
 }
 
-#: Verdicts that say nothing of a model, and others as a sentence has them.
+#: Sections of what all others used and found: they are made last.
+GATHERING = ("overview", "notes", "verdicts", "audit")
+
+#: Pages that rest on compiled kernels: where two processes make the report, one of them makes these.
+COMPILED = ("lin", "smith", "liu")
+
+#: Verdicts that do not concern a model, and the other ones in a sentence.
 APART = {"input": "inputs", "identity": "identities"}
 
 WORDS = {
@@ -52,17 +58,23 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Listed:
-    """A part of the report, one section or several: its name, its page, its module in ``package``, as
-    ``module:function`` where the function is not ``section``; quick: stands in a quick report too; runs:
-    shows runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not."""
+    """A part of the report: one section or several."""
 
+    #: Name for ``--only``.
     name: str
+    #: Page that it belongs to.
     page: str
+    #: Module in ``package``, as ``module:function`` if the function is not ``section``.
     module: str
+    #: Whether it is part of a quick report.
     quick: bool = False
+    #: Whether it shows runs of the 3D reference.
     runs: bool = False
+    #: Whether it needs gmsh.
     meshes: bool = False
+    #: What of it needs gmsh, if the rest does not.
     meshed: str = ""
+    #: Package of the module.
     package: str = "rollbench.compare"
 
 
@@ -104,7 +116,7 @@ PLACED = (
 
 
 def _with_cases() -> tuple[Listed, ...]:
-    """Sections in the order of the pages: with those of each case that is not placed above."""
+    """Return the sections in the order of the pages, with those of cases that are not placed above."""
     placed = {part.page for part in PLACED}
     cases = (case for case in every_case() if case.page and case.name not in placed)
     added = [Listed(case.name, case.name, case.page, package=case.package) for case in cases]
@@ -116,7 +128,7 @@ SECTIONS = _with_cases()
 
 
 def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
-    """The pages of sections by the name of their part, in order; those without a section are left out."""
+    """Return the pages, in order, from sections by name of their part; pages without a section are left out."""
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
         if part.name in by_name:
@@ -125,8 +137,7 @@ def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
 
 
 def conclusion(sections: Sequence[Section]) -> str:
-    """What a page opens with: the conclusion of its first section that has one, else how many of the printed entries in its
-    tables have which verdict."""
+    """Return the first sentence of a page: the conclusion of its first section that has one, else a count of verdicts."""
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
         return text
@@ -153,20 +164,25 @@ AGREES = 1e-3
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Sections or files that a report leaves out, why, and the command that brings them back."""
+    """Sections or files that a report leaves out."""
 
+    #: Their names.
     names: tuple[str, ...]
+    #: The reason.
     why: str
+    #: Command that adds them.
     remedy: str
 
     def __str__(self) -> str:
-        """What, why, and the command."""
+        """Return names, reason and command."""
         return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
 
 
 def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tuple[list[Listed], list[LeftOut]]:
-    """Sections that can be made here, and those left out: costly ones unless named or everything is asked for, those that
-    mesh where gmsh cannot be loaded."""
+    """Return the sections that can be made on this machine, and those left out.
+
+    Left out are costly ones unless named or all are asked for, and those that mesh if gmsh cannot be loaded.
+    """
     left: list[LeftOut] = []
     out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
     if out:
@@ -182,8 +198,7 @@ def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tup
 
 
 def lacking(sections: Iterable[Section]) -> list[LeftOut]:
-    """What a report leaves out because a package of the extra report is not installed, and the 3D pictures of its sections
-    where this machine cannot draw them."""
+    """Return what a report leaves out because a package is not installed or 3D pictures cannot be drawn."""
     left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
@@ -194,11 +209,15 @@ def lacking(sections: Iterable[Section]) -> list[LeftOut]:
 
 @dataclass(frozen=True)
 class LiveCheck:
-    """A shipped run recomputed: scene, level, largest difference of a contact load [% of the mean load], seconds."""
+    """A shipped run recomputed."""
 
+    #: Name of the scene.
     scene: str
+    #: Mesh level.
     level: int
+    #: Largest difference of a contact load [% of the mean load].
     percent: float
+    #: Run time [s].
     seconds: float
 
     @property
@@ -207,7 +226,7 @@ class LiveCheck:
         return self.percent <= AGREES
 
     def __str__(self) -> str:
-        """What was computed, and whether it agrees."""
+        """Return what was computed, and whether it agrees."""
         verdict = "agrees" if self.agrees else "DOES NOT AGREE"
         return (
             f"{self.scene}, level {self.level}, recomputed in {self.seconds:.0f} s, {verdict} with the "
@@ -216,7 +235,7 @@ class LiveCheck:
 
 
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
-    """Recompute one stored run, without any cache; None where no store has it under this machine's key."""
+    """Recompute one stored run without any cache; None if no store has it under this machine's key."""
     scene = catalogue.scene(CHECKED)
     stored = load(scene, LEVEL, stores=stores)
     if stored is None:

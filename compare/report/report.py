@@ -1,10 +1,11 @@
-"""Writes the validation report (`rollbench.report`): runs the models, fills the records, writes the page."""
+"""Writing the validation report (`rollbench.report`): runs models, fills the records, writes the pages."""
 
 from __future__ import annotations
 
 import datetime
 import platform
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -14,18 +15,21 @@ from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
 from rollbench.compare.case import every_case
 from rollbench.compare.errors import ArgumentError
+from rollbench.compare.evidence import by_table, evidence
 from rollbench.compare.files import need_writable
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
-from rollbench.compare.report.pages import SECTIONS, Listed, kept_parts, lacking, live_check, pages
+from rollbench.compare.reference.parallel import as_done
+from rollbench.compare.report.pages import COMPILED, GATHERING, SECTIONS, Listed, kept_parts, lacking, live_check, pages
 from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import gmsh_fault, libraries, machine, need_packages
+from rollbench.compare.running import cores, gmsh_fault, libraries, machine, need_packages, on_terminal
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
+from rollbench.meshes import kept
 from rollbench.meshes.libraries import PAGES
 from rollbench.meshes.processes import held_to_one_thread
 from rollbench.reports.content import Report, Section
@@ -34,7 +38,7 @@ Step = Callable[[str], None]
 
 
 def provenance() -> dict[str, str]:
-    """What was run where: version, date, machine, library versions."""
+    """Return version, date, machine and versions of libraries."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
         "rollbench": f"{__version__}, commit {commit()}",
@@ -47,15 +51,11 @@ def provenance() -> dict[str, str]:
     }
 
 
-def _printed(line: str) -> None:
-    print(line, flush=True)
-
-
 class Progress:
-    """Lines of progress: which section, which step, how long it took."""
+    """Lines of progress: section, step, and time."""
 
     def __init__(self, total: int, say: Step) -> None:
-        """Start counting sections out of ``total``; say: takes the lines."""
+        """Start counting sections out of ``total``; ``say`` is called with the lines."""
         self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
@@ -70,8 +70,7 @@ class Progress:
 
 
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
-    """Compute the runs that the report needs and the stores of the study do not hold yet, if it has any; fresh: all of
-    them."""
+    """Compute the runs that the report needs and no store of the study holds; ``fresh``: all of them."""
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import all_variants, ensure, expected, plan, refinements
@@ -101,8 +100,10 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 
 
 def keep_experience(stores: Sequence[Path]) -> None:
-    """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
-    own levels do not show, and the modelling choices."""
+    """Write the experience from all compared scenes to the first store.
+
+    These are parts of the discretisation uncertainty that a scene's levels do not show, and the modelling choices.
+    """
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combined, varied
     from rollbench.compare.models.study import Study
@@ -119,7 +120,7 @@ def keep_experience(stores: Sequence[Path]) -> None:
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
-    """Sections asked for; if none all, or those of a quick report. Raises InputError for a bad name."""
+    """Return the sections named, else all, or those of a quick report; InputError for an unknown name."""
     for name in only:
         if name not in (names := [part.name for part in SECTIONS]):
             raise ArgumentError("only", f'"{name}"', ", ".join(names), "name a section")
@@ -127,7 +128,7 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
 
 
 def of_source(name: str) -> list[Listed]:
-    """Sections of the page of a case. Raises InputError for a case without page."""
+    """Return the sections of the page of a case; InputError for a case without page."""
     with_page = [case.name for case in every_case() if case.page]
     if name not in with_page:
         raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "name a case that has a page")
@@ -135,8 +136,7 @@ def of_source(name: str) -> list[Listed]:
 
 
 def save_model_form(study: Study) -> None:
-    """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
-    shipped; nothing without references or without a store."""
+    """Write the data of the estimate of the model's error to the report's store, to be shipped for ``rollbench solve``."""
     from rollbench.compare.models.applicability import save_places
     from rollbench.compare.models.model_form import save_points
     from rollbench.compare.models.modelling import ladder, points
@@ -147,16 +147,84 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
-def make_sections(parts: Sequence[Listed], announce: Step, step: Step, study: Study) -> dict[str, Sequence[Section]]:
-    """Sections by name of their part, one after the other; with the ladder also what the model-form estimate rests on."""
+def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
+    """Return the sections of a part; for the ladder also save the data of the model-form estimate."""
+    module, _, function = part.module.partition(":")
+    made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
+    if part.name == "ladder":
+        save_model_form(study)
+    return (made,) if isinstance(made, Section) else tuple(made)
+
+
+def _elsewhere(
+    parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
+) -> tuple[dict[str, Sequence[Section]], Study]:
+    """Return the sections of parts by name, and a study with the scenes and evidence that they used.
+
+    Runs in a worker process. The study also gets the evidence of the printed ``tables``. With ``keeping`` the bodies of
+    geometries are kept on disk, as on the command line.
+    """
+    if keeping:
+        kept.switch_on()
+    study, progress, made = Study(*given), Progress(len(parts), say), {}
+    for part in parts:
+        progress.section(part.name)
+        made[part.name] = _made(part, progress.step, study)
+    if tables:
+        evidence(study, *tables)
+    return made, Study(scenes=study.scenes, others=study.others, evidence=study.evidence)
+
+
+def make_sections(
+    parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
+) -> dict[str, Sequence[Section]]:
+    """Return the sections of the parts, made one after the other or in two processes.
+
+    Of two processes one makes the pages that rest on compiled kernels, the other the rest, so that neither compiles or
+    computes what the other does. Parts that collect the results of all others come last.
+
+    Parameters
+    ----------
+    parts
+        Parts to make.
+    announce
+        Called with the name of each part: before it is made, or when its process is done.
+    step
+        Called with messages on progress within a part.
+    study
+        Study that the parts use; it is extended by what other processes used.
+    workers
+        Number of processes; above 2 as 2.
+    say
+        Called with lines of progress by other processes.
+
+    Returns
+    -------
+    dict[str, Sequence[Section]]
+        Sections by the name of their part.
+    """
     sections: dict[str, Sequence[Section]] = {}
+    if workers > 1:
+        last = [part for part in parts if part.name in GATHERING]
+        gathered = [(name, one.case.name) for name, one in by_table().items()] if last else []
+        given = (study.stores, None, study.quick, study.timed, study.cache)
+        jobs = []
+        for compiled in (True, False):
+            half = [part for part in parts if part not in last and (part.page in COMPILED) == compiled]
+            tables = [name for name, case in gathered if (case in COMPILED) == compiled]
+            if half or tables:
+                jobs.append((partial(_elsewhere, keeping=kept.switched_on()), (half, tables, given, say)))
+        for _, (made, used) in as_done(jobs, workers=2):
+            for name in made:
+                announce(name)
+            sections |= made
+            study.scenes |= used.scenes
+            study.others |= used.others
+            study.evidence |= used.evidence
+        parts = last
     for part in parts:
         announce(part.name)
-        module, _, function = part.module.partition(":")
-        made = getattr(import_module(f"{part.package}.{module}"), function or "section")(study, step)
-        sections[part.name] = (made,) if isinstance(made, Section) else tuple(made)
-    if "ladder" in sections:
-        save_model_form(study)
+        sections[part.name] = _made(part, step, study)
     return sections
 
 
@@ -172,16 +240,46 @@ def make_report(
     everything: bool = False,
     against: Path | None = None,
     source: str = "",
-    say: Step = _printed,
+    say: Step = on_terminal,
 ) -> Answer:
-    """Run, draw and write the report; exit code 1 where the live check does not agree.
+    """Run, draw and write the report; exit code 1 if the live check does not agree.
 
-    quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
-    store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
-    holds them; everything: the costly sections too; against: an earlier report, to list what moved; source: the page of
-    this case alone, from stored runs; say: takes the lines of progress. Run times are those of the measuring run that is
-    kept; with ``fresh`` of a new one.
-    Raises InputError for a bad section name or folder.
+    Run times are those of the stored measuring run; with ``fresh`` of a new one.
+
+    Parameters
+    ----------
+    only
+        Names of sections; empty: all.
+    out
+        Folder to write.
+    quick
+        Whether only the coarsest meshes of two cases are computed, and the sections that need no more.
+    stored
+        Whether only shipped runs are used.
+    store
+        Folder that keeps computed runs, so that an interrupted report continues.
+    engine
+        Where runs are computed.
+    fresh
+        Whether stored runs are computed again.
+    everything
+        Whether costly sections are made too.
+    against
+        Earlier report, to list what changed.
+    source
+        Case whose page is written from stored runs.
+    say
+        Called with lines of progress.
+
+    Returns
+    -------
+    Answer
+        Lines and exit code.
+
+    Raises
+    ------
+    InputError
+        For an unknown section or a folder that cannot be used.
     """
     need_packages(*PAGES, "scikit-fem")
     before = None if against is None else tables(against)
@@ -215,7 +313,8 @@ def make_report(
     if checking:
         progress.section("one shipped run recomputed")
         checked = live_check((shipped_store(),), progress.step)
-    sections = make_sections(wanted, progress.section, progress.step, study)
+    workers = min(engine.workers or 1, cores()) if engine.backend == "joblib" else 1
+    sections = make_sections(wanted, progress.section, progress.step, study, workers=workers, say=say)
     progress.section("drawing and writing")
     texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
@@ -246,7 +345,7 @@ def make_report(
 
 
 def one_scene(names: Sequence[str], **given: Any) -> None:
-    """Raise InputError for no scene, and where something is given that goes with one scene only."""
+    """Raise InputError without a scene, and if an argument for one scene is given with several."""
     if not names:
         raise ArgumentError("scene", "an empty list", "a name, a file, or several", "name a scene")
     for name, value in given.items():
@@ -268,12 +367,40 @@ def report(
     everything: bool = False,
     source: str = "",
 ) -> Written:
-    """The validation report, or one page on a scene (a name or file), of several scenes also a table of them side by side,
-    written to the folder ``out``.
+    """Write the validation report, or pages on scenes with their verdict, as HTML.
 
-    only, quick, stored, fresh, everything, source: of the whole report, as the command's options (everything: ``--all``);
-    reference: of a page, your own in place of the 3D reference.
-    Raises InputError, Refusal where the scene does not solve.
+    Parameters
+    ----------
+    scene
+        Name or file of a scene, or several: a page for each, and a table of all. None: the validation report.
+    only
+        Names of the sections of the validation report; all unless given.
+    out
+        Folder to write.
+    store
+        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+    reference
+        CSV file with loads to compare a scene with instead of the 3D reference.
+    quick
+        Whether only coarse meshes of two cases are computed, and the sections that need no more.
+    stored
+        Whether only stored runs are used.
+    fresh
+        Whether all runs are computed again.
+    everything
+        Whether costly sections are computed too (``--all``).
+    source
+        Name of a source, such as ``"lin"``, whose page is written from stored runs.
+
+    Returns
+    -------
+    Written
+        First page of the report, and whether recomputed runs agree with the stored ones.
+
+    Raises
+    ------
+    rollbench.InputError
+        If an argument cannot be used; as its subclass ``Refusal`` if a scene is not covered.
     """
     folder = Path(out)
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}

@@ -1,12 +1,10 @@
-"""``rollbench report SCENE``: one page on a scene that may be sent to a customer.
+"""``rollbench report SCENE``: a page on one scene, for a customer.
 
-Its section of friction: torque over the turn, losses, effect of coefficient and play.
+Its section on friction shows torque over a turn, losses, and the effect of coefficient and play.
 """
 
 from __future__ import annotations
 
-import datetime
-import platform
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,24 +12,24 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.gate.user import judged_by
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_of
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import solve_one, together
+from rollbench.compare.models.load_cases import SolvedAxis, solve_any, solve_axis, solve_one, together
 from rollbench.compare.models.model_form import FILE, ModelForm
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
-from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
+from rollbench.compare.report.axis_page import page_of_axis
+from rollbench.compare.report.parts import answers_table, notes, provenance, scene_text, source_files
+from rollbench.compare.results.rows import expected_words, rows_of, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.results.view import view_of
-from rollbench.compare.running import libraries
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import load_panel, loads
@@ -40,14 +38,14 @@ from rollbench.compare.sections.sheets import sketch_of
 from rollbench.compare.studies.friction.answer import lines_of, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
 from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
-from rollbench.compare.text.entries import entries
-from rollbench.compare.text.solved import case_rows, together_entries
+from rollbench.compare.text.solved import case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
@@ -57,13 +55,10 @@ from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
 
-LIBRARIES = ("numpy", "scipy", "numba")
-
 
 @contextmanager
 def replaced(out: Path) -> Iterator[None]:
-    """Write a report into the folder ``out`` inside. Raises InputError where it holds what no report wrote, or cannot be
-    written."""
+    """Let a report be written into the folder ``out``; InputError if it holds other files or cannot be written."""
     from rollbench.reports.pages import check_target
 
     try:
@@ -75,48 +70,77 @@ def replaced(out: Path) -> Iterator[None]:
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
-    """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError for a scene of
-    another kind, Refusal where it does not solve."""
+    """Make the page of a scene, or of its load cases.
+
+    Parameters
+    ----------
+    name
+        Name or file of the scene.
+    stores
+        Folders with runs of the 3D reference.
+    file
+        File with loads instead of the 3D reference.
+
+    Returns
+    -------
+    ScenePage
+        The page.
+
+    Raises
+    ------
+    InputError
+        For a scene of another kind, and a reference of several sets; as Refusal if it does not solve.
+    """
     described = catalogue.any_scene(name)
-    if not isinstance(described, DutyCycle):
-        return _page_of_scene(name, scene_file.whole(described, name), stores, file)
-    return _page_of_cases(name, described, stores, file)
+    sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
+    if sets and file is not None:
+        raise ArgumentError("reference", str(file), "with a scene of one set", "leave it out", name)
+    if isinstance(described, DutyCycle):
+        return _page_of_cases(name, described, stores, file)
+    if isinstance(described, Assembly):
+        return page_of_axis(name, solve_axis(described, default_model(described), Options()), stores)
+    return _page_of_scene(name, scene_file.whole(described, name), stores, file)
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
-    """The page of the most pressed load case, with what all cases say together above it."""
-    scenes = {case.name: scene_file.whole(case.scene, name) for case in cycle.cases}
-    solved = [solve_one(scene, DEFAULT, Options()) for scene in scenes.values()]
+    """Return the page of the load case with the highest pressure, with the sums over all load cases above it."""
+    solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
+    names = [case.name for case in cycle.cases]
     whole = together(cycle, solved)
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case
-    page = _page_of_scene(name, scenes[worst], stores, file, worst)
+    one = solved[names.index(worst)]
+    if isinstance(one, SolvedAxis):
+        page = page_of_axis(name, one, stores)
+    else:
+        page = _page_of_scene(name, one.scene, stores, file, worst)
     data = cases_json(cycle, solved, whole)
     rows: list[Row] = [
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
         for row in case_rows(data["cases"])
     ]
-    answers = together_entries(whole)
+    answers = together_rows(whole)
+    life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
     table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
     lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
-    life_said, cases = dict(answers)["life"], count_of(len(solved), "load case")
+    cases = count_of(len(solved), "load case")
     return replace(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; below, case {worst}",
         verdict=f"Of {cases} {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
-        answers=[*answers, *((f"{worst}: {label}", text) for label, text in page.answers)],
-        parts=(Section("cases", "Load cases", (table,)), *page.parts),
+        table=answers_table(answers, "Of all load cases"),
+        parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
-        view=view_of(cycle.title, solved, data, [*scenes], stores),
+        view=view_of(cycle.title, solved, data, names, stores),
     )
 
 
 def _page_of_scene(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
-    """The page of one load case of the file or shipped scene of that name."""
+    """Return the page of one load case."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
     given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
@@ -128,20 +152,20 @@ def _page_of_scene(
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
-    text, data = _scene_text(name), case_json(one)
+    text, data = scene_text(name), case_json(one)
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(answers, tangent),
         *filter(None, [section(scene, result, options)]),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
-        _notes(result, warnings),
+        notes(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
-        entries(one),
+        (),
         _picture(scene, result),
         sections,
         _provenance(name, scene, text, stored, file),
@@ -150,16 +174,21 @@ def _page_of_scene(
         _files(scene, stored, stores),
         warnings,
         view_of(scene.title, [one], data, (), stores, given),
+        table=answers_table(
+            rows_of(one), f"Answers of model {DEFAULT}, each with the error to expect", expected_words(worth)
+        ),
     )
 
 
 @dataclass(frozen=True)
 class Against:
-    """What a user's own reference says: largest error [% of the mean load] and its contact, the uncertainty that the
-    reference states of any contact [% of the mean load], and what it says of itself."""
+    """Comparison with a user's reference."""
 
+    #: Errors of the loads.
     error: LoadError
+    #: Largest stated uncertainty of the reference [% of the mean load].
     uncertainty: float
+    #: Statement of the reference about itself.
     stated: str
 
     @property
@@ -170,7 +199,7 @@ class Against:
 
 
 def against(given: Reference, result: StaticResult) -> Against:
-    """A result held against a user's own reference."""
+    """Compare a result with a user's reference."""
     error = load_error(result.load, given.load, given.contacts)
     return Against(error, uncertainty_percent(given), given.stated)
 
@@ -178,7 +207,7 @@ def against(given: Reference, result: StaticResult) -> Against:
 def verdict(
     answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
 ) -> str:
-    """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
+    """Return the main result in one sentence: largest pressure, safety, and the error to expect."""
     worst, safety = answers.loads.worst, answers.loads.safety
     if worst is None or safety is None:
         return "No contact carries load."
@@ -200,7 +229,7 @@ def verdict(
 
 
 def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
-    """Figure and table of all contacts with their pressures, beside those of references."""
+    """Return figure and table of all contacts with their pressures, next to those of references."""
     panels = []
     pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
@@ -227,7 +256,7 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
 
 
 def _stiffness(answers: Answers, tangent: Tangent) -> Section:
-    """Rigidities by formulas and by the model, and the tangent stiffness at the nut."""
+    """Return the section on rigidities by formulas and model, and the tangent stiffness at the nut."""
     three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",
@@ -260,9 +289,7 @@ def _stiffness(answers: Answers, tangent: Tangent) -> Section:
 def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
-    """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
-    from rollbench.compare.text.entries import model_form_text
-
+    """Return the section on measured error with u_val, expected error, and the compared range."""
     items: list[Text | Table | Figure] = []
     if given is not None:
         text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
@@ -288,23 +315,13 @@ def _error(
         items.append(Table.of("measured", "Measured error and its uncertainty", rows, note))
     else:
         items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
-    expected = model_form_text(worth)
+    expected = expected_words(worth)
     items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
         items += [range_table(scene), range_figure(scene)]
     except ValueError as error:
         items.append(Text((f"The scene cannot be placed among the compared ones: {error}.",)))
     return Section("error", "How far these numbers may be trusted", items)
-
-
-def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
-    """Warnings, assumptions, what is left out."""
-    items: list[Text | Table | Figure] = []
-    warned = (*warnings, *result.warnings)
-    for head, lines in (("Warning", warned), ("Assumed", result.assumed), ("Left out", result.left_out)):
-        if lines:
-            items.append(Text(tuple(f"{head}: {line}" for line in lines), bullets=True))
-    return Section("assumptions", "Assumptions", items)
 
 
 def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
@@ -314,28 +331,16 @@ def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
     return LoadedScrew("picture", "The scene under load", scene, result.load, *arrows, caption)
 
 
-def _scene_text(name: str) -> str:
-    return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
-
-
 def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
-    """SHA-256 of the sources, of the points of the estimate, and of every run of the reference that was used."""
-    out = {SOURCES: sources_hash()}
+    """Return the SHA-256 of sources, of the data of the estimate, and of every run of the reference that was used."""
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
-    return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
+    return source_files() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
 def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
-    out = {
-        "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
-        "rollbench": f"{__version__}, commit {commit()}",
-        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "libraries": libraries(LIBRARIES),
-        "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
-        "model": f"{DEFAULT}; nothing in it is fitted to a 3D solution",
-    }
+    out = provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
@@ -343,20 +348,18 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None,
         out["3D reference"] = runs
     if file is not None:
         out["reference"] = f"{file.name}, SHA-256 {sha256(file.read_bytes())}"
-    if scene.source:
-        out["source"] = scene.source
     return out
 
 
-#: Steps of the run over the turn that the page shows where the scene has none of its own.
+#: Number of steps of a run over one turn, if the scene states no run.
 STEPS = 24
 
-#: How much balls are larger in radius than the scene says [m], at the points of the figure.
+#: Oversizes of the ball radius relative to the scene [m], at the points of the figure.
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
 def section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
-    """Friction of a solved scene that names a coefficient; None for one that does not, or without friction's balance."""
+    """Return the section on friction of a solved scene with a coefficient; None for others, or without balance."""
     if scene.friction is None:
         return None
     motion = scene.motion or ONE_TURN
@@ -402,13 +405,13 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
 
 
 def _turn(scene: Scene, motion: Motion) -> Time:
-    """The scene's own run, or one turn; a bearing's balls come round again after the angle from one to the next."""
+    """Return the scene's run, or one turn; for a bearing the angle after which the balls repeat."""
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
 def _over_turn(run: Run) -> list[Panel]:
-    """Torque over the angle, with that of only the grooves; none where the run did not begin."""
+    """Return the torque over the angle, with that of the grooves only; none if the run did not start."""
     h = run.history
     if not h.begun:
         return []
@@ -421,7 +424,7 @@ def _over_turn(run: Run) -> list[Panel]:
 
 
 def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
-    """Torque over the coefficients that are measured, with the scene's own."""
+    """Return the torque over the measured coefficients, with the scene's."""
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
@@ -431,7 +434,7 @@ def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
 
 
 def _over_play(solved: Solved) -> Panel:
-    """Torque with balls larger or smaller than the scene's."""
+    """Return the torque with balls larger or smaller than the scene's."""
     scene, torques = solved.scene, []
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)

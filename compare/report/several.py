@@ -1,4 +1,4 @@
-"""Pages on scenes written into a folder: of one scene its page, of several also a table of their answers side by side."""
+"""Writing pages on scenes to a folder: of one scene its page, of several also a table of their results."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rollbench.reports.pages import replace_folder
 from rollbench.reports.scene_page import ScenePage, render
 
 INDEX = "index.html"
-#: Answers that stand side by side: tables of the JSON, their numbers one after the other.
+#: Tables of the JSON whose numbers are shown side by side.
 GROUPS = (
     "loads",
     "axial",
@@ -30,22 +30,42 @@ GROUPS = (
     "ratings",
     "life",
     "modified_life",
+    "reference_life",
+    "axis_life",
     "shaft",
     "bearing_torque",
     "friction",
     "model_form",
 )
-#: Numbers of these that are no answers.
+#: Numbers of these that are no results.
 LEFT_OUT = ("worst_ball", "ball", "compared", "distance", "allowed_over_diameter")
 
 
 def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | None = None) -> list[ScenePage]:
-    """Solve scenes by the default model, set each beside a stored reference where there is one, or a single one beside a
-    user's own, and write the page of one, or a first page with all side by side and a page for each.
+    """Solve scenes by the default model and write a page for each, with a first page of all if there are several.
 
     All scenes are read before the first is solved, and nothing is written before all are.
-    Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
-    a scene does not solve.
+
+    Parameters
+    ----------
+    names
+        Names or files of scenes.
+    out
+        Folder to write.
+    store
+        Folder with runs of the 3D reference, besides those shipped.
+    reference
+        File with loads instead of the 3D reference, for one scene.
+
+    Returns
+    -------
+    list of ScenePage
+        The pages.
+
+    Raises
+    ------
+    InputError
+        For a scene of another kind and a folder with other files; as Refusal if a scene does not solve.
     """
     for name in names:
         catalogue.any_scene(name)
@@ -66,7 +86,7 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
 
 
 def _files(names: Sequence[str]) -> list[str]:
-    """A file for each scene, by its name; of equal names the later ones are numbered."""
+    """Return a file name for each scene; of equal names the later ones are numbered."""
     files = [INDEX]
     for name in names:
         stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(name).stem).strip("-.") or "scene"
@@ -78,7 +98,7 @@ def _files(names: Sequence[str]) -> list[str]:
 
 
 def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
-    """The first page: what each scene says, and the table of all answers; files: pages of the scenes by name."""
+    """Return the first page: results of each scene and a table of all; ``files``: pages by scene."""
     labels = [file.removesuffix(".html") for file in files]
     note = "A dash: the scene has no such answer. Loads are those of contacts; errors are those to be expected."
     table = Table.of("answers", "Every number that the scenes answer", rows(labels, pages), note, unfolded=True)
@@ -100,7 +120,7 @@ def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mappin
 
 
 def rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
-    """A row for each number that a scene answers, a column for each scene, or for each of its load cases."""
+    """Return a row for each number, with a column for each scene or each of its load cases."""
     columns = {}
     for label, page in zip(labels, pages, strict=True):
         for one in page.results.get("cases", [page.results]):
@@ -118,13 +138,13 @@ def rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
 
 
 def _place(key: tuple[str, str]) -> int:
-    """Place of a row's group; rows of a group stay as they are."""
+    """Return the order of a row's group; rows within a group keep their order."""
     groups = [split_unit(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
 def _numbers(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
-    """Numbers of the tables of a summary, by the table's words and the key."""
+    """Yield the numbers of the tables of a summary, by name of the table and key."""
     for name in GROUPS:
         table = summary.get(name)
         words, unit = split_unit(name)

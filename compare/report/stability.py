@@ -1,4 +1,4 @@
-"""Numerical stability on stiff and extreme scenes."""
+"""Section on numerical stability: stiff and extreme scenes."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from rollbench.compare.studies.extremes import rows as campaign_rows
 from rollbench.compare.studies.survey import MODELS
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
-#: Errors of a scene that the report's table shows.
+#: Errors of a scene in the report's table.
 SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}
 
 
 def survey_items() -> tuple[Text | Table, ...]:
-    """What the kept record of drawn catalogue screws says: answers, errors of the models, each scene."""
+    """Return the results of drawn catalogue screws: status, errors of the models, each scene."""
     scenes = survey.shipped()["scenes"]
     if not scenes:
         return ()
@@ -61,7 +61,7 @@ def survey_items() -> tuple[Text | Table, ...]:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Section of the report."""
+    """Return the section of the report."""
 
     def progress(done: int, total: int, case: str) -> None:
         if done % 10 == 0 or done == total:

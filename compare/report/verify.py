@@ -1,4 +1,4 @@
-"""``rollbench verify``: the hashes of a page or a report computed again, and what moved between two pages or reports."""
+"""``rollbench verify``: recomputes the hashes of a page or report, and lists changes between two of them."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from rollbench.reports.scene_page import read_page, results_hash, without_manife
 
 #: Change [%] of a number up to which it is round-off, between pages and (or what a solver's tolerance leaves) reports.
 ROUND_OFF, SAME = 1e-6, 1e-3
-#: Units of numbers that another machine, or the same one later, measures otherwise.
+#: Units of measured numbers, which differ from run to run.
 MEASURED = ("[s]", "[ms]", "[µs]", "[MB]")
-#: Changes that are told of one table.
+#: Largest number of changes that are listed for a table.
 MOST = 6
 
 Tables = Mapping[str, list[dict[str, str]]]
 
 
 def tables(report: Path) -> Tables:
-    """All tables of a report by name, as its CSV files have them. Raises InputError for what is no report's folder."""
+    """Return all tables of a report by name, from its CSV files; InputError for a folder that is no report."""
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
         advice = "reports are written by: rollbench report"
         raise ArgumentError("against", "no report", "the folder of a report", advice, str(report))
@@ -46,8 +46,10 @@ def tables(report: Path) -> Tables:
 
 
 def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
-    """What differs between the tables of two reports: lines. Rows are matched by their texts, else by their place; measured
-    seconds and memory are left out."""
+    """Yield a line for each difference between the tables of two reports.
+
+    Rows are matched by their texts, else by their position; measured seconds and memory are left out.
+    """
     for name in dict.fromkeys((*old, *new)):
         if name not in old or name not in new:
             yield f"{name}: {'new table' if name not in old else 'no longer there'}"
@@ -72,7 +74,7 @@ def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iter
 
 
 def _keyed(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
-    """Rows by their texts; those of the same texts are counted."""
+    """Return rows by their texts; rows with equal texts are numbered."""
     by_text: dict[str, dict[str, str]] = {}
     for row in rows:
         texts = [cell for cell in row.values() if cell and _parsed(cell) is None]
@@ -105,35 +107,38 @@ def _cell(where: str, old: str | None, new: str | None) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Checked:
-    """One thing that a page or a report rests on, as it is stated and as it is: ok, changed, missing, or added."""
+    """One input or file of a page or report with its stated and its present hash."""
 
+    #: Name.
     name: str
+    #: Hash in the manifest.
     stated: str
+    #: Hash now.
     found: str
 
     @property
     def state(self) -> str:
-        """What became of it."""
+        """ok, changed, missing, or added."""
         if not self.stated:
             return "added"
         return "missing" if not self.found else "ok" if self.found == self.stated else "changed"
 
     @property
     def line(self) -> str:
-        """For the terminal."""
+        """Line for the terminal."""
         now = f", now {self.found[:16]}" if self.state == "changed" else ""
         return f"{self.state:8} {escaped(self.name)} {escaped(self.stated[:16])}{now}"
 
 
 def folder_of(report: Path) -> Path:
-    """Folder of a report that is named by it or by its first page."""
+    """Return the folder of a report, named by the folder or its first page."""
     return report if report.is_dir() else report.parent
 
 
 def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
-    """Every hash of a whole report's manifest beside the one computed now: its files, and what it rests on.
+    """Yield every hash of a report's manifest with the one computed now, of its files and inputs.
 
-    Raises InputError for a damaged manifest.
+    InputError for a damaged manifest.
     """
     folder = folder_of(report)
     try:
@@ -149,7 +154,7 @@ def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
 
 
 def read(report: Path) -> tuple[str, dict[str, Any]]:
-    """Text of a page, or of the first one of a folder, and its blocks. Raises InputError for what is no such page."""
+    """Return text and data blocks of a page, or of the first one of a folder; InputError for another file."""
     path = report / "index.html" if report.is_dir() else report
     try:
         html = page_text(path)
@@ -160,7 +165,7 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
 
 
 def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[Checked]:
-    """Every hash of a manifest beside the one computed now: of the page, what it carries, sources, stored files."""
+    """Yield every hash of a page's manifest with the one computed now: the page, its contents, sources, stored files."""
     manifest = blocks["manifest"]
     carried = {
         "page": sha256(without_manifest(html)),
@@ -174,8 +179,7 @@ def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> I
 
 
 def run_verify(report: Path, store: Path) -> Answer:
-    """Every hash's state; exit code 1 where one differs. Raises InputError for a file that is no page with a
-    manifest."""
+    """Return the state of every hash; exit code 1 if one differs. InputError for a file without manifest."""
     stores = (store, shipped_store(), folder_of(report))  # the last one: pages of several scenes
     whole = (folder_of(report) / FILE).is_file()
     rows = list(checked_report(report, stores) if whole else checked_page(*read(report), stores))
@@ -188,8 +192,10 @@ def run_verify(report: Path, store: Path) -> Answer:
 def run_pages(
     scenes: Sequence[str], out: Path, store: Path, against: Path | None = None, reference: Path | None = None
 ) -> Answer:
-    """Write the page of a scene, or of several with a table of them, and list what moved against an earlier page on one;
-    exit code 1 where a load case did not converge. Raises InputError as `make_pages`, `read`."""
+    """Write the page of a scene, or of several with a table, and list changes against an earlier page of one scene.
+
+    Exit code 1 if a load case did not converge. InputError as `make_pages`, `read`.
+    """
     before = None if against is None else read(against)[1]
     pages = make_pages(scenes, out, store, reference)
     parts = []
@@ -208,19 +214,19 @@ def run_pages(
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
-    """A manifest without what differs in every run: the date, and the hashes of what holds the solver's seconds."""
+    """Return a manifest without what differs in every run: the date, and hashes of files with run times."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _stable(results: dict[str, Any]) -> dict[str, Any]:
-    """Results without what differs in every run: the solver's seconds."""
+    """Return results without run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
     return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
 
 
 def moved(old: Any, new: Any, path: str = "") -> Iterator[str]:
-    """What differs between two results, a line each: numbers beyond round-off with their change, and all else."""
+    """Yield a line for each difference between two results: numbers beyond round-off with their change, and others."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
             yield from moved(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))

@@ -1,13 +1,14 @@
-"""What all results of the library have: JSON, a table for a notebook, numbers with units by path."""
+"""Base class of all results: JSON, a table for a notebook, numbers with units by their path in the JSON."""
 
 from __future__ import annotations
 
 import html
+import re
+import textwrap
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
-from itertools import groupby
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from rollbench.compare.quantities import split_unit, unit_of
 from rollbench.reports.cells import micro
@@ -17,51 +18,178 @@ if TYPE_CHECKING:
 
 #: A value that JSON holds.
 JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
-#: Version of the JSON of results: the number at its key ``schema``. A key that goes or changes its meaning raises it.
+#: Version of the JSON of results, at its key ``schema``; raised when a key is removed or changes its meaning.
 SCHEMA = 1
 
 
+#: Headings of the columns of a table of results, and the room [characters] below which notes stand on lines below.
+HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
+
+
+class Row(NamedTuple):
+    """A row of a table of results, as text: error to expect of the value, and a note such as which ball it is of."""
+
+    quantity: str
+    value: str
+    unit: str = ""
+    error: str = ""
+    note: str = ""
+
+
+def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] = HEADINGS) -> str:
+    """Return rows as aligned text below their headings.
+
+    Numbers are flush right, the last column is wrapped, and a column without any text is left out.
+
+    Parameters
+    ----------
+    rows
+        Texts of each row, one for each heading.
+    width
+        Largest length of a line [characters].
+    headings
+        Headings of the columns.
+
+    Returns
+    -------
+    str
+        Lines of text, separated by newlines.
+    """
+    kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
+    table = [[row[k] for k in kept] for row in (headings, *rows)]
+    wide = [max(len(row[k]) for row in table) for k in range(len(kept))]
+    left = {n for n, k in enumerate(kept) if not _is_number(rows, headings, k)}
+    out = []
+    for *cells, note in table:
+        texts = [text.ljust(wide[n]) if n in left else text.rjust(wide[n]) for n, text in enumerate(cells)]
+        line = "  ".join(texts)
+        room = width - len(line) - 2
+        if room < min(ROOM, wide[-1]):
+            out.append(line.rstrip())
+            line, room = "  ", width - 4
+            notes = textwrap.wrap(note, room, break_on_hyphens=False)
+        else:
+            notes = textwrap.wrap(note, room, break_on_hyphens=False) or [""]
+        out += [f"{line if n == 0 else ' ' * len(line)}  {text}".rstrip() for n, text in enumerate(notes)]
+    return "\n".join(out)
+
+
+def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
+    """Whether a column holds numbers, which stand flush right."""
+    return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
+
+
+def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
+    """Return rows as an HTML table below their headings.
+
+    Parameters
+    ----------
+    rows
+        Texts of each row, one for each heading.
+    headings
+        Headings of the columns; a column without any text is left out.
+
+    Returns
+    -------
+    str
+        HTML of the table.
+    """
+    kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
+    sides = ["right" if _is_number(rows, headings, k) else "left" for k in range(len(headings))]
+    line = "<tr>{}</tr>".format
+    head = "".join(f"<th style='text-align:{sides[k]}'>{html.escape(headings[k])}</th>" for k in kept)
+    body = "".join(
+        line("".join(f"<td style='text-align:{sides[k]}'>{html.escape(micro(row[k]))}</td>" for k in kept)) for row in rows
+    )
+    return f"<table><thead>{line(head)}</thead><tbody>{body}</tbody></table>"
+
+
 def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
-    """JSON of a result with its version first."""
+    """Return the JSON of a result with its version first."""
     return {"schema": SCHEMA, **data}
 
 
 class Record(ABC):
-    """A result: frozen, in SI units; `to_dict` gives the JSON that the command of its name prints."""
+    """Result of a computation: a frozen record in SI units.
+
+    A field is None where the scene has no such quantity, or there is no equilibrium. In a notebook a result is shown as a
+    table, as text by ``print``.
+    """
 
     @abstractmethod
     def to_dict(self) -> dict[str, JSON]:
-        """The JSON that the command of its name prints: units in the names of the keys."""
+        """Return the JSON that the command of the same name prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key; the keys end with the unit, such as ``max_N``. The key ``schema`` holds the version.
+        """
 
     @property
     def _shown(self) -> str:
-        """Path in the JSON of what tables show; all unless given."""
+        """Path in the JSON of the part that tables show; empty: all."""
         return ""
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        """Sentences below tables."""
+        """Sentences below the table."""
         return ()
 
     def __getitem__(self, path: str) -> JSON:
-        """The value at a path of keys in the JSON, such as ``"summary.loads.max_N"``. Deprecated: use the fields, or
-        `to_dict`. Raises KeyError with the keys that there are."""
+        """Return the value at a path of keys in the JSON; deprecated, use the fields or `to_dict`.
+
+        Parameters
+        ----------
+        path
+            Keys joined by dots, such as ``"summary.loads.max_N"``.
+
+        Returns
+        -------
+        number, text, list or dict
+            The value.
+
+        Raises
+        ------
+        KeyError
+            If there is no such key; the message lists those that there are.
+        """
         deprecated(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
         return self._at(path)
 
     @property
     def data(self) -> dict[str, JSON]:
-        """The JSON. Deprecated: use `to_dict`."""
+        """JSON of the result; deprecated, use `to_dict`."""
         deprecated("result.data", "result.to_dict()")
         return self.to_dict()
 
     def quantity(self, path: str) -> pint.Quantity:
-        """The number, or the list of numbers, at a path of keys in the JSON with the unit that its key ends with.
+        """Return the number at a path of keys in the JSON with its unit, which needs the package pint.
 
-        The package pint makes it, which is not installed with this one.
+        Parameters
+        ----------
+        path
+            Keys joined by dots, such as ``"summary.loads.max_N"``.
 
-        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number, ImportError
-        without pint.
+        Returns
+        -------
+        pint.Quantity
+            Number or list of numbers, with the unit that the key ends with.
+
+        Raises
+        ------
+        KeyError
+            If there is no such key.
+        ValueError
+            If the key names no unit or holds no number.
+        ImportError
+            If pint is not installed.
+
+        Examples
+        --------
+        >>> import rollbench
+        >>> print(rollbench.solve("lin-case1", "lin").quantity("summary.loads.max_N").to("kN").round(3))
+        0.243 kilonewton
         """
         try:
             import pint
@@ -76,41 +204,60 @@ class Record(ABC):
         return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
 
     def definition(self, path: str) -> str:
-        """What the number at a path of keys in the JSON is, and what its error is; empty where nothing is known of it.
-        Raises KeyError for a path that is not there."""
+        """Return the definition of the number at a path of keys in the JSON, and what its error is.
+
+        Parameters
+        ----------
+        path
+            Keys joined by dots, such as ``"summary.loads.max_N"``.
+
+        Returns
+        -------
+        str
+            Definition; empty for keys without one, such as names.
+
+        Raises
+        ------
+        KeyError
+            If there is no such key.
+
+        Examples
+        --------
+        >>> import rollbench
+        >>> rollbench.solve("lin-case1", "lin").definition("summary.loads.max_N")
+        'largest contact load; its error: model form, `largest_percent_of_mean`'
+        """
         from rollbench.compare.results.definitions import definition
 
         self._at(path)
         stated = definition(path)
         return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
-    def table(self) -> list[tuple[str, str, str]]:
-        """Name, value and unit of every single value that the table shows."""
-        return [(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
+    #: Headings of `table`.
+    headings: ClassVar[Sequence[str]] = HEADINGS
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """Return the rows of the table that a notebook shows.
+
+        Unless a kind of result has rows of its own, there is one row for every single value in its JSON.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
+        return [Row(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
 
     def __str__(self) -> str:
-        """The table as aligned text."""
-        rows = self.table()
-        width = max((len(name) for name, *_ in rows), default=0)
-        return "\n".join([*(f"{name:<{width}}  {value} {unit}".rstrip() for name, value, unit in rows), *self._notes])
+        """Return the table as aligned text, with the notes below it."""
+        return "\n".join([*([as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes])
 
     def _repr_html_(self) -> str:
-        """The table for a notebook, a heading for every quantity that has parts."""
-        body = ""
-        for group, rows in groupby(self.table(), lambda row: row[0].rpartition(": ")[0]):
-            body += f"<tr><th colspan='3' style='text-align:left'>{html.escape(group)}</th></tr>" if group else ""
-            body += "".join(
-                f"<tr><td style='text-align:left'>{html.escape(name.removeprefix(f'{group}: '))}</td>"
-                f"<td style='text-align:right'>{html.escape(value)}</td>"
-                f"<td style='text-align:left'>{html.escape(micro(unit))}</td></tr>"
-                for name, value, unit in rows
-            )
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
-        head = "<thead><tr><th>quantity</th><th>value</th><th>unit</th></tr></thead>"
-        return f"<table>{head}<tbody>{body}</tbody></table>{notes}"
+        """Return the table as HTML for a notebook, with the notes below it."""
+        return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:
-        """The value at a path of keys in the JSON. Raises KeyError with the keys that there are."""
+        """Return the value at a path of keys in the JSON; KeyError with the keys that there are."""
         value: JSON = self.to_dict()
         for key in path.split(".") if path else ():
             if not isinstance(value, dict) or key not in value:
@@ -121,13 +268,23 @@ class Record(ABC):
 
 
 def deprecated(what: str, instead: str) -> None:
-    """Warn the caller's caller that a name goes."""
+    """Warn the caller's caller that a name is removed in the next version.
+
+    Parameters
+    ----------
+    what
+        The deprecated expression.
+    instead
+        What replaces it.
+    """
     warnings.warn(f"{what} goes in the next version: use {instead}", DeprecationWarning, stacklevel=3)
 
 
 def _flat(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
-    """Single values below a value, with the words and the unit of their keys (or of what holds them: ``of_all``); None,
-    and lists of records, left out."""
+    """Yield name, value and unit of every single value below a JSON value; None and lists of records are left out.
+
+    Keys without a unit take that of the table that holds them (``of_all``).
+    """
     if isinstance(value, dict):
         for key, inner in value.items():
             words, unit = split_unit(key)

@@ -1,4 +1,4 @@
-"""Models compared with a 3D reference, set by set, and what is said of it."""
+"""Comparison of models with a 3D reference, for one set, and its sentences."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
 from rollbench.compare.models.comparison import (
-    RULE,
     Answered,
     Loads,
     SetOf,
@@ -29,38 +28,44 @@ from rollbench.compare.models.comparison import (
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
 from rollbench.compare.models.programs import title_of
-from rollbench.compare.models.registry import DEFAULT, Model, is_model
+from rollbench.compare.models.registry import DEFAULT, Model
 from rollbench.compare.models.uncertainty import Total, total
 from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load
+from rollbench.compare.results.rows import compared_rows
 from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
 
-#: Name of the stored 3D reference next to a user's own.
+#: Name of the stored 3D reference if a user's reference is shown too.
 OURS = "stored 3D reference"
 
 
 @dataclass(frozen=True)
 class Beside:
-    """A model beside the reference: its answer, its errors (None for the reference itself), what its loads answer, axial
-    displacement [m] of the screw at the nut's centre from its place without loads, axial force [N] of it on the nut, how
-    many contacts the nominal screw loads; largest error [%] of a contact as the gate has it."""
+    """A model, or the reference itself, in a comparison."""
 
+    #: Its loads and displacements.
     answer: Loads
+    #: Errors of its loads; None for the reference itself.
     error: LoadError | None
+    #: Pressure, safety and life by its loads.
     found: LoadAnswers
+    #: Axial displacement of the screw at the nut's centre from its unloaded position [m].
     displacement: float
+    #: Axial force of the screw on the nut [N].
     force: float
+    #: Number of contacts that the nominal screw loads.
     contacts: int
+    #: Largest error of a contact as the gate takes it [%].
     by_gate: float = 0.0
 
     @property
     def label(self) -> str:
-        """What names it among others."""
+        """Name among others."""
         return self.answer.model
 
     @property
@@ -70,13 +75,31 @@ class Beside:
 
     @property
     def pressure(self) -> float:
-        """Pole pressure [Pa] of the worst contact."""
+        """Largest pressure [Pa]."""
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
 def beside(scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
-    """An answer beside a reference, or by itself; start: the axial place [m] without loads; contacts: how many the nominal
-    screw loads, where the scene itself does not tell."""
+    """Compute the errors of loads against a reference, and what follows from the loads.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    answer
+        Loads of a model or of the reference.
+    ref
+        The reference; None: without errors.
+    start
+        Axial position without loads [m].
+    contacts
+        Number of contacts that the nominal screw loads; None: computed from the scene.
+
+    Returns
+    -------
+    Beside
+        The record.
+    """
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if ref is None else load_error(answer.load, ref.load, ref.contacts)
@@ -90,19 +113,22 @@ def beside(scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.
 
 @dataclass(frozen=True)
 class Compared:
-    """Models and coarser meshes beside the reference of a scene; the reference itself; the error that was to be expected of
-    the model that the verdict speaks of; what the comparison is uncertain by; start: axial place [m] of the screw without
-    loads by that model, from which the displacements of the reference are counted too."""
+    """Models and coarser meshes compared with the reference of a scene."""
 
+    #: Models and coarser meshes.
     models: tuple[Beside, ...]
+    #: The reference.
     itself: Beside
+    #: Error of the default model that was to be expected.
     expected: ModelForm | None
+    #: Uncertainty of the comparison.
     total: Total
+    #: Axial position of the screw without loads by the default model, from which displacements count [m].
     start: float = 0.0
 
     @property
     def spoken(self) -> Beside:
-        """What the verdict speaks of: the default model, or else the first."""
+        """Model of the first sentence: the default model, else the first."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
@@ -114,10 +140,32 @@ def compared(
     of: SetOf | None = None,
     ours: Reference | None = None,
 ) -> Compared:
-    """Models, coarser meshes and the source's mesh beside the reference; of: which set it is of several on one shaft; ours:
-    the stored 3D reference beside a user's own.
+    """Compare models, coarser meshes and the source's mesh with a reference.
 
-    Raises InputError for a model that cannot be run, Refusal for one that finds no loads of several sets.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    models
+        Models to compare.
+    reference
+        The reference.
+    stores
+        Folders with runs of the 3D reference.
+    of
+        Which of several sets on a shaft the scene is.
+    ours
+        Stored 3D reference, shown if the reference is a user's.
+
+    Returns
+    -------
+    Compared
+        The comparison.
+
+    Raises
+    ------
+    InputError
+        If a model cannot be run; as Refusal if several sets have no equilibrium.
     """
     answers, expected, starts = [], {}, {}
     for model in models:
@@ -140,21 +188,20 @@ def compared(
 
 
 def answer_of(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
-    """What a model finds for a scene of one set."""
+    """Solve a scene with one set by a model."""
     result, seconds = solved(model, scene, reference, stores)
     bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
     return Answered(result, bare, seconds, scene)
 
 
 def others_than(reference: Reference) -> list[Point]:
-    """Compared points of other scenes, whatever the name of this one: what is measured here is not to be expected of
-    itself."""
+    """Return compared points of other scenes, whatever the name of this one: its error must not be expected from itself."""
     own = {reference.scene, *(run.scene for run in reference.runs)}
     return [point for point in shipped_points() if point.scene not in own]
 
 
 def answers_of(b: Beside) -> dict[str, Any]:
-    """What the loads of a model or of the reference answer, as JSON has it; null where there is no such answer."""
+    """Return what follows from the loads of a model or the reference, as JSON; null if there is no such quantity."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
         Axial(b.force, b.displacement, stiff),
@@ -167,7 +214,7 @@ def answers_of(b: Beside) -> dict[str, Any]:
 
 
 def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
-    """Verdict, levels and uncertainty of the reference, error expected and measured, answers of models and reference."""
+    """Return the JSON of a comparison: sentence, levels and uncertainty of the reference, errors, answers."""
     error, expected = whole.spoken.error, whole.expected
     return {
         "scene": reference.scene,
@@ -185,46 +232,47 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
 
 
 def is_itself(answer: Loads, reference: Reference) -> bool:
-    """Whether an answer is the run that it would be compared with."""
+    """Return whether an answer is the run with which it would be compared."""
     return answer.model == f"3D level {reference.best.level}"
 
 
 def levels_text(reference: Reference, total: Total) -> str:
-    """Levels of the reference and what it is uncertain by, in words."""
+    """Return levels and uncertainty of the reference in words."""
     if reference.stated:
-        return total.text
+        return total.stated
     levels = ", ".join(str(run.level) for run in reference.runs)
-    rest = f" ({reference.unsettled}, which is added)" if reference.unsettled else ""
-    return f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}, {total.text}{rest}"
+    rest = f"; {reference.unsettled}, which is added" if reference.unsettled else ""
+    of = f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}{rest}"
+    return f"uncertain by {total.percent:.2f} % ({of})"
 
 
 def verdict(whole: Compared, reference: Reference) -> str:
-    """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
-    comparison is uncertain by."""
-    return "; ".join(filter(None, [_off(whole.spoken, _expected(whole.expected)), levels_text(reference, whole.total)]))
+    """Return the first sentence: error of the default model, error that was to be expected, and uncertainty."""
+    b, worth, e = whole.spoken, whole.expected, whole.spoken.error
+    off = expected = ""
+    if e is not None:
+        where = f" (ball {e.ball} {e.side})" if e.ball else ""
+        off = (
+            f"{b.title} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+            f"{e.rms_percent:.2f} % RMS, {b.by_gate:.2f} % by the gate's rule"
+        )
+    if worth is not None:
+        expected = "not covered by earlier comparisons" if worth.percent is None else f"{worth.percent:.2f} %"
+    return "; ".join(filter(None, [off, expected and f"expected: {expected}", levels_text(reference, whole.total)]))
 
 
-def others(whole: Compared) -> list[str]:
-    """The same sentence of the other low-order models, without what was to be expected."""
-    return [_off(b) for b in whole.models if b is not whole.spoken and is_model(b.label)]
+def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return headings and rows of the table that compares answers of the judged model with those of the reference.
 
+    Parameters
+    ----------
+    whole
+        The comparison.
 
-def _off(b: Beside, expected: str = "") -> str:
-    """What a model is off by; empty for the reference itself."""
-    e = b.error
-    if e is None:
-        return ""
-    where = f" (ball {e.ball} {e.side})" if e.ball else ""
-    return (
-        f"{b.title} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-        f"{e.rms_percent:.2f} % RMS{expected}, and by {b.by_gate:.2f} %, {RULE}"
-    )
-
-
-def _expected(worth: ModelForm | None) -> str:
-    """What was to be expected, as an insertion."""
-    if worth is None:
-        return ""
-    if worth.percent is None:
-        return " (expected: not covered by earlier comparisons)"
-    return f" (expected: {worth.percent:.2f} %, {worth.rms_percent:.2f} % RMS)"
+    Returns
+    -------
+    tuple[tuple[str, ...], list[tuple[str, ...]]]
+        Headings, and the texts of each row, one for each heading.
+    """
+    headings = ("quantity", whole.spoken.title, whole.itself.label, "unit", "difference", "expected")
+    return headings, [*compared_rows(answers_of(whole.spoken), answers_of(whole.itself), whole.expected)]

@@ -1,4 +1,4 @@
-"""What `rollbench.compare_models` gives: `Comparison`; models set by set, and load cases together."""
+"""Result of `rollbench.compare_models`: errors of low-order models against the 3D reference, by set and load case."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.results.base import JSON, Record, with_schema
-from rollbench.compare.results.compared import Beside, Compared, answers_of, compared, verdict
+from rollbench.compare.results.compared import Beside, Compared, answer_rows, answers_of, compared, verdict
 from rollbench.compare.results.solved import ExpectedError, expected_error
 from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
@@ -29,37 +29,37 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: What is compared of each case and set, by the names of their scene and set.
+#: Comparisons by the names of load case and set.
 ByCase = Mapping[tuple[str, str], Compared]
-#: References, set by set, with what is compared with each.
+#: References, one for each set, with the comparison to each.
 Pairs = Sequence[tuple[Referenced, Compared]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Loads:
-    """Contact loads of a model, or of the reference, and what they answer; sides in the order SL, SR, NL, NR."""
+    """Contact loads of a model or of the reference, and what follows from them; columns are the flanks SL, SR, NL, NR."""
 
     name: str
-    """Name of the model; ``3D reference``, or the file of one's own; ``3D level 1``: a coarser mesh of the reference."""
+    """Name of the model, ``3D reference``, file of another reference, or ``3D level 1`` for a coarser mesh."""
     loads: Array
     """Contact loads, (n, 4) [N]."""
     angles: Array
-    """Contact angles, (n, 4) [rad]; nan without contact."""
+    """Contact angles from the radial plane, (n, 4) [rad]; nan without contact."""
     pressure: float
     """Largest pressure [Pa], by Hertz from the loads."""
     displacement: float
-    """Axial displacement [m] of the screw at the nut's centre from its place without loads; nan where that is not known."""
+    """Axial displacement of the screw at the nut's centre from its unloaded position [m]; nan if not known."""
     L10: float | None
-    """Life by the loads [revolutions]; None without load, and where the formulas do not take the scene."""
+    """Life L10 by the loads [revolutions]; None without load, and outside the range of the formulas."""
     seconds: float | None
-    """Run time [s]; None where it was not measured."""
+    """Run time [s]; None if not measured."""
     measured: str
-    """What the time was measured with; empty: with this version, here."""
+    """Version and machine with which the time was measured; empty: this version and machine."""
 
 
 @record(eq=False, repr=False, kw_only=True)
 class ModelLoads(Loads):
-    """A model, or a coarser mesh, compared with the reference."""
+    """Contact loads of a model, or of a coarser mesh, with their errors against the reference."""
 
     errors: Array
     """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
@@ -68,74 +68,90 @@ class ModelLoads(Loads):
         "measured error of the worst contact load, in per cent of the reference's mean load",
         error="`uncertainty.discretisation_percent`",
     )
-    """Largest of them in size [% of the mean contact load]."""
+    """Largest absolute error of a contact load [% of the mean contact load]."""
     rms_error: float
-    """Root of the mean of their squares over the loaded contacts [% of the mean contact load]."""
+    """Root mean square error over the loaded contacts [% of the mean contact load]."""
     gate_error: float
-    """Largest error [%] of a contact's own load, of the mean load for contacts below a tenth of it: what `check` judges."""
+    """Largest error as `check` judges it: in per cent of the contact's load, or of the mean load if it is small."""
     ball: int
     """Ball of the largest error, from 1."""
     side: str
-    """Its flank."""
+    """Flank of the largest error."""
 
     def __repr__(self) -> str:
-        """Name and errors."""
+        """Return name, largest and root mean square error."""
         return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
 
 
 @record
 class Uncertainty:
-    """What a comparison is uncertain by, of the largest contact load [% of the mean contact load]; None: not known."""
+    """Uncertainty of a comparison, for the largest contact load [% of the mean contact load], in parts.
+
+    None: this part is not known.
+    """
 
     total: float
-    """All parts, by the root of the sum of squares."""
+    """Root of the sum of squares of all parts."""
     discretisation: float = quantity(
         "uncertainty_percent", "uncertainty of the reference's worst contact by its mesh, at 95 %"
     )
-    """Of the reference's mesh."""
+    """Discretisation of the reference."""
     choices: float | None
-    """Of choices of modelling that no mesh shows."""
+    """Choices of modelling that mesh refinement does not show."""
     inputs: float | None
-    """Of tolerances of the scene's values."""
+    """Tolerances of the input values of the scene."""
     second_order: float
-    """Of large displacements."""
+    """Large displacements, which the linear reference neglects."""
     words: str
-    """All in words; of one's own reference what that says."""
+    """All parts in words; of another reference the statement in its file."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Comparison(Record):
-    """Low-order models compared with a reference. Of several sets on one shaft each is a comparison in `sets`, of load
-    cases each in `cases` (with sets in these); the fields on contacts are those of one set, None and empty of several."""
+    """Errors of low-order models against a reference.
+
+    Of several sets on one shaft each is a comparison in `sets`, of load cases each in `cases` (with sets in these). Fields
+    on contacts are those of one set; they are None or empty of several.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> comparison = rollbench.compare_models("lin-case1", ["lin"])
+    >>> lin = comparison.models["lin"]
+    >>> round(lin.largest_error, 1), round(lin.rms_error, 1), lin.ball, lin.side
+    (6.2, 2.5, 31, 'SL')
+    >>> round(comparison.uncertainty.discretisation, 2), comparison.levels
+    (0.08, (1, 2, 3, 4))
+    """
 
     scene: str
-    """Name of the scene, of a set with the name of both."""
+    """Name of the scene; of a set the names of scene and set."""
     verdict: str
-    """What the default model is off by, in words; of several sets and load cases a line for each."""
+    """Error of the default model in words; a line for each set and load case."""
     warnings: tuple[str, ...] = ()
-    """What a user should see before."""
+    """Warnings, such as unknown columns of a file."""
     reference: Loads | None = None
-    """The reference."""
+    """Loads of the reference."""
     levels: tuple[int, ...] = ()
-    """Mesh levels of the reference; empty of one's own."""
+    """Mesh levels of the reference; empty of another reference."""
     unsettled: str = ""
-    """What of the reference's loads did not settle; empty where all did."""
+    """Loads of the reference that did not converge with the mesh, in words; empty if all did."""
     uncertainties: Array | None = None
-    """What each contact load of the reference is uncertain by, (n, 4) [N]."""
+    """Uncertainty of each contact load of the reference, (n, 4) [N]."""
     uncertainty: Uncertainty | None = None
-    """What the comparison is uncertain by."""
+    """Uncertainty of the comparison, in parts."""
     models: Mapping[str, ModelLoads] = field(default_factory=dict)
     """Models, and coarser meshes of the reference, by name."""
     expected_error: ExpectedError | None = None
-    """What was to be expected of the default model, without this comparison."""
+    """Error of the default model that was to be expected from other scenes."""
     sets: Mapping[str, Comparison] = field(default_factory=dict)
-    """Several sets by name; empty of one."""
+    """Comparison of each set, by name; empty of one set."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
-    """Load cases by name; empty without."""
+    """Comparison of each load case, by name; empty without load cases."""
     compared: tuple[tuple[Referenced, Compared], ...] = ()
-    """Records with all that was found, of each load case and set."""
+    """Records with further details, of each load case and set."""
     described: Described | None = None
-    """The scene."""
+    """The compared scene."""
 
     @property
     def errors(self) -> dict[str, float]:
@@ -144,11 +160,17 @@ class Comparison(Record):
 
     @property
     def seconds(self) -> dict[str, float | None]:
-        """Run time by model [s]; None where it was not measured."""
+        """Run time by model [s]; None if not measured."""
         return {name: one.seconds for name, one in self.models.items()}
 
     def to_dict(self) -> dict[str, JSON]:
-        """Models with their errors, and the answers of models and reference."""
+        """Return the JSON with the errors of the models, and the answers of models and reference.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         return with_schema(self._json())
 
     def _json(self) -> dict[str, Any]:
@@ -162,22 +184,52 @@ class Comparison(Record):
         return {"scene": self.scene, "sets": results} if self.sets else results[0]
 
     @property
-    def _shown(self) -> str:
-        return "summary" if self.cases else "sets" if self.sets else "models"
+    def headings(self) -> Sequence[str]:  # type: ignore[override]
+        """Headings of `table`."""
+        return answer_rows(self.compared[0][1])[0]
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """Return the rows that ``rollbench compare`` prints; load cases and sets follow one another.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
+        return [
+            (", ".join(filter(None, (one.found.scene * (len(self.compared) > 1), name))), *row)
+            for one, whole in self.compared
+            for name, *row in answer_rows(whole)[1]
+        ]
 
     @property
     def _notes(self) -> tuple[str, ...]:
         return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
 
     def __repr__(self) -> str:
-        """Scene, then models, sets or cases, in a line each."""
+        """Return the scene, then a line for each model, set or load case."""
         if self.cases or self.sets:
             return "\n".join([self.scene, *self.verdict.splitlines()])
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
 
 
 def comparison_of(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
-    """The record of a scene, from what was compared of each load case and set."""
+    """Make the record of a scene from the comparisons of its load cases and sets.
+
+    Parameters
+    ----------
+    described
+        The scene.
+    pairs
+        Reference and comparison of each load case and set.
+    warnings
+        Warnings of the comparison.
+
+    Returns
+    -------
+    Comparison
+        The record.
+    """
     if not isinstance(described, DutyCycle):
         return _of_sets(described.name, described, pairs, warnings)
     by_case = {
@@ -259,7 +311,7 @@ def _model(b: Beside, one: Referenced) -> ModelLoads:
 
 
 def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
-    """What is known of a scene, or of one of several sets on a shaft."""
+    """Return the JSON of a scene, or of one of several sets on a shaft."""
     found = one.found
     return {
         "scene": found.scene,
@@ -281,19 +333,38 @@ def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Comparing:
-    """Scenes with their references, of which `each` computes what is compared. own: the references are the user's."""
+    """Scenes with their references, and the models to compare."""
 
     described: Sequence[Described]
+    """Scenes as they were given."""
     scenes: Sequence[Solvable]
+    """Scenes with one load case each."""
     references: Sequence[Sequence[Referenced]]
+    """References of each scene, one for each set."""
     models: Sequence[Model]
+    """Models; empty: those that suit each scene."""
     stores: Sequence[Path]
+    """Folders with runs of the 3D reference."""
     failed: Sequence[Run]
+    """Runs that did not converge."""
     warnings: Sequence[str]
+    """Warnings of reading a reference file."""
     own: bool
+    """Whether the references are a file of the user."""
 
     def each(self) -> Iterator[tuple[Referenced, Compared]]:
-        """What is compared, set by set. Raises Refusal where a scene has no reference."""
+        """Compare set by set, as asked for.
+
+        Yields
+        ------
+        tuple
+            Reference of a set and the comparison with it.
+
+        Raises
+        ------
+        Refusal
+            If a scene has no reference.
+        """
         return each_compared(self.scenes, self.references, self.models, self.stores, self.failed, own=self.own)
 
 
@@ -310,11 +381,40 @@ def comparing(
     fresh: bool = False,
     reference: Path | None = None,
 ) -> Comparing:
-    """Find the references of scenes and their load cases; what is not stored is computed first.
+    """Find the references of scenes and their load cases; missing runs are computed.
 
-    origins: what errors name the scenes; step: takes lines of progress, the verdict by the coarsest level among them;
-    store: folder of runs, besides those shipped; levels: to compute where they are not stored (fresh: even there); None for
-    the best stored, and ``otherwise`` where there is none; reference: the user's file in place of it. Raises InputError.
+    Parameters
+    ----------
+    described
+        The scenes.
+    origins
+        File or name of each scene, for errors.
+    models
+        Models to compare; empty: those that suit each scene.
+    engine
+        Runs computations of the 3D reference.
+    step
+        Called with lines of progress, such as the errors by the coarsest level while finer ones run.
+    store
+        Folder of runs, besides those shipped.
+    levels
+        Mesh levels to compute where they are not stored; None: the best stored run.
+    otherwise
+        Mesh levels to compute where none is stored and ``levels`` is None.
+    fresh
+        Whether stored runs are computed again.
+    reference
+        File with loads instead of the 3D reference.
+
+    Returns
+    -------
+    Comparing
+        Scenes and references; its `each` makes the comparisons.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a scene or file cannot be used.
     """
     scenes: list[Solvable] = [x for one, name in zip(described, origins, strict=True) for x in each_case(one, name)]
     stores, warnings = (store, shipped_store()), list[str]()
@@ -328,7 +428,7 @@ def comparing(
         wanted = levels or otherwise
 
         def first(task: Task) -> None:
-            """The verdict by the coarsest level while finer ones are computed."""
+            """Report the errors by the coarsest level while finer ones are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in referenced(scene, (store,), (task.level,)):
                     whole = compared(one.scene, (models or suited(scene))[:1], one.found, stores, one.of)
@@ -342,7 +442,20 @@ def comparing(
 
 
 def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
-    """The refusal of a scene without a converged run, with the status of each of its runs."""
+    """Make the error for a scene without a converged run.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    failed
+        Runs that did not converge.
+
+    Returns
+    -------
+    Refusal
+        Error with the status of each run of the scene.
+    """
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
@@ -357,8 +470,33 @@ def each_compared(
     *,
     own: bool,
 ) -> Iterator[tuple[Referenced, Compared]]:
-    """References, set by set, and what is compared with them, as they are asked for; models: those that suit a scene where
-    none is named; own: they are the user's, beside which stored ones stand. Raises Refusal where a scene has none."""
+    """Compare models with references, set by set, as asked for.
+
+    Parameters
+    ----------
+    scenes
+        Scenes with one load case each.
+    references
+        References of each scene, one for each set.
+    models
+        Models; empty: those that suit each scene.
+    stores
+        Folders with runs of the 3D reference.
+    failed
+        Runs that did not converge.
+    own
+        Whether the references are a file of the user; stored runs of the 3D reference are then shown too.
+
+    Yields
+    ------
+    tuple
+        Reference of a set and the comparison with it.
+
+    Raises
+    ------
+    Refusal
+        If a scene has no reference.
+    """
     for scene, sets in zip(scenes, references, strict=True):
         if not sets:
             raise unconverged(scene.name, failed)
@@ -370,8 +508,29 @@ def each_compared(
 def own_references(
     scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
 ) -> list[list[Referenced]]:
-    """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
-    InputError for several scenes."""
+    """Read a reference file for a scene or its load cases.
+
+    Parameters
+    ----------
+    scenes
+        One scene, or its load cases.
+    path
+        File with loads.
+    cases
+        Name of the load case by name of the scene.
+    warnings
+        List to which warnings are added.
+
+    Returns
+    -------
+    list of list of Referenced
+        References of each load case, one for each set.
+
+    Raises
+    ------
+    rollbench.InputError
+        If there are several scenes, or the file cannot be used.
+    """
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
         raise ArgumentError("reference", str(path), f"one scene, not {len(scenes)}", advice)
@@ -382,19 +541,40 @@ def own_references(
 
 
 def named(one: Referenced) -> dict[str, str]:
-    """Keys of a set of several on one shaft: that of the scene, and its own."""
+    """Return the keys that name a set in JSON.
+
+    Parameters
+    ----------
+    one
+        Reference of a set.
+
+    Returns
+    -------
+    dict
+        Names of scene and set; empty if the scene has only one set.
+    """
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
 def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
-    """The cycles of some cases, each once."""
+    """Return the duty cycles of load cases, each once.
+
+    Parameters
+    ----------
+    cases
+        Load cases by the names of their scenes.
+
+    Returns
+    -------
+    iterable of DutyCycle
+        The duty cycles.
+    """
     return {case.cycle.name: case.cycle for case in cases.values()}.values()
 
 
 @record
 class CycleSummary:
-    """Of one set over a duty cycle: its largest error [%] and the case, lives [10^6 revolutions] by model, and the error of
-    the life [%] of the model that the verdicts speak of."""
+    """Largest load error and life of one set over a duty cycle."""
 
     model: str = quantity("model")
     error: float | None = quantity(
@@ -411,8 +591,21 @@ class CycleSummary:
 
 
 def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
-    """Of each set of balls: largest error of the model that the verdicts speak of, its case, and the lives over the
-    cycle [10^6 revolutions] of every model and of the reference; null where a case has none."""
+    """Summarise a comparison over the load cases of a duty cycle.
+
+    Parameters
+    ----------
+    cycle
+        The duty cycle.
+    each
+        Comparisons by the names of load case and set.
+
+    Returns
+    -------
+    list of dict
+        For each set of balls: largest error of the default model and its load case, and the life [10^6 revolutions] of
+        every model and of the reference; None where a load case has none.
+    """
     return [_summary(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
 
 

@@ -1,4 +1,4 @@
-"""What `rollbench.friction`, `ensemble`, `mesh_study`, `sweep` and `report` give: records of what their commands answer."""
+"""Results of `rollbench.friction`, `ensemble`, `mesh_study`, `sweep`, `survey` and `report`."""
 
 from __future__ import annotations
 
@@ -15,17 +15,23 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Data(Record):
-    """A result with the JSON that its command prints."""
+    """Result that keeps the JSON of its command."""
 
     values: Mapping[str, JSON]
-    """The JSON without its version."""
+    """JSON of the command, without its version."""
     shown: str = ""
-    """Path in it of what tables show; empty: all."""
+    """Path in the JSON of the part that tables show; empty: all."""
     notes: tuple[str, ...] = ()
-    """Sentences below tables."""
+    """Sentences below the table."""
 
     def to_dict(self) -> dict[str, JSON]:
-        """The JSON, its version first."""
+        """Return the JSON that the command of the same name prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key, the version first.
+        """
         return with_schema(self.values)
 
     @property
@@ -37,19 +43,22 @@ class Data(Record):
         return self.notes
 
     def __repr__(self) -> str:
-        """The first five lines of the table."""
+        """Return the first five lines of the table."""
         return "\n".join(str(self).splitlines()[:5])
 
 
 #: Values on the flanks SL, SR, NL, NR, by these names; None without contact.
 Flanks: TypeAlias = Mapping[str, float | None]
-#: The same across and along the groove.
+#: Pairs of values across and along the groove, on the flanks SL, SR, NL, NR.
 FlankPairs: TypeAlias = Mapping[str, Sequence[float | None]]
 
 
 @record(kw_only=True)
 class FrictionBall:
-    """Motion and friction of one ball of a screw or bearing, and of its contacts; None where its kind of scene has none."""
+    """Motion and friction of one ball of a screw or bearing, and of its contacts.
+
+    A field is None where this kind of scene has no such quantity.
+    """
 
     index: int = quantity("index")
     orbit: float | None = quantity("orbit_rad_s", "speed of the ball's centre about the axis")
@@ -69,12 +78,19 @@ class FrictionBall:
 
 @record(kw_only=True)
 class FrictionBand:
-    """Torques at the least and the largest coefficient that are measured with lubricants."""
+    """Torques at 0.003 and 0.1, the least and largest coefficients of friction measured with lubricants."""
 
     coefficients: Sequence[float] = quantity(
         "coefficients", "coefficients between which a lubricated screw lies, 0.003 to 0.1", parts="[]"
     )
-    torque: Sequence[float | None] = quantity("friction_torque_Nmm", "friction torque at both", parts="[]")
+    torque: Sequence[float | None] = quantity(
+        "friction_torque_Nmm",
+        "friction torque at both",
+        parts="[]",
+        heading="friction torque, lubricated",
+        form="g3",
+        note="coefficients {least} to {most}",
+    )
     drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both", parts="[]")
     preload: float | None = quantity("preload_N", "preload that the makers' formula takes")
     makers: float | None = quantity("makers_formula_Nmm", "0.05/sqrt(tan beta) F l/(2 pi), which makers print")
@@ -82,7 +98,7 @@ class FrictionBand:
 
 @record(kw_only=True)
 class FrictionPlay:
-    """Friction torque with smaller balls, of a screw that states neither preload nor play."""
+    """Effect of axial play on the friction torque, for a screw without stated preload or play: with smaller balls."""
 
     smaller: float = quantity("smaller_by_um", "by how much the ball radii are made smaller to show what play does")
     torque: float | None = quantity("friction_torque_Nmm", "friction torque then")
@@ -91,7 +107,10 @@ class FrictionPlay:
 
 @record(kw_only=True)
 class FrictionOnset:
-    """Whether neighbouring balls touch at the speeds that they have at the static loads; unloaded balls stand still."""
+    """Whether neighbouring balls touch, by the speeds that they have at the static loads.
+
+    Balls without load stand still, unless a field says otherwise.
+    """
 
     touch: bool = quantity(
         "touch",
@@ -118,7 +137,7 @@ class FrictionOnset:
 
 @record(kw_only=True)
 class FrictionCases:
-    """Friction of the load cases of a duty cycle together."""
+    """Friction over all load cases of a duty cycle."""
 
     largest: float | None = quantity("largest_friction_torque_Nmm", "friction torque of the case with the largest")
     case: str | None = quantity("largest_friction_torque_case", "its case")
@@ -128,21 +147,32 @@ class FrictionCases:
 
 @record(eq=False, repr=False, kw_only=True)
 class Friction(Data):
-    """Friction of a scene, SI: N m, W, efficiencies as shares [1]. A field is None where its kind of scene has no such
-    answer, and without convergence."""
+    """Friction of a scene: ball motion, losses [W], torques [N m] and efficiencies [1].
+
+    A field is None where this kind of scene has no such quantity, and where loads and friction do not balance.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> found = rollbench.friction("lin-case1", model="lin")
+    >>> round(found.loss, 2), len(found.balls), round(found.balls[0].orbit, 3)  # W, -, rad/s
+    (5.27, 32, 2.763)
+    """
 
     scene: str
     """Name of the scene."""
     kind: str
-    """Kind of the scene: ball screw, bearing, or what only friction solves; empty of load cases."""
+    """Kind of the scene, such as ball screw or bearing; empty of load cases."""
     converged: bool
     """Whether loads and friction balance."""
     reason: str
-    """Status in words."""
+    """Status: converged, or why not."""
     torque: float | None = quantity(
         "torque.friction_torque_Nmm",
         "torque of friction alone, against the motion",
         error="proportional to the coefficient",
+        heading="friction torque",
+        form="g3",
     )
     torque_on_screw: float | None = quantity(
         "torque.friction_torque_on_screw_Nmm", "the same as it acts on the screw, with sign", error="as above"
@@ -151,7 +181,11 @@ class Friction(Data):
         "torque.friction_torque_on_nut_Nmm", "the same as it acts on the nut", error="as above"
     )
     drag_torque: float | None = quantity(
-        "torque.drag_torque_Nmm", "friction torque without the scene's loads: preload alone", error="as above"
+        "torque.drag_torque_Nmm",
+        "friction torque without the scene's loads: preload alone",
+        error="as above",
+        heading="drag torque",
+        form="g3",
     )
     axial_load: float | None = quantity("torque.axial_load_N", "axial load that the torque works against")
     driving_torque_on_screw: float | None = quantity(
@@ -167,21 +201,33 @@ class Friction(Data):
         "torque.forward_torque_Nmm",
         "torque that moves the nut against the axial load: F l/(2 pi) + friction",
         error="friction's share of it",
+        heading="torque against the load",
+        form="g3",
     )
     backward_torque: float | None = quantity(
         "torque.backward_torque_Nmm",
         "torque that the load gives when it drives: F l/(2 pi) - friction",
         error="friction's share of it",
+        heading="torque with the load",
+        form="g3",
     )
     efficiency_forward: float | None = quantity(
         "torque.efficiency_forward_percent",
         "work on the load over work of the torque",
         error="1 - efficiency is proportional to the coefficient",
+        heading="efficiency against the load",
+        form="g3",
     )
     efficiency_backward: float | None = quantity(
-        "torque.efficiency_backward_percent", "work of the torque over work of the load", error="as above"
+        "torque.efficiency_backward_percent",
+        "work of the torque over work of the load",
+        error="as above",
+        heading="efficiency with the load",
+        form="g3",
     )
-    self_locking: bool | None = quantity("torque.self_locking", "whether the load cannot drive the screw")
+    self_locking: bool | None = quantity(
+        "torque.self_locking", "whether the load cannot drive the screw", heading="self-locking"
+    )
     screw_coefficient: float | None = quantity("friction.screw", "coefficient of friction in the screw's groove")
     nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove")
     turns: str | None = quantity("motion.turns", "which part turns")
@@ -201,6 +247,8 @@ class Friction(Data):
             "friction torque when friction does not move the balls in their grooves, and what that motion changes",
             parts=".*",
         ),
+        heading="power lost",
+        form="g3",
     )
     imbalance: float | None = quantity(
         "solver.friction_imbalance",
@@ -209,23 +257,34 @@ class Friction(Data):
         Stated("solver.feedback_change", "last change of the loads by friction"),
     )
     balls: tuple[FrictionBall, ...] = ()
-    """Every ball; empty of load cases and of kinds that do not list their balls so."""
+    """Motion and friction of each ball; empty of load cases, and of kinds without such a list."""
     band: FrictionBand | None = None
-    """Torques over the coefficients that are measured with lubricants; None where they are not asked for."""
+    """Torques over the range of measured coefficients of friction; None where it was not computed."""
     onset: FrictionOnset | None = None
-    """Whether neighbouring balls touch; None where balls overlap or their circuits cannot be, and of several sets."""
+    """Contact of neighbouring balls; None if balls overlap or do not fit their circuits, and of several sets."""
     play: FrictionPlay | None = None
-    """What play changes; None where the scene states preload or play."""
+    """Effect of play; None if the scene states preload or play."""
     warnings: tuple[str, ...] = ()
-    """Where answers leave what the models mean."""
+    """Warnings where answers are outside the range of validity of the models."""
     cases: Mapping[str, Friction] = field(default_factory=dict)
-    """Load cases by name; empty without."""
+    """Friction of each load case, by name; empty without load cases."""
     together: FrictionCases | None = None
-    """Load cases together; None without."""
+    """Friction over all load cases; None without load cases."""
 
 
 def friction_of(data: Mapping[str, Any]) -> Friction:
-    """The record of what ``rollbench friction`` answers."""
+    """Make the record of the JSON of ``rollbench friction``.
+
+    Parameters
+    ----------
+    data
+        JSON of one scene, with its load cases under ``cases``.
+
+    Returns
+    -------
+    Friction
+        The record, in SI units.
+    """
     converged, warnings = bool(data.get("converged")), tuple(map(str, data.get("warnings", ())))
     known = from_json(Friction, data if converged else {})
     for name in ("efficiency_forward", "efficiency_backward"):
@@ -254,56 +313,71 @@ def friction_of(data: Mapping[str, Any]) -> Friction:
 
 @dataclass(frozen=True)
 class MeshLevel:
-    """One mesh level of a study."""
+    """One mesh level of a mesh study of the 3D reference."""
 
     level: int
-    """Number, from 1, the coarsest."""
+    """Number of the level; 1 is the coarsest."""
     cell_size: float
-    """Size of its cells over that of the finest level [1]."""
+    """Size of the cells, relative to the finest level [1]."""
     unknowns: int
-    """Unknowns of the mesh as one."""
+    """Number of unknowns of the whole mesh."""
     seconds: float
     """Run time [s]."""
     difference: float
     """Largest difference of a contact load from the finest level [% of the mean contact load]."""
     enough_for: float
-    """What contact loads are good for with this level and those before it [% of the mean contact load]."""
+    """Uncertainty of the contact loads, by this level and the coarser ones [% of the mean contact load]."""
 
 
 @dataclass(frozen=True)
 class MeshQuantity:
-    """One quantity of a mesh study."""
+    """One quantity on the levels of a mesh study, such as the load of one contact."""
 
     name: str
-    """What it is."""
+    """Name of the quantity, such as ``largest load, SL``."""
     unit: str
-    """Its unit."""
+    """Unit of the values."""
     values: tuple[float, ...]
-    """On every level, coarsest first [unit]."""
+    """Value on every level, coarsest first [unit]."""
     order: float | None
-    """Observed order of convergence [1]; None where there is none (contact loads scatter from mesh to mesh)."""
+    """Observed order of convergence [1]; None if the values do not converge monotonically (contact loads scatter)."""
     extrapolated: float | None
-    """Value at cells of no size [unit]; None without order."""
+    """Value extrapolated to zero cell size [unit]; None without order."""
     uncertainty: float | None
-    """Uncertainty of the finest level's value [unit]; None of one level."""
+    """Uncertainty of the value on the finest level [unit]; None with a single level."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeshStudy(Data):
-    """The 3D reference on several mesh levels."""
+    """Results of the 3D reference on several mesh levels."""
 
     scene: str
     """Name of the scene."""
     levels: tuple[MeshLevel, ...] = ()
-    """Levels, coarsest first; empty of several sets."""
+    """Mesh levels, coarsest first; empty of several sets."""
     quantities: tuple[MeshQuantity, ...] = ()
-    """What is followed from level to level; empty of several sets."""
+    """Quantities that are compared between the levels; empty of several sets."""
     sets: Mapping[str, MeshStudy] = field(default_factory=dict)
-    """Several sets on one shaft by name; empty of one."""
+    """Studies of each of several sets on one shaft, by name; empty of one set."""
 
 
 def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str] = ()) -> MeshStudy:
-    """The record of what a mesh study finds."""
+    """Make the record of the JSON of ``rollbench mesh-study``.
+
+    Parameters
+    ----------
+    data
+        JSON of one scene, with its sets under ``sets``.
+    shown
+        Path in the JSON of the part that tables show.
+    notes
+        Sentences below the table.
+
+    Returns
+    -------
+    MeshStudy
+        The record.
+    """
     rows = data.get("levels", ())
     levels = [
         MeshLevel(x["level"], x["cell_size"], x["unknowns"], x["seconds"], x["difference_percent"], x["enough_for_percent"])
@@ -333,7 +407,7 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
 
 @record
 class Statistics:
-    """An output over the samples of a sweep or the specimens of an ensemble, in the unit that its name ends with."""
+    """Statistics of an output over the samples of a sweep or the specimens of an ensemble, in the unit of its name."""
 
     mean: float = quantity("mean", "mean over the members", error="`standard_error`")
     standard_error: float = quantity(
@@ -346,25 +420,25 @@ class Statistics:
     quantiles: Mapping[float, float] = quantity(
         "quantiles", "level, value, and its 95 % interval, low and high", parts="[].*", show=dict, default_factory=dict
     )
-    """Quantiles by share: 0.01, 0.05, 0.5, 0.95, 0.99."""
+    """Quantiles by probability: 0.01, 0.05, 0.5, 0.95, 0.99."""
 
 
 @record(eq=False, repr=False, kw_only=True)
 class Ensemble(Data):
-    """Many specimens of a scene with random errors."""
+    """Results over many specimens of a scene with random errors."""
 
     scene: str
     """Name of the scene."""
     members: int
-    """How many specimens were solved; of load cases, of each."""
+    """Number of specimens, in each load case."""
     converged: int
-    """How many of them have an equilibrium; of load cases, the fewest."""
+    """Number of specimens with an equilibrium; of load cases the smallest."""
     outputs: Mapping[str, Statistics | None]
-    """Outputs by name; None of those with less than two values. Empty of load cases."""
+    """Statistics of each output by name; None with fewer than two values. Empty of load cases."""
     failed: Mapping[int, str]
-    """Why specimens have no equilibrium, by their number from 0. Empty of load cases."""
+    """Reason for each specimen without equilibrium, by its number from 0. Empty of load cases."""
     sets: Mapping[str, Mapping[str, Statistics | None]]
-    """The outputs of each of several sets by name; empty of one."""
+    """Statistics of each of several sets, by name of set and output; empty of one set."""
     contacts: tuple[Mapping[str, float | str], ...] = quantity(
         "balls",
         "of one contact over the members: load without random errors, mean, standard deviation, quantiles, share of "
@@ -379,14 +453,25 @@ class Ensemble(Data):
         parts="[].*",
         default=(),
     )
-    """Every contact, in the units of the keys; empty where several sets or load cases are asked for."""
+    """Statistics of every contact, in the units of the keys; empty of several sets and of load cases."""
     band_resolution: float | None = quantity("band_resolution_N", "sampling error of the bands below", default=None)
     cases: Mapping[str, Ensemble]
-    """Load cases by name; empty without."""
+    """Ensemble of each load case, by name; empty without load cases."""
 
 
 def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
-    """The record of what ``rollbench solve --members`` answers."""
+    """Make the record of the JSON of ``rollbench solve --members``.
+
+    Parameters
+    ----------
+    data
+        JSON of one scene, with its load cases under ``cases``.
+
+    Returns
+    -------
+    Ensemble
+        The record.
+    """
     cases = {str(one["case"]): ensemble_of(one) for one in data.get("cases", ())}
     return Ensemble(
         values=data,
@@ -409,23 +494,36 @@ def _outputs(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Sweep(Data):
-    """A scene solved at many values of its keys."""
+    """Results of a scene over sampled values of its keys."""
 
     folder: Path
-    """Where every sample stands (samples.csv), and the summary."""
+    """Folder with every sample (``samples.csv``) and the summary."""
     solved: int
-    """How many samples were solved."""
+    """Number of samples."""
     converged: int
-    """How many of them have an equilibrium."""
+    """Number of samples with an equilibrium."""
     outputs: Mapping[str, Statistics | None]
-    """Outputs by name; None of those with less than two values."""
+    """Statistics of each output by name; None with fewer than two values."""
     sobol: Mapping[str, Mapping[str, float]]
-    """Total Sobol index of every key by output [1]; empty for other designs and too few samples, and without outputs that
-    are constant."""
+    """Total Sobol index [1] by output and key; empty for other designs and with too few samples. Constant outputs are
+    left out."""
 
 
 def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
-    """The record of the summary of a sweep."""
+    """Make the record of the summary of a sweep.
+
+    Parameters
+    ----------
+    data
+        JSON of the summary.
+    folder
+        Folder of the sweep.
+
+    Returns
+    -------
+    Sweep
+        The record.
+    """
     indices = data["indices"].get("outputs", {})
     return Sweep(
         values=data,
@@ -441,20 +539,31 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Survey(Data):
-    """How wrong models are on the drawn ball screws whose reference is stored."""
+    """Errors of models on ball screws drawn from the range of catalogues, by stored runs of the 3D reference."""
 
     screws: int
-    """How many screws were judged."""
+    """Number of screws with a stored reference."""
     median: Mapping[str, float]
-    """Error of the worst contact load [% of the mean load] by model: its median over the screws with an answer."""
+    """Median over the solved screws of the error of the worst contact load [% of the mean load], by model."""
     largest: Mapping[str, float]
-    """The same: the largest."""
+    """Largest error of the worst contact load over the solved screws [% of the mean load], by model."""
     rows: Mapping[str, tuple[Mapping[str, JSON], ...]]
-    """Every screw by model, in the units of the keys, its ``status`` "converged" or why there is no answer."""
+    """Results of every screw by model, in the units of the keys; ``status`` is "converged" or says why there is none."""
 
 
 def survey_of(data: Mapping[str, Any]) -> Survey:
-    """The record of what ``rollbench survey`` answers."""
+    """Make the record of the JSON of ``rollbench survey``.
+
+    Parameters
+    ----------
+    data
+        JSON of the survey.
+
+    Returns
+    -------
+    Survey
+        The record.
+    """
     sizes = {
         name: [float(row["largest_percent"]) for row in rows if row["status"] == "converged"]
         for name, rows in data["models"].items()
@@ -478,11 +587,11 @@ def _statistics(x: Mapping[str, Any]) -> Statistics:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Written(Data):
-    """A report that was written."""
+    """Report that `rollbench.report` wrote."""
 
     page: Path
-    """Its first page."""
+    """First page of the report."""
     passed: bool
-    """False where a run of the reference that was recomputed does not agree with the stored one."""
+    """False if a recomputed run of the 3D reference differs from the stored one."""
     verdict: str = ""
-    """Of the page of a scene: its verdict in words."""
+    """Verdict on the scene, in words; empty of a whole report."""

@@ -1,4 +1,4 @@
-"""Every number of the output with its path in JSON: the tables of the manual, from the fields that state it."""
+"""Definitions of all numbers of the output by their path in JSON, from the fields that state them; tables of the manual."""
 
 from __future__ import annotations
 
@@ -37,6 +37,7 @@ from rollbench.lowfi.bearings.torque import BallTorque, LoadTorque
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
 from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
 from rollbench.lowfi.rating.modified import ModifiedLife
+from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.rigidity import Rigidities
 from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
@@ -45,14 +46,17 @@ from rollbench.meshes.quantity import Stated, stated_in
 
 
 class Table(NamedTuple):
-    """A table of the manual: title, what is said above it, records with where they stand in JSON."""
+    """A table of the manual."""
 
+    #: Title.
     title: str
+    #: Text above it.
     about: str
+    #: Records, with their path in JSON.
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, Stated]]:
-        """The end of the path of every defined number in the JSON of a command, and what is stated of it."""
+        """Yield the end of the path of every defined number in JSON, and its definition."""
         for where, kind in self.records:
             for _, one in stated_in(kind):
                 if one.definition:
@@ -119,6 +123,7 @@ TABLES = (
         (
             ("life.", Life),
             ("modified_life.", ModifiedLife),
+            ("reference_life.", ReferenceLife),
             ("ratings.", Ratings),
             ("shaft.", ShaftLimits),
             ("", LoadAnswers),
@@ -198,8 +203,15 @@ def _pattern(path: str) -> re.Pattern[str]:
 
 
 def definition(path: str) -> Stated | None:
-    """What is stated of a path in a command's JSON, None where nothing is; indices of lists may stand in the brackets.
+    """Return the definition of a path in a command's JSON; None if there is none.
 
+    Parameters
+    ----------
+    path
+        Keys joined by dots; indices of lists may be in the brackets.
+
+    Examples
+    --------
     >>> definition("summary.loads.max_N").definition
     'largest contact load'
     """

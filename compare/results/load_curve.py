@@ -1,4 +1,4 @@
-"""The signed load curve of a scene: displacement and tangent stiffness over a force, lash and the stiffness outside it."""
+"""Result of `rollbench.load_curve`: displacement and stiffness over loads of both signs, and the lash between them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: Points of a curve unless given, and most of them.
+#: Default number of points of a curve, and the largest.
 POINTS, MOST = 21, 1001
-#: Part of a load by which it is changed for the tangent, and part of the largest load that stands for a vanishing one.
+#: Relative change of a load for the tangent; share of the largest load that is taken as a vanishing load.
 STEP, VANISHING = 1e-3, 1e-6
 FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -34,21 +34,43 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Course:
-    """What loads a curve is over. values: forces [N], or factors on the scene's loads; direction: unit vector of the
-    forces; at: station [m] of the screw or shaft or name of the housing that takes them, None for the usual place."""
+    """Loads of a curve."""
 
     values: tuple[float, ...]
+    """Forces [N], or factors on the scene's loads, ascending."""
     factors: bool = False
+    """Whether the values are factors."""
     direction: Vector = AXES["z"]
+    """Unit vector of the forces."""
     at: float | str | None = None
+    """Station on the shaft [m] or name of the housing that takes the forces; None: the usual place."""
 
 
 def read_course(text: str) -> Course:
-    """The course that an option states. Raises ArgumentError.
+    """Read the loads of a curve from the text of an option.
 
-    >>> read_course("-3kN:3kN:3:x"), read_course("0:1.5:2")
-    (Course(values=(-3000.0, 0.0, 3000.0), factors=False, direction=(1.0, 0.0, 0.0), at=None), \
-Course(values=(0.0, 1.5), factors=True, direction=(0.0, 0.0, 1.0), at=None))
+    Parameters
+    ----------
+    text
+        ``LOW:HIGH``, then number of points, direction and place as needed; see `rollbench.load_curve`.
+
+    Returns
+    -------
+    Course
+        The loads.
+
+    Raises
+    ------
+    ArgumentError
+        If the text cannot be read.
+
+    Examples
+    --------
+    >>> course = read_course("-3kN:3kN:3:x")
+    >>> course.values, course.direction
+    ((-3000.0, 0.0, 3000.0), (1.0, 0.0, 0.0))
+    >>> read_course("0:1.5:2").factors
+    True
     """
     ends, further = text.split(":")[:2], [x.strip() for x in text.split(":")[2:]]
     pairs = [units.number_and_unit(end) for end in ends]
@@ -90,7 +112,10 @@ def _place(word: str) -> float:
 
 @record(kw_only=True)
 class CurvePoint:
-    """One load of a curve. A number is None where there is no equilibrium, or none that is unique: see status."""
+    """One load of a curve.
+
+    A number is None if there is no equilibrium, or the displacement is not unique (within the lash): see ``status``.
+    """
 
     load: float = quantity("load_N", "force along the curve's direction; of load factors that of the first load")
     factor: float | None = quantity("load_factor", "factor on all loads of the scene, where the curve is over factors")
@@ -112,7 +137,15 @@ class CurvePoint:
 
 @record(eq=False, repr=False, kw_only=True)
 class LoadCurve(Record):
-    """A scene under a force that goes from one value to another, in place of its loads."""
+    """Displacement and stiffness of a scene over a range of loads, which replaces its loads.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> curve = rollbench.load_curve("lin-case1", "-3000N:3000N:5", "lin")
+    >>> curve.lash, round(curve.forward / 1e6)  # m, N/um
+    (0.0, 201)
+    """
 
     scene: str = quantity("scene")
     model: str = quantity("model")
@@ -140,41 +173,73 @@ class LoadCurve(Record):
     )
     points: tuple[CurvePoint, ...] = quantity("points")
     warnings: tuple[Warned, ...] = quantity("warnings")
-    """What the solutions at both ends warn of."""
+    """Warnings of the solutions at both ends of the curve."""
     assumed: tuple[str, ...] = quantity("assumed")
 
     @property
     def converged(self) -> bool:
-        """Whether every load has an equilibrium."""
+        """Whether there is an equilibrium at every load."""
         return all(p.largest is not None for p in self.points)
 
     @property
     def above(self) -> str:
-        """The line above the answers, empty where no warning belongs there."""
+        """Warning that is shown above the answers; empty without."""
         return above(self.warnings)
 
     def to_dict(self) -> dict[str, JSON]:
-        """What ``rollbench solve --curve --json`` prints."""
+        """Return the JSON that ``rollbench solve --curve --json`` prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         return with_schema(as_json(self) or {})
 
 
 @dataclass(frozen=True)
 class _State:
-    """The scene at a load: displacement [m] along it, largest contact load [N]; nan without equilibrium."""
+    """Solution of the scene at one load."""
 
     scene: Scene | Assembly
     result: StaticResult | AxisResult
+    #: Displacement along the force [m]; nan without equilibrium.
     moved: float = math.nan
+    #: Largest contact load [N]; nan without equilibrium.
     largest: float = math.nan
 
 
 def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options: Options | None = None) -> LoadCurve:
-    """Solve a scene over a course of loads.
+    """Solve a scene over a range of loads.
 
-    Forces act in place of the scene's loads: at the nut's centre, of several sets where its loads act, unless the course
-    says where; factors multiply all its loads, and what counts is the first. Near the first contact a displacement is
-    u_0 + c F^(2/3) by Hertz, so that u_0 = (4 u(F/8) - u(F))/3 for a vanishing F is an end of the lash. Raises InputError
-    for a load where there is nothing to load, and as `run_model`.
+    Forces replace the scene's loads and act at the nut's centre (of several sets where its loads act) unless the course
+    gives a place. Factors multiply all its loads; the curve is then over the first of them.
+
+    Parameters
+    ----------
+    scene
+        One load case.
+    course
+        Range of loads.
+    model
+        Name of the model; empty: the default.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    LoadCurve
+        A point for each load, lash and stiffness outside it.
+
+    Raises
+    ------
+    rollbench.InputError
+        If the course does not fit the scene, or the model does not cover it.
+
+    Notes
+    -----
+    Near the first contact the displacement is u_0 + c F^(2/3) (Hertz). So the end of the lash is u_0 = (4 u(F/8) - u(F))/3
+    for a vanishing force F.
     """
     model, options = model or default_model(scene), replace(options or Options(), discretisation=False)
     loaded, direction, at, unit = _loading(scene, course)
@@ -242,7 +307,7 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
 def _loading(
     scene: Scene | Assembly, course: Course
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
-    """Scene at a value of the course, direction and place of the force, and the force [N] of the value 1."""
+    """Return the scene at a value of the course, direction and place of the force, and the force [N] of the value 1."""
     several = isinstance(scene, Assembly)
     at: float | str = _asked(scene) if isinstance(scene, Assembly) else scene.nut.position
     if course.factors:
@@ -283,7 +348,7 @@ def _asked(assembly: Assembly) -> float | str:
 
 
 def _motion(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
-    """Motion (6,) [m, rad] of what takes the force."""
+    """Return the motion (6,) [m, rad] of the station or housing that takes the force."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
         return motion_asked(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
@@ -294,7 +359,7 @@ def _largest(loads: Any) -> float:
 
 
 def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
-    """Displacements [m] at the ends of the lash, None with words why there is none."""
+    """Return the displacements [m] at both ends of the lash; None, and the reason, if there is none."""
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "the loads have one sign"
     ends, rough = [], 0.0
@@ -311,6 +376,6 @@ def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[
 
 
 def _chord(end: CurvePoint, edge: float) -> float | None:
-    """Load of the end of a curve over its displacement [m] from the edge of the lash; None without a solution there."""
+    """Return the load of a curve's end over its displacement [m] from the end of the lash; None without a solution."""
     moved = None if end.displacement is None else end.displacement - edge
     return end.load / moved if moved else None

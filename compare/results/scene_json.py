@@ -1,4 +1,4 @@
-"""A solved scene, of one set or several, and the load cases of a duty cycle, as JSON."""
+"""JSON of a solved scene, of one set or several, and of the load cases of a duty cycle."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ if TYPE_CHECKING:
     from rollbench.compare.models.answers import SetAnswers
     from rollbench.lowfi.bearings.torque import LoadTorque
 
-#: Answers that each set has for itself.
+#: Answers that each set has separately.
 OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
-#: Force [N] whose change of sign lost motion is given for.
+#: Friction force [N] for whose reversal lost motion is given.
 LOST_BY = 100.0
 
 
 def per_side(row: Array) -> dict[str, float | None]:
-    """Values (4,) by the names of the flanks."""
+    """Return values (4,) by the names of the flanks."""
     return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
 @record
 class BallRow:
-    """One ball: place, and load, contact angle and pressure (4,) of its flanks, SI."""
+    """One ball: position, and load, contact angle and pressure (4,) of its flanks, in SI."""
 
     index: int = quantity("index", "number of the ball along its track, from 1")
     azimuth: float = quantity("azimuth_deg", "nominal azimuth of the ball, from x to y; it goes on over turns")
@@ -108,35 +108,42 @@ class LoadSums:
         "largest contact load",
         error="model form, `largest_percent_of_mean`",
         heading="largest contact load",
-        form=".1f",
+        expected=("percent", 1.0),
+        note="ball {worst_ball} {worst_side}",
     )
     mean: float = quantity(
         "mean_N",
         "mean contact load: the sum of the loads over the number of contacts that the screw without geometric errors loads",
         error="small: equilibrium fixes the sum",
         heading="mean contact load",
-        form=".1f",
     )
-    least: float = quantity("min_N", "smallest load of a loaded contact", error="model form, `largest_percent_of_mean`")
+    least: float = quantity(
+        "min_N",
+        "smallest load of a loaded contact",
+        error="model form, `largest_percent_of_mean`",
+        heading="smallest contact load",
+        expected=("percent", 1.0),
+        note="of {loaded_contacts} loaded",
+    )
     loaded: int = quantity("loaded_contacts", "contacts with load")
     in_mean: int = quantity("contacts_in_mean", "contacts over which the mean is taken")
-    unloaded: int = quantity("balls_without_load", "balls without any load")
+    unloaded: int = quantity("balls_without_load", "balls without any load", heading="balls without load")
 
 
 @record
 class RollerSums:
-    """The same of a row of rollers, each with one load."""
+    """Worst roller, mean and extremes of the loaded rollers of a row [N]."""
 
     roller: int = quantity(
         "worst_roller",
         "roller of the largest load; of a row of rollers the numbers of this table are those of rollers, each with one "
         "load on both races",
     )
-    largest: float = quantity("max_N")
-    mean: float = quantity("mean_N")
-    least: float = quantity("min_N")
+    largest: float = quantity("max_N", heading="largest roller load", note="roller {worst_roller}")
+    mean: float = quantity("mean_N", heading="mean roller load")
+    least: float = quantity("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded")
     loaded: int = quantity("loaded_contacts")
-    unloaded: int = quantity("rollers_without_load", "rollers without any load")
+    unloaded: int = quantity("rollers_without_load", "rollers without any load", heading="rollers without load")
 
 
 @record
@@ -154,10 +161,12 @@ class SideSums:
 
 @record
 class Axial:
-    """Axial force [N], displacement [m], what they give [N/m], and why there is no tangent."""
+    """Axial force [N], displacement [m], rigidities [N/m], and why there is no tangent stiffness."""
 
     force: float = quantity(
-        "force_N", "axial force on the screw, as loads and reactions give it; positive towards larger z"
+        "force_N",
+        "axial force on the screw, as loads and reactions give it; positive towards larger z",
+        heading="axial force",
     )
     displacement: float | None = quantity(
         "displacement_um",
@@ -165,19 +174,21 @@ class Axial:
         "without its loads",
         error="`model_form.displacement_percent`",
         heading="axial displacement",
-        form=".3f",
+        expected=("displacement_percent", 1.0),
     )
     rigidity: float | None = quantity(
         "rigidity_N_per_um",
         "secant: axial force over axial displacement",
         error="that of the displacement",
-        heading="axial load over it",
-        form=".1f",
+        heading="axial rigidity, secant",
+        expected=("displacement_percent", 1.0),
     )
     tangent: float | None = quantity(
         "tangent_N_per_um",
         "tangent: change of axial force over change of displacement at the solution, other freedoms free",
         error="`model_form.rigidity_percent`",
+        heading="axial rigidity, tangent",
+        expected=("rigidity_percent", 1.0),
         default=None,
     )
     words: str = quantity("tangent_words", "why there is no tangent", show=lambda words: words or None, default="")
@@ -185,11 +196,16 @@ class Axial:
         "stepped_N_per_um",
         "stiffness of the model liu over ingredients.load_step, at the first loaded ball (Liu's 19 to 22)",
         error="the model is not covered by comparisons",
+        heading="rigidity over the load step",
         default=None,
     )
 
     @property
-    @Stated("lost_motion_um_per_100N", "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest")
+    @Stated(
+        "lost_motion_um_per_100N",
+        "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest",
+        heading="lost motion, um by 100 N",
+    )
     def lost_motion(self) -> float | None:
         """Axial displacement [um] by 100 N of friction that reverses."""
         return None if self.tangent is None or self.tangent <= 0.0 else 1e6 * (2.0 * LOST_BY / self.tangent)
@@ -197,7 +213,7 @@ class Axial:
 
 @record
 class StiffnessAt:
-    """A stiffness (6, 6) [N/m, N/rad, N m/rad] at a station [m]; nan where a freedom is held."""
+    """Stiffness (6, 6) [N/m, N/rad, N m/rad] at a station [m]; nan where a freedom is fixed."""
 
     station: float | None = quantity("station_mm", "station at which the 6 x 6 stiffness is taken")
     status: str = quantity("status")
@@ -213,7 +229,7 @@ class StiffnessAt:
 
 @record
 class CentrelinePoint:
-    """Station [m] of the screw's axis, and its displacement (6,) there."""
+    """Station [m] of the screw's axis, and its displacement (6,)."""
 
     z: float = quantity("z_mm", "station of the screw's axis")
     motion: Array = quantity(
@@ -226,7 +242,7 @@ class CentrelinePoint:
 
 
 def sides_json(load: Array) -> dict[str, Any]:
-    """Per loaded side: largest and smallest load of the loaded balls [N], their ratio, balls with and without load."""
+    """Return, for each loaded side, largest and smallest load [N], their ratio, balls with and without load."""
     out = {}
     for side, values in zip(SIDES, load.T, strict=True):
         loaded = values[values > 0.0]
@@ -237,8 +253,10 @@ def sides_json(load: Array) -> dict[str, Any]:
 
 
 def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
-    """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load. contacts: see
-    `meshes.loads.mean_load`."""
+    """Return worst ball, mean and extremes of the loaded contacts (n, 4) [N]; None without load.
+
+    ``contacts``: number in the mean load, see `meshes.loads.mean_load`.
+    """
     loaded = load > 0.0
     if not loaded.any():
         return None
@@ -250,7 +268,7 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
 
 
 def roller_loads(load: Array) -> dict[str, Any] | None:
-    """Worst roller, mean and extremes of the loaded ones of a row ``(count,)`` [N]; None without load."""
+    """Return worst roller, mean and extremes of the loaded rollers of a row, (count,) [N]; None without load."""
     carried = load[load > 0.0]
     if not carried.size:
         return None
@@ -259,18 +277,18 @@ def roller_loads(load: Array) -> dict[str, Any] | None:
 
 
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
-    """A stiffness (6, 6) at a station [m]: N/m, N/rad, N m/rad; null where a freedom is held."""
+    """Return a stiffness (6, 6) at a station [m], in N/m, N/rad, N m/rad; null where a freedom is fixed."""
     return as_json(StiffnessAt(station, str(status), FREEDOMS, matrix))
 
 
 def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
-    """A life, in hours too where a speed [rad/s] is known."""
+    """Return a life, also in hours if a speed [rad/s] is known."""
     data = as_json(life)
     return data | {"L10_hours": number(life.hours(speed))} if data is not None and life and speed else data
 
 
 def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
-    """Worst contact, truncation (of balls), static safety, life and ratings; null where there is none."""
+    """Return worst contact, truncation (of balls), static safety, life and ratings; null if there is none."""
     if isinstance(answers, RollerAnswers):
         safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
         data = (as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
@@ -280,7 +298,7 @@ def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = 
 
 
 def answers_json(one: Solved) -> dict[str, Any]:
-    """All answers of one set: forces in N, displacements in um, rigidities in N/um; empty without."""
+    """Return all answers of one set: forces in N, displacements in um, rigidities in N/um; empty without equilibrium."""
     scene, answers = one.scene, one.answers
     if answers is None:
         return {}
@@ -304,8 +322,10 @@ def answers_json(one: Solved) -> dict[str, Any]:
 
 
 def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
-    """Load-dependent friction torque of a bearing under a thrust [N] by Palmgren's formula (Smith 2.33 to 2.38), which is
-    for contact angles of about 60 deg."""
+    """Return the load-dependent friction torque of a bearing under a thrust [N] by Palmgren (Smith 2.33 to 2.38).
+
+    The formula is for contact angles of about 60 deg.
+    """
     from rollbench.lowfi.bearings.torque import load_torque, static_rating
     from rollbench.lowfi.statics.contacts import nominal_curvatures
 
@@ -316,7 +336,7 @@ def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
 
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
-    """Starting torque of a ball bearing that carries thrust one way, under its preload; None without one, and for nuts."""
+    """Return the starting torque of a ball bearing with thrust in one direction, under its preload; None for others."""
     parts, preload = answers.parts, answers.preload
     one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
     if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
@@ -325,7 +345,7 @@ def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
-    """Summary of one set of several, of balls or of rollers, on a shaft in motion."""
+    """Return the summary of one of several sets, of balls or rollers."""
     if not np.isfinite(s.loads).all():
         return {}
     data: dict[str, Any] = {} if s.balls is None else {"sides": sides_json(s.balls.load)}
@@ -341,15 +361,14 @@ def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) ->
 
 
 def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
-    """The stiffness of several sets as a whole, in the keys of a single set's."""
+    """Return the stiffness of several sets as a whole, with the keys of a single set's."""
     if result.stiffness is None:
         return None
     return {"at": result.stiffness_at, **(stiffness_json(result.station, result.status, result.stiffness) or {})}
 
 
 def whole_json(one: SolvedAxis) -> dict[str, Any]:
-    """Summary of several sets: sides of all balls, what the set of the worst contact says, with its number, axial
-    answers."""
+    """Return the summary of several sets: sides of all balls, values of the set with the worst contact, axial answers."""
     result, answers = one.result, one.answers
     if not result.converged:
         return {}
@@ -370,9 +389,22 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
 
 
 def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
-    """A solved scene as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N. Of several
-    sets rows of balls and rollers begin with their set, sums of a set are in ``sets``. tangent: the stiffness at a station,
-    where it was asked for of one set."""
+    """Return a solved scene as JSON: angles in deg, stations in mm, displacements in um, forces in N.
+
+    Of several sets rows of balls and rollers begin with their set, sums of a set are in ``sets``.
+
+    Parameters
+    ----------
+    one
+        The solution.
+    tangent
+        Stiffness at a station, if it was asked for.
+
+    Returns
+    -------
+    dict
+        JSON values.
+    """
     result = one.result
     answers: dict[str, Any]
     if isinstance(one, SolvedAxis):
@@ -413,7 +445,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
 
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
-    """Expected errors [%] beside those of loads, by ``key`` with the quantity's name; null where not covered."""
+    """Return the errors to expect of quantities other than loads [%], by ``key``; null if not covered."""
     errors = {
         name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
     }
@@ -421,7 +453,7 @@ def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
 
 
 def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
-    """Discretisation error of the beam in per cent of the mean contact load, where it was measured."""
+    """Return the discretisation error of the beam [% of the mean contact load], if it was estimated."""
     change = result.solver.discretisation
     if change is None:
         return None
@@ -429,22 +461,24 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
 
 
 def pole_pressure(scene: Scene, found: StaticResult) -> Array:
-    """Largest pressure (n, 4) [Pa] of every contact: the model's, else by Hertz and the radii with their errors; nan
-    without equilibrium."""
+    """Return the largest pressure of every contact, (n, 4) [Pa], of the model, else by Hertz with errors of the radii.
+
+    nan without equilibrium.
+    """
     if found.pressure is not None or not np.isfinite(found.load).all():
         return found.load if found.pressure is None else found.pressure
     return own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
 
 
 def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
-    """Place, loads, contact angles and pressures of every ball, numbered from 1."""
+    """Return position, loads, contact angles and pressures of every ball, numbered from 1."""
     pressure = pole_pressure(scene, balls)
     rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
     return [as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
 
 
 def set_balls(result: AxisResult) -> list[dict[str, Any]]:
-    """One row per ball, numbered from 1 in each set."""
+    """Return one row per ball, numbered from 1 in each set."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if s.balls is not None and isinstance(s.of.parts, Scene):
@@ -453,7 +487,7 @@ def set_balls(result: AxisResult) -> list[dict[str, Any]]:
 
 
 def rollers(result: AxisResult) -> list[dict[str, Any]]:
-    """One row per roller, numbered from 1 in each set."""
+    """Return one row per roller, numbered from 1 in each set."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if not isinstance(s.of.parts, RollerRow) or s.roller_azimuth is None or s.line_loads is None:
@@ -469,7 +503,19 @@ def rollers(result: AxisResult) -> list[dict[str, Any]]:
 def cases_json(
     cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: Together, tangents: Sequence[Tangent | None] = ()
 ) -> dict[str, Any]:
-    """The load cases in order, and what they say together; tangents: of each, where they were asked for."""
+    """Return the JSON of the load cases in order, and of the sums over them.
+
+    Parameters
+    ----------
+    cycle
+        The duty cycle.
+    solved
+        Solutions of the load cases.
+    whole
+        Sums over the load cases.
+    tangents
+        Stiffness of each load case at a station, where asked for.
+    """
     each = zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True)
     unsolved = "; ".join(f"case {name}: {status}" for name, status in whole.unsolved.items())
     return {
@@ -482,12 +528,12 @@ def cases_json(
 
 
 def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
-    """What every row of a case begins with."""
+    """Return the keys with which every row of a load case begins."""
     return {"scene": cycle.name, **(as_json(case) or {})}
 
 
 def together_json(whole: Together) -> dict[str, Any]:
-    """Extremes of the cases, and the lives over the cycle with words where there is none."""
+    """Return the extremes over the load cases, and the lives over the cycle or why there is none."""
     several = len(whole.lives) != 1
     data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)
     each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)

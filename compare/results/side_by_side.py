@@ -1,4 +1,4 @@
-"""Several scenes side by side, such as one axis on bearings of balls and of rollers: stiffness, torque, life."""
+"""Result of `rollbench.side_by_side`: stiffness, torque and life of several scenes by one model."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
 Band = tuple[float, float]
-#: What scenes of one axis share: attribute, words where it differs.
+#: Attributes that scenes of one axis share, with the words that are shown where they differ.
 SHARED = (
     *(
         ("loads", "loads"),
@@ -34,7 +34,10 @@ SHARED = (
 
 @record(kw_only=True)
 class Alternative:
-    """What one of the scenes answers; None where it has no equilibrium, or not what that takes: see `solve` of it alone."""
+    """Answers of one of the compared scenes.
+
+    A field is None if there is no equilibrium, or what the quantity needs is not stated in the scene.
+    """
 
     scene: str = quantity("scene")
     status: str = quantity("status", "converged, or why there is no equilibrium")
@@ -70,18 +73,28 @@ class Alternative:
     warnings: tuple[Warned, ...] = quantity("warnings")
 
 
-#: What `Difference` says of: every number of an `Alternative`.
+#: Keys of all numbers of an `Alternative`, whose differences are given.
 NUMBERS = [key for key, one in quantities(Alternative).items() if one.unit or key == "static_safety"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SideBySide(Record):
-    """Scenes solved by one model: what each answers, and what they do not share."""
+    """Answers of several scenes by one model, and which of their data differ.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> both = rollbench.side_by_side(["lin-case1", "lin-case2"], model="lin")
+    >>> both.scenes[1].scene, round(both.scenes[1].largest), both.differ
+    ('lin-case2', 282, ())
+    """
 
     model: str
+    """Name of the model of all scenes."""
     scenes: tuple[Alternative, ...]
+    """Answers of each scene, in the order given."""
     differ: tuple[str, ...]
-    """What of shaft, loads and operation is not the same in all: how far this is one axis."""
+    """Data of shaft, loads and operation that differ between the scenes; empty for variants of one axis."""
 
     @property
     def converged(self) -> bool:
@@ -95,8 +108,25 @@ class SideBySide(Record):
         parts=".*[]",
     )
     def difference_percent(self, key: str) -> tuple[float | None, ...]:
-        """Difference of a number, by its key in JSON, from that of the first scene [% of that]; of a torque by the middle
-        of its range. None where one is not known, or the first is zero."""
+        """Return the differences of a number from that of the first scene [% of the first].
+
+        Parameters
+        ----------
+        key
+            Key of the number in the JSON, such as ``"largest_load_N"``; a torque counts by the middle of its range.
+
+        Returns
+        -------
+        tuple of float or None
+            One for each scene; None if a number is missing or that of the first scene is zero.
+
+        Examples
+        --------
+        >>> import rollbench
+        >>> both = rollbench.side_by_side(["lin-case1", "lin-case2"], model="lin")
+        >>> [round(x, 1) for x in both.difference_percent("displacement_um")]
+        [0.0, -0.5]
+        """
         values = [_middle((as_json(one) or {})[key]) for one in self.scenes]
         if values[0] is None:
             return (None,) * len(values)
@@ -104,7 +134,13 @@ class SideBySide(Record):
         return tuple(x if x is not None and np.isfinite(x) else None for x in found)
 
     def to_dict(self) -> dict[str, JSON]:
-        """What ``rollbench solve A B --json`` prints."""
+        """Return the JSON that ``rollbench solve A B --json`` prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         off: dict[str, Any] = {key: list(self.difference_percent(key)) for key in NUMBERS}
         scenes = [as_json(one) or {} for one in self.scenes]
         return with_schema(
@@ -117,7 +153,20 @@ def _middle(value: Any) -> float | None:
 
 
 def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
-    """The scenes of results beside one another by these names; of load cases the first, and the life over all."""
+    """Make the record of several results; of load cases the first is taken, and the life over all.
+
+    Parameters
+    ----------
+    results
+        Results of one model.
+    names
+        Name of each scene in the record.
+
+    Returns
+    -------
+    SideBySide
+        The record.
+    """
     parts = [one.solved[0].scene for one in results]
     return SideBySide(
         model=results[0].model,
@@ -159,7 +208,7 @@ def _alternative(whole: Result, name: str) -> Alternative:
 
 
 def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
-    """Torques (low, high) [N m] while it runs and from rest, and the inertia [kg m^2] of an axis."""
+    """Return running and starting torques (low, high) [N m], and the moment of inertia of an axis [kg m^2]."""
     if one.drive is not None:
         return one.drive.running, one.drive.starting, one.drive.inertia
     if one.bearing_torque is not None:
@@ -171,7 +220,7 @@ def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
 
 
 def _differ(scenes: Sequence[Scene | Assembly]) -> list[str]:
-    """What is not the same in all of the scenes."""
+    """Return which data differ between the scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
         return ["one set against several"]

@@ -1,4 +1,4 @@
-"""What `rollbench.solve` gives: `Result` and its parts."""
+"""Result of `rollbench.solve`: loads, displacement, stiffness and life of a scene, and their parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import numpy as np
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
-from rollbench.compare.results.base import JSON, Record, deprecated, with_schema
+from rollbench.compare.results.base import JSON, Record, Row, as_html, deprecated, with_schema
+from rollbench.compare.results.rows import expected_words, rows_of, set_rows, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json, pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
@@ -37,158 +38,175 @@ if TYPE_CHECKING:
     from rollbench.lowfi.rating import life as rating
     from rollbench.lowfi.rating.life import SystemLife
     from rollbench.lowfi.rating.modified import ModifiedLife
+    from rollbench.lowfi.rating.reference import ReferenceLife
     from rollbench.lowfi.rating.shaft import ShaftLimits
 
 
 class Status(StrEnum):
-    """How a solution ended."""
+    """How the search for an equilibrium ended."""
 
     CONVERGED = "converged"
-    """In equilibrium: all fields may be used."""
+    """There is an equilibrium; all fields may be used."""
     NOT_HELD = "not held"
-    """Supports and contacts do not hold the screw under the loads."""
+    """Supports and contacts cannot carry the loads: the screw would move freely."""
     NOT_CONVERGED = "not converged"
-    """No equilibrium was found."""
+    """The iteration found no equilibrium."""
     STOPPED = "stopped"
-    """The solver was stopped before it found one."""
+    """The solver was interrupted, or reached its limit of steps."""
 
 
 @dataclass(frozen=True)
 class Life:
-    """Life that 90 % of equal ones reach, by the contact loads (ISO 281, ISO 3408-5)."""
+    """Basic rating life L10, which 90 % of equal parts reach, by the computed contact loads (ISO 281, ISO 3408-5)."""
 
     L10: float
     """Life [revolutions]."""
     distance: float | None
-    """The same as travel of the nut [m]; None for rings."""
+    """Travel of the nut in that life [m]; None for bearings."""
     seconds: float | None
-    """The same as time [s] at the scene's speed; None without a speed."""
+    """Running time in that life [s] at the scene's speed; None without a speed."""
     rating: float
-    """Basic dynamic load rating as computed [N]: axial for screws and thrust bearings, else radial."""
+    """Basic dynamic load rating, computed from the geometry [N]: axial for screws and thrust bearings, else radial."""
     equivalent_load: float
-    """Load [N] under which the rating gives the same life."""
+    """Equivalent dynamic load [N]: the load for which the rating gives the same life."""
     standard: str
-    """Whose formulas."""
+    """Standard whose formulas are used, such as ISO 3408-5."""
 
 
 @dataclass(frozen=True)
 class Preload:
-    """What presses the contacts when the scene's loads are away."""
+    """Contact loads that are left when the loads of the scene are removed."""
 
     mean: float
     """Mean load of the loaded contacts [N]."""
     largest: float
     """Largest load of a contact [N]."""
     axial: float
-    """Internal axial force [N]; of a set of several, the axial force that it then has on the shaft."""
+    """Internal axial force [N]; of one of several sets, its axial force on the shaft."""
     contacts: int
-    """How many contacts are loaded."""
+    """Number of loaded contacts."""
 
 
 @dataclass(frozen=True)
 class WorstContact:
-    """The contact of the highest pressure."""
+    """The contact with the highest pressure."""
 
     set: str
-    """Name of its set; empty where there is one."""
+    """Name of the rolling set that it belongs to; empty if there is only one."""
     element: int
-    """Number of the ball or roller, from 1."""
+    """Number of the ball or roller, counted from 1."""
     side: str
     """Flank of a ball: SL, SR, NL, NR (screw or nut, left or right); race of a roller: inner, outer."""
     force: float
-    """Its load [N]."""
+    """Contact load [N]."""
     pressure: float
-    """Hertz pressure at its pole [Pa]."""
+    """Largest Hertz pressure, at the centre of the contact [Pa]."""
     safety: float
-    """Static safety [1]: load of the allowed pressure (4200 MPa of balls, 4000 MPa of rollers) over its load."""
+    """Static safety factor [1]: load at the allowed pressure (balls 4200 MPa, rollers 4000 MPa) over contact load."""
     angle: float | None
     """Contact angle [rad]; None of rollers."""
     approach: float | None
-    """Approach of the two bodies [m]; None of rollers."""
+    """Approach of ball and groove [m]; None of rollers."""
     semi_axes: tuple[float, float] | None
-    """Semi-axes of the ellipse, across and along the groove [m]; None of rollers."""
+    """Semi-axes of the contact ellipse, across and along the groove [m]; None of rollers."""
 
 
 @record
 class ExpectedError:
-    """Error of the model to expect, from its errors against the 3D reference on other scenes; None: not covered."""
+    """Error of the model to expect, estimated from its errors against the 3D reference on similar scenes.
+
+    None: no similar scene was compared.
+    """
 
     loads: float | None = quantity("expected_error_percent", "what `model_form` promised for the worst contact load")
     """Largest error of a contact load [% of the mean contact load]."""
     loads_rms: float | None
     """RMS error of the contact loads [% of the mean contact load]."""
     displacement: float | None = quantity("expected_displacement_error_percent", "the same for the displacement")
-    """Of the axial displacement [%]."""
+    """Error of the axial displacement [%]."""
     rigidity: float | None = quantity("expected_rigidity_error_percent", "the same for the rigidity")
-    """Of the axial stiffness [%]."""
+    """Error of the axial rigidity [%]."""
     pressure: float | None = quantity("expected_pressure_error_percent", "the same for the pressure")
-    """Of the largest pressure [%]."""
+    """Error of the largest pressure [%]."""
     nearest: str
-    """The compared scene that is most alike."""
+    """Name of the most similar scene that was compared."""
     words: tuple[str, ...]
-    """What the model holds, and why a scene is not covered."""
+    """Explanations: in what the scene differs from those compared, and why it is not covered."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Balls:
-    """Contacts of n balls; sides in the order SL, SR, NL, NR: screw or nut, left or right seen along +z. Each field is None
-    without balls, and the answers among them (loads, angles, pressure) without equilibrium."""
+    """Contacts of n balls, in arrays with a row for each ball.
+
+    Columns are the flanks SL, SR, NL, NR: screw or nut, left or right seen along +z. Fields are None for rollers; loads,
+    angles and pressure also without an equilibrium.
+    """
 
     azimuth: Array | None = None
-    """Place of every ball about the axis, (n,) [rad]."""
+    """Azimuth of every ball about the axis, (n,) [rad]."""
     z: Array | None = None
-    """Place of every ball along the axis, (n,) [m]."""
+    """Axial position of every ball, (n,) [m]."""
     loads: Array | None = None
     """Contact loads, (n, 4) [N]; zero without contact."""
     angles: Array | None = None
-    """Contact angles under load, (n, 4) [rad]; nan without contact."""
+    """Contact angles under load from the radial plane, (n, 4) [rad]; nan without contact."""
     pressure: Array | None = None
-    """Pole pressures, of the model or by Hertz and the radii with their errors, (n, 4) [Pa]; zero without contact."""
+    """Largest pressure of every contact, by the model or by Hertz, (n, 4) [Pa]; zero without contact."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SetResult(Balls):
-    """One of several rolling sets on a shaft."""
+    """One rolling set (nut, ball bearing or roller bearing) of several on a shaft."""
 
     name: str
-    """Name in the scene."""
+    """Name of the set in the scene."""
     kind: str
-    """What it is: nut, bearing, rollers."""
+    """Kind of the set: nut, bearing, rollers."""
     position: float
-    """Its place on the shaft [m]."""
+    """Axial position on the shaft [m]."""
     force: Array | None
-    """Force of its elements on the shaft, (3,) [N]."""
+    """Force of its balls or rollers on the shaft, (3,) [N]."""
     moment: Array | None
-    """Moment of them about the axis at its position, (3,) [N m]."""
+    """Moment of its balls or rollers on the shaft about the point of the axis at `position`, (3,) [N m]."""
     stiffness: Array | None
-    """Tangent stiffness of it with its outer part held, (6, 6) [N/m, N, N m]; freedoms ux, uy, uz, rx, ry, rz."""
+    """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m]; freedoms ux, uy, uz, rx, ry, rz."""
     roller_loads: Array | None
-    """Loads of rollers, (count,) [N]; None of balls."""
+    """Loads of the rollers, (count,) [N]; None of balls."""
     worst: WorstContact | None
-    """Its contact of the highest pressure; None without load."""
+    """Contact with the highest pressure; None without load."""
     life: Life | None
-    """Its life; None without load, and where the formulas do not take it."""
+    """Life of the set; None without load, and outside the range of the formulas."""
     rib: RibContact | None
     """Contact of the most loaded roller with its rib; None of balls and without load."""
     torque: RollerTorque | None
     """Friction torque of a row of rollers [N m], by work and by Timken's formula; None of balls and without load."""
     preload: Preload | None
-    """Its contacts without the loads of the scene; None where that has no equilibrium."""
+    """Contact loads without the loads of the scene; None if there is no equilibrium without them."""
     bearing_torque: BallTorque | None = None
     """Friction torque of a bearing [N m]; None of nuts and without load."""
+    reference_life: ReferenceLife | None = None
+    """Life of a bearing by ISO/TS 16281, in 10^6 revolutions; None of nuts and without load."""
 
     def __repr__(self) -> str:
-        """Name, kind and what is loaded."""
+        """Return name, kind and largest load of the set."""
         loads = self.loads if self.loads is not None else self.roller_loads
         return f"{self.name} ({self.kind}): " + ("no loads" if loads is None else f"largest load {loads.max():.5g} N")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(Record, Balls):
-    """A scene solved by a low-order model. Answers are None where there is no equilibrium: see `status` and `reason`.
+    """Answers of a low-order model to a scene.
 
-    Of several sets on one shaft the balls are those of all sets, in their order, and each set is in `sets`. Of load cases
-    each is a result in `cases`; the result of the whole has the life over all of them, and the worst contact.
+    Fields with answers are None where there is no equilibrium: see `status` and `reason`. Of several sets on one shaft the
+    arrays of balls hold those of all sets in turn, and each set is in `sets`. Each load case is a result in `cases`; the
+    whole has the life over all cases and the worst contact of all.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> result = rollbench.solve("lin-case1", "lin")
+    >>> result.converged, round(result.worst.pressure / 1e6), result.worst.element, result.worst.side
+    (True, 2618, 12, 'SL')
     """
 
     scene: str
@@ -196,99 +214,129 @@ class Result(Record, Balls):
     model: str
     """Name of the model."""
     member: int
-    """Which specimen of a scene with random errors, from 0."""
+    """Number of the specimen of a scene with random errors, from 0."""
     status: Status
-    """How the solution ended; of load cases, of the first that did not converge."""
+    """How the solution ended; of load cases that of the first that did not converge."""
     reason: str
-    """Why it has no equilibrium; empty where it converged."""
+    """Why there is no equilibrium; empty if there is one."""
     warnings: tuple[str, ...]
-    """Where answers leave what the model means."""
+    """Warnings where answers are outside the range of validity of the model."""
     assumed: tuple[str, ...]
     """Assumptions of scene and model."""
     left_out: tuple[str, ...]
-    """What the model leaves out."""
+    """Effects that the model neglects in this scene."""
     force: float | None = None
     """Axial force of the screw on the nut; of several sets, the axial loads on shaft and housings [N]."""
     displacement: Array | None = None
-    """Displacement of the screw's section at the nut's centre from its place without loads, (6,) [m, rad]; freedoms ux, uy,
-    uz, rx, ry, rz. Of several sets: of what the scene asks about (``stiffness_at``, else what is loaded first)."""
+    """Displacement of the screw's section at the nut's centre from its unloaded position, (6,) [m, rad]; freedoms ux, uy,
+    uz, rx, ry, rz. Of several sets: of the station or housing that ``stiffness_at`` names, else of the one loaded first."""
     rigidity: float | None = None
     """Axial force over axial displacement [N/m]; None without axial force."""
     stiffness: Array | None = None
-    """Tangent stiffness of the screw's section at the nut's centre against the held nut, (6, 6) [N/m, N, N m]; where
-    ``stiffness_at`` was given, at that station. Of several sets: of the whole, nan in held freedoms. None where the model
-    has none."""
+    """Tangent stiffness of the screw's section at the nut's centre, or at ``stiffness_at``, with the nut fixed, (6, 6)
+    [N/m, N, N m]. Of several sets: of the whole axis, nan in fixed freedoms. None if the model gives no stiffness."""
     axial_stiffness: float | None = None
-    """Axial tangent stiffness at the nut's centre [N/m]: rotation about the axis held, all else free; of several sets all
-    other freedoms held."""
+    """Axial tangent stiffness at the nut's centre [N/m]: rotation about the axis fixed, all else free; of several sets all
+    other freedoms fixed."""
     worst: WorstContact | None = None
-    """The contact of the highest pressure; of several sets, of the largest share of the allowed one. None without load."""
+    """Contact with the highest pressure; of several sets with the highest share of the allowed one. None without load."""
     life: Life | None = None
-    """Life by the contact loads; of several sets, of the set that lives shortest. None without load, and where the formulas
-    do not take the scene."""
+    """Life by the contact loads; of several sets the shortest. None without load, and outside the range of the formulas."""
     modified_life: ModifiedLife | None = None
-    """Life by the scene's reliability, lubricant and contamination, in 10^6 revolutions; None where it gives none, and of
-    several sets."""
+    """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of
+    these, and of several sets."""
+    reference_life: ReferenceLife | None = None
+    """Life of a bearing of one set by ISO/TS 16281, in 10^6 revolutions; None of screws and without load."""
     shaft: ShaftLimits | None = None
-    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of its shaft; None of rings and several sets."""
+    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None of bearings and several sets."""
     preload: Preload | None = None
-    """Of one set; of several see each of `sets`."""
+    """Contact loads without the loads of the scene; of several sets see each of `sets`."""
     bearing_torque: BallTorque | None = None
-    """Friction torque of a bearing of one set; None of nuts and without load."""
+    """Friction torque of a single bearing [N m]; None of nuts and without load."""
     drive: AxisDrive | None = None
-    """What the motor of several sets on one shaft turns: torques [N m] and moments of inertia [kg m^2]; None of one set."""
+    """Torques [N m] and moments of inertia [kg m^2] at the motor of an axis; None of one set."""
     axis_life: SystemLife | None = None
-    """Life of all sets that turn with the shaft together; of load cases over all of them. None of one set."""
+    """Life of all sets of a shaft as one system, over all load cases; None of one set."""
     expected_error: ExpectedError | None = None
-    """Error to expect; None of several sets, for which none is known, and of load cases: see each of them."""
+    """Error of the model to expect; None of several sets (not known), and of load cases: see each of `cases`."""
     sets: Mapping[str, SetResult] = field(default_factory=dict)
-    """Several sets on one shaft by name; empty of one set."""
+    """Results of each of several sets on one shaft, by name; empty of one set."""
     cases: Mapping[str, Result] = field(default_factory=dict)
-    """Load cases by name; empty without."""
+    """Results of each load case, by name; empty without load cases."""
     solved: tuple[Solved | SolvedAxis, ...] = ()
-    """Records of the solver with all that it found: one, or one for each load case."""
+    """Records of the solver with further details: one, or one for each load case."""
     tangents: tuple[Tangent | None, ...] = ()
-    """Of each of these the stiffness at the station that was asked for; None where none was."""
+    """Stiffness at the station ``stiffness_at``, for each record of `solved`; None without such a station."""
     cycle: DutyCycle | None = None
-    """The load cases of the scene; None without."""
+    """Duty cycle of the scene; None without load cases."""
     together: Together | None = None
-    """What the load cases say together; None without."""
+    """Sums over the load cases; None without load cases."""
 
     @property
     def converged(self) -> bool:
-        """Whether there is an equilibrium, of every load case."""
+        """Whether there is an equilibrium, in every load case."""
         return self.status is Status.CONVERGED
 
     @property
     def load(self) -> Array:
-        """`loads`, of load cases one after the other; empty without. Deprecated."""
+        """Contact loads, of load cases stacked; deprecated, use `loads`."""
         deprecated("result.load", "result.loads")
         each = [one.loads for one in self.cases.values() if one.loads is not None]
         return np.array(each) if each else np.zeros((0, 4)) if self.sets or self.loads is None else self.loads
 
     @property
     def angle(self) -> Array:
-        """`angles` in deg. Deprecated."""
+        """Contact angles [deg]; deprecated, use `angles`."""
         deprecated("result.angle", "result.angles, in rad")
         each = [one.angles for one in self.cases.values() if one.angles is not None]
         found = np.array(each) if each else np.zeros((0, 4)) if self.sets or self.angles is None else self.angles
         return np.degrees(found)
 
     def to_dict(self) -> dict[str, JSON]:
-        """What ``rollbench solve --json`` prints."""
+        """Return the JSON that ``rollbench solve --json`` prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key; the keys end with the unit, such as ``max_N``.
+        """
         if self.cycle is None or self.together is None:
             return with_schema(case_json(self.solved[0], self.tangents[0]))
         return with_schema(cases_json(self.cycle, self.solved, self.together, self.tangents))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """A row for every ball: its number, its place, and load, angle and pressure of each side, in SI units; of several
-        sets and of load cases with their names. Raises ImportError without pandas."""
+        """Return a row for every ball as a data frame, which needs the package pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Number and place of the ball, then load, angle and pressure of each flank in SI units; of several sets and load
+            cases with their names.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
         import pandas
 
         return pandas.DataFrame(self.columns())
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """The columns of `to_dataframe`, without pandas. Empty without equilibrium."""
+        """Return the columns of `to_dataframe` without pandas.
+
+        Returns
+        -------
+        dict
+            Arrays or lists by name of the column, such as ``load_SL_N``; empty without an equilibrium.
+
+        Examples
+        --------
+        >>> import rollbench
+        >>> columns = rollbench.solve("lin-case1", "lin").columns()
+        >>> list(columns)[:5], round(float(columns["load_SL_N"][0]))
+        (['ball', 'azimuth_rad', 'z_m', 'load_SL_N', 'load_SR_N'], 234)
+        """
         if self.cases:
             return _stacked("case", {name: one.columns() for name, one in self.cases.items()})
         if self.sets:
@@ -296,8 +344,20 @@ class Result(Record, Balls):
         return _columns(self)
 
     def plot(self) -> Figure:
-        """Contact loads over the ball number, a panel for each set and load case: a figure of matplotlib, without pyplot
-        (``plot().savefig("loads.svg")``). Raises ValueError without loads."""
+        """Draw the contact loads over the number of the ball, in a panel for each set and load case.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Figure without pyplot: ``plot().savefig("loads.svg")``.
+
+        Raises
+        ------
+        ValueError
+            If there are no loads.
+        ImportError
+            If matplotlib is not installed.
+        """
         from matplotlib.figure import Figure
 
         panels = list(self._panels(""))
@@ -313,7 +373,7 @@ class Result(Record, Balls):
         return figure
 
     def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Title and contact loads of every panel of `plot`."""
+        """Return title and contact loads (n, 4) [N] of every panel of `plot`."""
         if self.cases:
             return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
@@ -323,13 +383,44 @@ class Result(Record, Balls):
         ]
 
     def view(self, path: str | Path) -> Path:
-        """Write a page with the loaded screw, which can be turned, as ``rollbench view`` does; its path. Raises ValueError
-        without loads."""
+        """Write an HTML page with the loaded screw in 3D, to be turned in a browser, as ``rollbench view`` does.
+
+        Parameters
+        ----------
+        path
+            File to write.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        ValueError
+            If there are no loads.
+        """
         Path(path).write_text(self.view_page(), encoding="utf-8")
         return Path(path)
 
     def view_page(self, stores: Sequence[Path] | None = None) -> str:
-        """The text of that page. stores: folders of runs of the 3D reference, those of the package unless given."""
+        """Return the text of the page of `view`.
+
+        Parameters
+        ----------
+        stores
+            Folders with runs of the 3D reference, whose loads are shown too; those of the package unless given.
+
+        Returns
+        -------
+        str
+            HTML.
+
+        Raises
+        ------
+        ValueError
+            If there are no loads.
+        """
         from rollbench.compare.results.view import view_of
         from rollbench.reports.view import page
 
@@ -338,17 +429,29 @@ class Result(Record, Balls):
         title = (self.cycle or self.solved[0].scene).title
         return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
 
-    @property
-    def _shown(self) -> str:
-        return "sets" if self.sets else "summary"
+    def table(self) -> Sequence[Row]:
+        """Return the rows that ``rollbench solve`` prints; for load cases the rows on all of them together.
+
+        Returns
+        -------
+        Sequence[Row]
+            The rows.
+        """
+        return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
+
+    def _repr_html_(self) -> str:
+        """Return the table for a notebook, of several sets with a row on each."""
+        rows = [row for one in self.solved if isinstance(one, SolvedAxis) and not self.cases for row in set_rows(one)]
+        return super()._repr_html_() + (as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
     @property
     def _notes(self) -> tuple[str, ...]:
         status = f"{self.status}: {self.reason}" if self.reason else self.status
-        return (f"{self.scene}, {title_of(self.model)}: {status}", *self.warnings)
+        worth = () if self.cases or not self.converged else (expected_words(self.solved[0].expected),)
+        return (f"{self.scene}, {title_of(self.model)}: {status}", *worth, *self.warnings)
 
     def __repr__(self) -> str:
-        """Scene, model and status; then loads, displacement, pressure and life in one line each."""
+        """Return scene, model and status, then loads, displacement, pressure and life in a line each."""
         w, u = self.worst, self.displacement
         largest = None if self.loads is None or not self.loads.size else float(self.loads.max())
         lines = (
@@ -368,8 +471,26 @@ def result_of(
     cycle: DutyCycle | None = None,
     together: Together | None = None,
 ) -> Result:
-    """The result of a solved scene, or of the load cases of a cycle and what they say together. tangents: the stiffness at
-    the station that was asked for; at_nut: at the nut's centre; of each, None where there is none."""
+    """Make the result of a solved scene, or of the load cases of a duty cycle.
+
+    Parameters
+    ----------
+    solved
+        Records of the solver, one for each load case.
+    tangents
+        Stiffness of each at the station that was asked for; None where none was.
+    at_nut
+        Stiffness of each at the nut's centre; None where it was not computed.
+    cycle
+        Duty cycle of the load cases; None for a single scene.
+    together
+        Sums over the load cases, such as their life; None for a single scene.
+
+    Returns
+    -------
+    Result
+        The result, with each load case in ``cases``.
+    """
     each = [_of_one(*one) for one in zip(solved, tangents, at_nut, strict=True)]
     if cycle is None or together is None:
         return each[0]
@@ -388,6 +509,7 @@ def result_of(
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life(together.least.life, together.speed),
         modified_life=together.least.modified,
+        reference_life=together.least.reference,
         axis_life=together.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
@@ -432,6 +554,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         worst=_worst("", answers.loads),
         life=_life(answers.loads.life, speed),
         modified_life=answers.loads.modified,
+        reference_life=answers.loads.reference,
         shaft=answers.shaft,
         preload=_preload(answers.preload),
         bearing_torque=answers.torque,
@@ -490,6 +613,7 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         torque=loads.torque if isinstance(loads, RollerAnswers) else None,
         preload=None if answers is None else _preload(answers.preload),
         bearing_torque=None if answers is None else answers.torque,
+        reference_life=None if loads is None else loads.reference,
     )
 
 
@@ -522,7 +646,18 @@ def _preload(known: loading.Preload | None) -> Preload | None:
 
 
 def expected_error(m: ModelForm | None) -> ExpectedError | None:
-    """The record of what is estimated; None without."""
+    """Convert an estimate of the model's error to the record of the library.
+
+    Parameters
+    ----------
+    m
+        Estimate by `rollbench.compare.models.model_form`; None where there is none.
+
+    Returns
+    -------
+    ExpectedError or None
+        The record; None without an estimate.
+    """
     if m is None:
         return None
     others = m.displacement_percent, m.rigidity_percent, m.pressure_percent
@@ -530,7 +665,7 @@ def expected_error(m: ModelForm | None) -> ExpectedError | None:
 
 
 def _columns(one: Balls) -> dict[str, Array | list[str]]:
-    """Columns of the balls of one set; none without loads."""
+    """Return the columns of the balls of one set; none without loads."""
     if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
         return {}
     out: dict[str, Array | list[str]] = {"ball": np.arange(1.0, one.z.size + 1), "azimuth_rad": one.azimuth, "z_m": one.z}
@@ -540,7 +675,7 @@ def _columns(one: Balls) -> dict[str, Array | list[str]]:
 
 
 def _stacked(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
-    """Columns below one another, the first of which says of what they are."""
+    """Stack columns of several sets or cases; the first column, ``key``, holds their names."""
     known = {name: columns for name, columns in each.items() if columns}
     names = [name for name, columns in known.items() for _ in columns["ball"]]
     out: dict[str, Array | list[str]] = {key: names} if known else {}

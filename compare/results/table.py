@@ -1,4 +1,4 @@
-"""What `rollbench.table` gives: a scene at places of its keys, each with its stiffness and the error to expect."""
+"""Result of `rollbench.table`: stiffness and other quantities over given values of keys, with the error to expect."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CONVERGED = "converged"
 
-#: What rows may have beside the stiffness, with the field of the error to expect of it.
+#: Quantities of a row besides the stiffness, with the field that holds the error to expect of each.
 ERROR_OF = {
     "axial_rigidity_N_per_um": "rigidity_error",
     "displacement_um": "displacement_error",
@@ -33,7 +33,10 @@ ERROR_OF = {
 
 @record
 class TableRow:
-    """One place of a table, in SI units; None where it has no such answer or nobody asked. Errors in per cent."""
+    """Quantities at one combination of values of the keys, in SI units; errors in per cent.
+
+    A field is None if it was not asked for or there is no equilibrium.
+    """
 
     status: str = quantity("status")
     stiffness: Array | None = quantity(
@@ -94,59 +97,72 @@ class TableRow:
 
     @property
     def converged(self) -> bool:
-        """Whether there is an equilibrium at this place."""
+        """Whether there is an equilibrium."""
         return self.status == CONVERGED
 
 
 @dataclass(frozen=True)
 class Over:
-    """A key that a table goes over: as it was asked for, its column, and its values in order, numbers in the unit that the
-    column's name ends with."""
+    """A key of a table, with its values."""
 
     key: str
+    """Key of the scene, as it was given."""
     column: str
-    values: tuple[Any, ...]
+    """Name of its column, which ends with the unit of the values."""
+    values: tuple[float | str, ...]
+    """Values in the order of the rows; numbers in the unit of the column."""
 
     @property
     def unit(self) -> str:
-        """The unit that the column's name ends with; empty without."""
+        """Unit that the name of the column ends with; empty without."""
         return self.column.removeprefix(self.key).lstrip("_")
 
     @property
     def numbers(self) -> list[float] | None:
-        """The values as numbers; None where one is a word."""
+        """Values as numbers; None if one of them is text."""
         return [float(x) for x in self.values] if all(isinstance(x, int | float) for x in self.values) else None
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Table(Data):
-    """A scene at places of its keys."""
+    """Quantities of a scene for all combinations of values of its keys.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> found = rollbench.table("lin-case1", ["load=2:6:3 kN"], quantities=["displacement"], model="lin")
+    >>> for place, row in zip(found.places, found.rows):
+    ...     print(place["load_kN"], "kN:", round(1e6 * row.displacement, 1), "um")
+    2.0 kN: 16.1 um
+    4.0 kN: 28.1 um
+    6.0 kN: 39.1 um
+    """
 
     scene: str
     """Name of the scene."""
     model: str
-    """Model that solved it."""
+    """Name of the model."""
     over: tuple[Over, ...]
-    """Keys in the order of the rows: the last changes from row to row."""
+    """Keys with their values; that of the last key changes fastest from row to row."""
     stiffness_of: str
-    """What it is the stiffness of."""
+    """Body and station whose stiffness the rows give, in words."""
     rows: tuple[TableRow, ...]
-    """All places, also those without an answer, whose status says why."""
+    """A row for each combination; without equilibrium its status says why."""
 
     @property
     def converged(self) -> int:
-        """How many places have an equilibrium."""
+        """Number of rows with an equilibrium."""
         return sum(row.converged for row in self.rows)
 
     @property
-    def places(self) -> list[Mapping[str, Any]]:
-        """The place of each row: its values by the columns of the keys."""
+    def places(self) -> list[dict[str, float | str]]:
+        """Values of the keys for each row, by column."""
         columns = [x.column for x in self.over]
         return [dict(zip(columns, values, strict=True)) for values in product(*(x.values for x in self.over))]
 
     @property
     def failures(self) -> dict[str, list[str]]:
-        """Why places have no answer: the places in words, by the reason."""
+        """Combinations without equilibrium in words, by the reason."""
         out: dict[str, list[str]] = {}
         for row, place in zip(self.rows, self.places, strict=True):
             if not row.converged:
@@ -155,18 +171,35 @@ class Table(Data):
 
     @property
     def stiffness(self) -> Array:
-        """All stiffnesses ``(n, 6, 6)`` [N/m, N/rad, N m/rad]; nan without."""
+        """Tangent stiffness of all rows, (n, 6, 6) [N/m, N/rad, N m/rad]; nan where there is none."""
         return np.array([np.full((6, 6), np.nan) if x.stiffness is None else x.stiffness for x in self.rows])
 
-    def columns(self) -> dict[str, list[Any]]:
-        """Columns of a flat table, by the keys of the JSON: the place, the status, ``K_ux_ux`` to ``K_rz_rz`` in N, m and
-        rad, the quantities that were asked for, and the errors to expect of them."""
+    def columns(self) -> dict[str, list[float | str | None]]:
+        """Return the columns of a flat table, named as the keys of the JSON.
+
+        Returns
+        -------
+        dict
+            Lists by column: values of the keys, status, ``K_ux_ux`` to ``K_rz_rz`` in N, m and rad, the other quantities
+            and the errors to expect.
+        """
         flat = [dict(_flat(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
         names = dict.fromkeys(name for row in flat for name in row)
         return {name: [row.get(name) for row in flat] for name in names}
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """`columns` as a data frame. Raises ImportError without pandas."""
+        """Return `columns` as a data frame, which needs the package pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each combination.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
         import pandas
 
         return pandas.DataFrame(self.columns())
@@ -184,7 +217,23 @@ def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def table_of(data: Mapping[str, Any]) -> Table:
-    """The record of what ``rollbench table`` answers. Raises KeyError and TypeError for JSON of another kind."""
+    """Make the record of the JSON of ``rollbench table``.
+
+    Parameters
+    ----------
+    data
+        JSON of the table.
+
+    Returns
+    -------
+    Table
+        The record.
+
+    Raises
+    ------
+    KeyError, TypeError
+        If the JSON is of another kind.
+    """
     rows = [TableRow(**from_json(TableRow, row)) for row in data["rows"]]
     return Table(
         values={key: value for key, value in data.items() if key != "schema"},
@@ -197,7 +246,20 @@ def table_of(data: Mapping[str, Any]) -> Table:
 
 
 def place_words(over: Sequence[Over], row: Mapping[str, Any]) -> str:
-    """The place of a row in words."""
+    """Describe the values of the keys of a row in words.
+
+    Parameters
+    ----------
+    over
+        The keys.
+    row
+        Values by column.
+
+    Returns
+    -------
+    str
+        Such as ``load 2 kN``; ``as it stands`` without keys.
+    """
     values = [row[x.column] for x in over]
     texts = [f"{value:g}" if isinstance(value, float) else str(value) for value in values]
     return ", ".join(f"{x.key} {text} {x.unit}".rstrip() for x, text in zip(over, texts, strict=True)) or "as it stands"

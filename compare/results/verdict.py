@@ -1,4 +1,4 @@
-"""What `rollbench.check` gives: `Verdict`, row by row."""
+"""Result of `rollbench.check`: a `Verdict` with a row for each judged quantity."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 
 from rollbench.compare.gate import verdict as gate
 from rollbench.compare.gate.user import Asked, check_scenes
-from rollbench.compare.gate.verdict import CODES, Word, not_judged, worst_of
+from rollbench.compare.gate.verdict import CODES, LARGEST, Word, not_judged, worst_of
+from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.compare.scenes.duty_cycle import Described, cases_by_name
@@ -17,77 +18,94 @@ from rollbench.compare.scenes.scene_file import each_case
 
 
 class Judgement(StrEnum):
-    """How a quantity was judged."""
+    """Judgement of a quantity by its error e, the uncertainty u of the reference and the limit."""
 
     PASS = "pass"
-    """Error and uncertainty of the reference together are within the limit."""
+    """e + u is within the limit."""
     FAIL = "fail"
-    """The error less the uncertainty of the reference is beyond the limit."""
+    """e - u is beyond the limit."""
     NOT_CONVERGED = "not converged"
-    """The model found no loads in this load case."""
+    """The model found no equilibrium in this load case."""
     UNDECIDED = "undecided"
-    """The uncertainty of the reference decides: between pass and fail."""
+    """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
     NOT_COVERED = "not covered"
-    """The reference has nothing to judge by."""
+    """The reference has no such quantity."""
+
+
+#: What to do about a verdict that is not "pass".
+ADVICE = {
+    "fail": "every contact with its reference: rollbench compare SCENE --balls",
+    "not converged": "why: rollbench solve SCENE",
+    "undecided": "further mesh levels make the reference more certain: --levels 3",
+    "not covered": "compute the 3D reference: --levels 2",
+}
 
 
 @dataclass(frozen=True)
 class VerdictRow:
-    """One quantity of a scene, of one of its load cases, or of one of several sets."""
+    """Judgement of one quantity of a scene, a load case or one of several sets."""
 
     scene: str
     """Name of the scene."""
     case: str | None
     """Name of the load case; None without load cases."""
     set: str | None
-    """Name of the set; None where there is one."""
+    """Name of the set; None if there is only one."""
     judged: str
-    """Whose values are judged: a model, or a file."""
+    """Origin of the judged values: name of a model or of a file."""
     quantity: str
-    """What is judged."""
+    """Name of the judged quantity."""
     judgement: Judgement
-    """The verdict."""
+    """Judgement of the quantity."""
     unit: str
-    """Unit of error, uncertainty and limit: ``%`` of contact loads (of a contact's load in the reference, of the mean load
-    where that is small), else that of the quantity's limit."""
+    """Unit of error, uncertainty and limit: ``%`` of the reference (for small contact loads, of the mean load), or the unit
+    of the limit, such as ``deg``."""
     error: float | None
-    """Error of the contact that decides [unit]; None where nothing could be compared."""
+    """Error of the contact that decides [unit]; None if nothing could be compared."""
     uncertainty: float | None
-    """What the reference is uncertain by there [unit]; None where that is not known."""
+    """Uncertainty of the reference at this contact [unit]; None if not known."""
     limit: float
     """Largest error that passes [unit]."""
     ball: int | None
-    """Ball that decides, from 1; None of values of the whole."""
+    """Ball of the contact that decides, from 1; None for values of the whole scene."""
     side: str | None
-    """Flank that decides: SL, SR, NL, NR."""
+    """Flank of the contact that decides: SL, SR, NL, NR."""
     contacts: int
-    """How many contacts were judged."""
+    """Number of judged contacts."""
     levels: tuple[int, ...]
     """Mesh levels of the reference."""
     detail: str
-    """What else is to be known."""
+    """Further explanation; may be empty."""
     line: str
-    """The verdict as one line of text."""
+    """The row as one line of text."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Verdict(Record):
-    """Whether values agree with their reference within a limit."""
+    """Judgement of the loads and values of scenes against their reference: a row for each quantity.
+
+    Examples
+    --------
+    >>> import rollbench
+    >>> verdict = rollbench.check("lin-case1", model="lin")
+    >>> verdict.passed, verdict.worst.ball, verdict.worst.side
+    (False, 31, 'SL')
+    """
 
     rows: tuple[VerdictRow, ...]
-    """Every quantity that was judged, in the order of scenes, load cases and sets."""
+    """Every judged quantity, in the order of scenes, load cases and sets."""
     warnings: tuple[str, ...]
-    """What a user should see before."""
+    """Warnings, such as unknown columns of a file."""
     not_judged: tuple[str, ...]
-    """Quantities that are not judged: not given, or not held by the reference."""
+    """Quantities that are not judged: not given, or not in the reference."""
     judged: tuple[gate.Verdict, ...]
-    """Records of the gate with all that it found, one for each row."""
+    """Records of the gate with further details, one for each row."""
     described: tuple[Described, ...]
-    """The scenes."""
+    """The judged scenes."""
 
     @property
     def judgement(self) -> Judgement:
-        """The gravest of all rows."""
+        """Worst judgement of all rows."""
         return Judgement(worst_of([row.judgement.value for row in self.rows]))
 
     @property
@@ -97,37 +115,110 @@ class Verdict(Record):
 
     @property
     def worst(self) -> VerdictRow | None:
-        """The row that decides: the gravest, and of these the one whose error is most of its limit; None without rows."""
+        """Row that decides: among those with the worst judgement the largest error over limit; None without rows."""
         gravest = [row for row in self.rows if row.judgement is self.judgement]
         return max(gravest, key=lambda row: abs(row.error or 0.0) / row.limit, default=None)
 
     @property
     def word(self) -> str:
-        """The gravest of all rows, in words."""
+        """Worst judgement of all rows, as text."""
         return self.judgement.value
 
     def to_dict(self) -> dict[str, JSON]:
-        """What ``rollbench check SCENE --json`` prints."""
+        """Return the JSON that ``rollbench check SCENE --json`` prints.
+
+        Returns
+        -------
+        dict
+            JSON values by key.
+        """
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
         return with_schema(verdicts_json(self.described, self.judged) | rest)
 
+    headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
+
+    def table(self) -> Sequence[Sequence[str]]:
+        """Return one row for each quantity that was judged.
+
+        Scene and model are left out of the rows if they are the same in all; `answer` names them.
+
+        Returns
+        -------
+        Sequence[Sequence[str]]
+            Texts of each row, one for each of `headings`.
+        """
+        rows = []
+        for v in self.judged:
+            numbers = (f"{abs(x):.2f} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty))
+            ball = "" if v.ball is None else f"ball {v.ball} {v.flank}"
+            note = "; ".join(filter(None, (ball, v.pair_text.strip(", "), v.detail)))
+            rows.append((v.word, v.of, v.judged, v.quantity, *numbers, f"{v.limit:.4g} {v.unit}", note))
+        same = [len({row[k] for row in rows}) == 1 for k in range(len(self.headings))]
+        return [["" if same[k] and k in (1, 2) else text for k, text in enumerate(row)] for row in rows]
+
     @property
-    def _shown(self) -> str:
-        return "verdicts"
+    def answer(self) -> str:
+        """The gravest verdict, of what, the error in per cent of the mean load, and how many there are of each verdict."""
+        counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
+        of = [", ".join(dict.fromkeys(texts)) for texts in ([v.of for v in self.judged], [v.judged for v in self.judged])]
+        errors = [v.of_mean for v in self.judged if v.of_mean is not None]
+        e = max(errors, key=lambda e: e.max_percent, default=None)
+        where = "" if e is None else f"; worst contact {e.max_percent:.2f} % of the mean load off (ball {e.ball} {e.side})"
+        return f"{self.word.upper()}: {of[0]} by {of[1]}{where}; {counts}"
+
+    @property
+    def advice(self) -> list[str]:
+        """What errors of loads are of, and what to do where not all pass."""
+        words = {v.word for v in self.judged}
+        loads = any(v.quantity == LARGEST for v in self.judged)
+        return [
+            *([f"errors of contact loads: {RULE}"] if loads else []),
+            *(["fail: every contact beside its reference: rollbench compare SCENE --balls"] if "fail" in words else []),
+            *(
+                ["undecided: further mesh levels make the reference more certain: --levels 3"]
+                if "undecided" in words
+                else []
+            ),
+            *(["not covered: compute the 3D reference: --levels 2"] if "not covered" in words else []),
+        ]
 
     @property
     def _notes(self) -> tuple[str, ...]:
         return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
 
     def __repr__(self) -> str:
-        """The gravest verdict, then a line for each row."""
+        """Return the worst judgement, then a line for each row."""
         return "\n".join([f"verdict: {self.word}", *self._notes])
 
 
 def verdict_of(
     described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, step: Callable[[str], None]
 ) -> Verdict:
-    """Judge scenes and their load cases. names: what errors name them; step: takes lines of progress. Raises InputError."""
+    """Judge scenes and their load cases.
+
+    Parameters
+    ----------
+    described
+        The scenes.
+    names
+        File or name of each scene, for errors.
+    request
+        What is judged, by which limits and references.
+    engine
+        Runs computations of the 3D reference.
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    Verdict
+        A row for each judged quantity.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a scene, file or limit cannot be used.
+    """
     warnings: list[str] = []
     judged = judged_cases(described, names, request, engine, step, warnings.append)
     left = not_judged(judged) if request.loads or request.values else []
@@ -163,8 +254,25 @@ def judged_cases(
     step: Callable[[str], None],
     warn: Callable[[str], None],
 ) -> list[gate.Verdict]:
-    """Verdicts on scenes and their load cases; "not converged" where the model of a case has no loads. step, warn: as
-    `check_scenes`."""
+    """Judge scenes and their load cases, as records of the gate.
+
+    Parameters
+    ----------
+    described, names, request, engine, step
+        As for `verdict_of`.
+    warn
+        Called with warnings.
+
+    Returns
+    -------
+    list of rollbench.compare.gate.verdict.Verdict
+        A record for each quantity, with the name of its load case; "not converged" where the model has no loads.
+
+    Raises
+    ------
+    rollbench.InputError
+        If a scene, file or limit cannot be used.
+    """
     cases = cases_by_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
     of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
@@ -177,7 +285,20 @@ def judged_cases(
 
 
 def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
-    """All verdicts, the gravest, and of scenes with load cases those of each, in order, and which case decides."""
+    """Return the JSON of all verdicts.
+
+    Parameters
+    ----------
+    described
+        The scenes.
+    verdicts
+        Records of the gate, of all scenes and load cases.
+
+    Returns
+    -------
+    dict
+        The verdicts and the worst of them; of load cases also those of each case, and which case decides.
+    """
     gravest = worst_of([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []

@@ -1,4 +1,4 @@
-"""What a view of a solved scene shows: its sets with contacts, geometric errors, and errors of the loads."""
+"""Data of the 3D view of a solved scene: sets with contacts, geometric errors, and errors of the loads."""
 
 from __future__ import annotations
 
@@ -31,10 +31,27 @@ def view_of(
     stores: Sequence[Path] | None = None,
     given: Reference | None = None,
 ) -> View:
-    """The view of a solved scene, or of its load cases.
+    """Return the data of the view of a solved scene, or of its load cases.
 
-    results: as JSON; cases: names of the load cases, none of a single one; stores: folders of runs of the 3D reference
-    (None: that of the package); given: a user's own reference in place of them.
+    Parameters
+    ----------
+    title
+        Title of the page.
+    solved
+        Solution of each load case.
+    results
+        Results as JSON.
+    cases
+        Names of the load cases; empty for a single one.
+    stores
+        Folders with runs of the 3D reference; None: that of the package.
+    given
+        A user's reference, instead of these.
+
+    Returns
+    -------
+    View
+        The data.
     """
     each = [_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
     words = [count_of(len(cases), "load case")] if cases else []
@@ -77,7 +94,7 @@ def _balls(
     known: Reference | None = None,
     expected: float | None = None,
 ) -> SetView:
-    """A set of balls; known: reference of its loads; expected: error of its loads [N]."""
+    """Return a set of balls; ``known``: reference of its loads; ``expected``: error of its loads [N]."""
     closer = closer_than_perfect(parts, found.member)
     if not solved:
         return SetView(name, kind, parts, position, closer=closer)
@@ -101,10 +118,9 @@ def _balls(
 
 
 def closer_than_perfect(scene: Scene, member: int = 0) -> Array:
-    """By how much the errors of the parts bring each ball at its nominal place closer to its flanks, along the nominal
-    contact normals: (n, 4) [m].
+    """Return by how much errors bring each ball closer to its flanks, along nominal contact normals, (n, 4) [m].
 
-    With the normal n of a flank, delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0): ball's radius r_B, groove's centre c
+    With the normal n of a flank, delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0): ball radius r_B, groove centre c
     and radius rho at the nominal contact angle, nominal values with a 0. First order in the errors.
     """
     drawn, beta = specimen(scene, ball_layout(scene), member), scene.track.contact_angle

@@ -1,1 +1,1 @@
-"""Scene files: schema, units, reading, refusing, and the scenes that the package ships."""
+"""Scene files: schema, units, reading, checks, and the shipped scenes."""

@@ -1,6 +1,6 @@
-"""From the keys of a scene with ``[[sets]]`` to its record; what cannot be built is refused in one line.
+"""From the keys of a scene with ``[[sets]]`` to its record, with one-line errors for parts that cannot be built.
 
-Sets of equal bearings by name, ``arrangement = "DBD"``, are one row a bearing, ground to equal gaps.
+Sets of equal bearings by name, ``arrangement = "DBD"``, are one row per bearing, ground to equal gaps.
 """
 
 from __future__ import annotations
@@ -51,32 +51,47 @@ from rollbench.meshes.one_arc import as_one_arc, is_one_arc
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
 from rollbench.meshes.ranges import ShareOfRating
 
-#: Thrusts of a row that carries one way.
+#: Directions of thrust of a row that carries in one direction only.
 ONE_WAY = ("+z", "-z")
-#: A usual conformity, where one follows from a rigidity.
+#: Start value of a conformity that follows from a rigidity.
 USUAL = 0.52
-#: Springs that do nothing.
+#: Springs of zero stiffness.
 NONE = diagonal((0.0,) * 6)
 
 
 def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
-    """The assembly of keys, or its load cases; a single set of balls that stands and is not preloaded by an offset is a
-    plain scene.
+    """Make the record of a scene with several sets, or of its load cases.
 
-    Raises SceneError.
+    A single set of balls whose outer part stands and is not preloaded by an offset is a plain scene. SceneError for faults.
+
+    Parameters
+    ----------
+    keys
+        Validated keys.
+    raw
+        Tables of the file.
+    origin
+        File for errors.
+    name
+        Name of the scene.
+
+    Returns
+    -------
+    Assembly, Scene or DutyCycle
+        The record.
     """
     return in_cases(_parts(keys, raw, origin, name), keys.cases, raw, origin, _body_faults)
 
 
 def _body_faults(scene: Scene | Assembly) -> Iterator[Fault]:
-    """Bodies of sets that cannot be built in a case."""
+    """Yield faults of bodies of sets that cannot be built in a load case."""
     for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
         if isinstance(one, Scene):
             yield from geometry_faults(one)
 
 
 def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
-    """What the sets stand on and in, under the scene's own loads."""
+    """Return shaft, sets and housings, under the scene's loads."""
     refuse(origin, raw, [*_choice_faults(keys), *case_faults(keys)])
     sets = tuple(_set(keys, i, raw, origin) for i in range(len(keys.sets)))
     refuse(origin, raw, list(_place_faults(keys, sets)))
@@ -112,7 +127,7 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
 
 
 def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
-    """Sentences on conformities from rigidities, and on preloads that are given as a part of a rating."""
+    """Yield assumptions on conformities from rigidities, and on preloads given as a share of a rating."""
     for one, whole in zip(keys.sets, sets, strict=True):
         if isinstance(whole.parts, Scene):
             yield from whole.parts.assumed
@@ -125,7 +140,7 @@ def _housing(h: HousingKeys) -> Housing:
 
 
 def _single(keys: AxisKeys) -> bool:
-    """Whether the file describes what a file without ``[[sets]]`` can describe."""
+    """Return whether the scene could be described without ``[[sets]]``."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
     more = more or one.seals or keys.drive != Drive()
@@ -133,14 +148,14 @@ def _single(keys: AxisKeys) -> bool:
 
 
 def kind_of_set(one: SetKeys) -> str:
-    """What a set is, by its tables."""
+    """Return the kind of a set, by its tables."""
     if one.rollers is not None:
         return "tapered roller bearing"
     return "bearing" if one.track is not None and one.track.lead == 0.0 else "ball nut"
 
 
 def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Sets and housings that lack a table, are named twice, or name what is not there; friction without a coefficient."""
+    """Yield faults of names and missing tables of sets and housings, and friction without coefficient."""
     yield from friction_choice_faults(keys.friction)
     yield from motion_faults(keys.motion)
     yield from _drive_faults(keys)
@@ -177,7 +192,10 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """A lubricant without bearings, a mass that no nut moves, an acceleration to no speed, an efficiency of nothing."""
+    """Yield faults of the drive.
+
+    A lubricant without bearings, a mass without nut, an acceleration to zero speed, an efficiency of zero.
+    """
     leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
     if keys.lubricant is not None and all(kind_of_set(one) == "ball nut" for one in keys.sets):
         advice = "friction of nuts goes by [friction]: leave the table out"
@@ -242,7 +260,7 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
 
 
 def _rib_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
-    """Large ends that do not touch a rib; the angles of the row are right."""
+    """Yield faults of large ends that do not touch a rib; the angles of the row are valid."""
     if r.rib_height is not None and r.rib_height >= 0.5 * r.diameter:
         advice = (
             "the rib touches the end between the cone's race and the roller's axis, usually 0.05 to 0.2 of its diameter"
@@ -276,7 +294,7 @@ def _stiffness(keys: StiffKeys) -> Stiffness | None:
 
 
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
-    """Keys of one set as a scene: the shaft with this set's inner groove."""
+    """Return the keys of one set as a scene: the shaft with this set's inner groove."""
     shaft = keys.screw
     fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
     if one.screw is not None:
@@ -301,7 +319,7 @@ def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
 
 
 def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
-    """Record of a set; its faults are those of a scene of its own. Raises SceneError."""
+    """Return the record of a set; SceneError for its faults."""
     one = keys.sets[i]
     thrust = one.thrust or "both"
     shared = (one.name, kind_of_set(one))
@@ -329,14 +347,14 @@ def _row(r: RollerKeys, material: Material) -> RollerRow:
 
 
 def _of_arcs(scene: Scene, thrust: str) -> Scene:
-    """The parts of a bearing whose thrust says that its grooves are one arc each; a nut keeps its thread's two arcs."""
+    """Return the parts of a bearing with one arc per groove, if its thrust says so; a nut keeps its two arcs."""
     if scene.track.lead != 0.0 or thrust == "both":
         return scene
     return replace(scene, track=replace(scene.track, arcs="-z" if thrust == "-z" else "+z"))
 
 
 def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
-    """The fault of a set's scene, with its keys where they stand in the file: the shaft's are shared."""
+    """Return a fault of a set's scene with its keys as they are in the file: those of the shaft are shared."""
     inner = "screw" in raw["sets"][i]
     keys = []
     for k in fault.keys:
@@ -346,7 +364,7 @@ def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
 
 
 def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
-    """Stations beyond the shaft, plain stretches that overlap, housings without motion that are loaded."""
+    """Yield faults of stations beyond the shaft, overlapping plain stretches, and loaded housings that cannot move."""
     length = keys.screw.length
     stations = [
         (f"{n}[{i}].at", x.at) for n in ("supports", "loads", "housings", "joints") for i, x in enumerate(getattr(keys, n))
@@ -391,7 +409,7 @@ def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]
 
 
 def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
-    """What does not go with an arrangement, or without one."""
+    """Yield faults of keys that need an arrangement, or exclude one."""
     given = one.arrangement is not None
     if one.pair_preload and not given:
         yield Fault((f"{at}.pair_preload",), "with an arrangement", 'write e.g. arrangement = "DB", or preload')
@@ -421,10 +439,17 @@ def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
 
 
 def preload_of_set(name: str, pair: float) -> float:
-    """Preload [N] of a set, on either side in all, whose bearings are ground to the gaps of a pair of that preload [N].
+    """Return the preload [N] of a set of bearings ground to the gaps of a pair, on either side in total.
 
     The gaps of a pair close by twice the deflection of a bearing; so do those of opposite rows in any set, where a side of
-    n rows shares its load: P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a contact angle that stands still.
+    n rows shares its load: P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a constant contact angle.
+
+    Parameters
+    ----------
+    name
+        Arrangement, such as ``DBD``.
+    pair
+        Preload F of the pair [N].
     """
     ways = ARRANGEMENTS[name]
     shared = sum(ways.count(way) ** (-2.0 / 3.0) for way in set(ways))
@@ -432,8 +457,10 @@ def preload_of_set(name: str, pair: float) -> float:
 
 
 def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[RollingSet]:
-    """The rows of a set in its arrangement, side by side about its position, each as wide as its ring; the set itself where
-    it has none. seeds: step between the seeds of their errors."""
+    """Yield the rows of a set in its arrangement, next to each other around its position; the set itself without one.
+
+    ``seeds``: step between the seeds of their errors.
+    """
     if one.arrangement is None or not isinstance(whole.parts, Scene):
         yield whole
         return
@@ -448,8 +475,22 @@ def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[Rolling
 
 
 def conformity(parts: Scene, preload: float, rigidity: float) -> float:
-    """Conformity of both grooves of a bearing, of which a pair has an axial rigidity [N/m] under its preload [N]. Raises
-    ValueError where none gives it."""
+    """Return the conformity of both grooves of a bearing, for which a pair has an axial rigidity under its preload.
+
+    Parameters
+    ----------
+    parts
+        Bearing, whose conformity is replaced.
+    preload
+        Preload of the pair [N].
+    rigidity
+        Axial rigidity of the pair [N/m].
+
+    Raises
+    ------
+    ValueError
+        If no conformity gives it.
+    """
     from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
 
     steel, track = parts.nut.material, parts.track
@@ -466,8 +507,7 @@ def conformity(parts: Scene, preload: float, rigidity: float) -> float:
 
 
 def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
-    """The parts with the conformity of both grooves that a pair's rigidity at its preload implies, where one is given.
-    Raises InputError."""
+    """Return the parts with the conformity that a pair's rigidity implies, if one is given; InputError if none does."""
     if one.pair_rigidity is None:
         return parts
     given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"

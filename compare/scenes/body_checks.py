@@ -1,4 +1,4 @@
-"""Bodies of a scene file that cannot be built, and contacts that cannot be solved."""
+"""Checks of a scene file: bodies that cannot be built, and contacts that cannot be solved."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
 from rollbench.meshes.section import volume_ratio
 from rollbench.meshes.solid import groove_depths
 
-#: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
+#: Number of standard deviations of random ball errors for which a ball must still be smaller than its groove.
 SIGMAS = 6.0
-#: Least difference of the diameters of a flange's annulus [m].
+#: Smallest difference of the diameters of a flange's annulus [m].
 SEAT = 1e-4
-#: Largest groove radius, in ball radii: beyond it a groove guides no ball.
+#: Largest groove radius over ball radius; a larger one does not guide a ball.
 WIDEST = 10.0
 
 
 def ball_radii(scene: Scene) -> Array:
-    """Radii of all balls [m] with oversize and listed errors, not random ones; shape ``(n,)``, by starts."""
+    """Return the radii of all balls with oversize and listed errors, without random ones, (n,) [m], start by start."""
     radii = np.full(scene.ball_count, scene.balls.radius + scene.errors.balls.oversize)
     for number, error in scene.errors.balls.listed:
         radii[number - 1] += error
@@ -34,7 +34,7 @@ def ball_radii(scene: Scene) -> Array:
 
 
 def geometry_faults(scene: Scene) -> Iterator[Fault]:
-    """Bodies that cannot be built, in the order in which a reader would mend them."""
+    """Yield faults of bodies that cannot be built, in the order in which a user would correct them."""
     radii = ball_radii(scene)
     small = np.flatnonzero(radii <= 0.0)
     if small.size:
@@ -58,7 +58,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
-    """Errors of pitch and roundness that are larger than a ball."""
+    """Yield faults of errors of pitch and roundness larger than a ball."""
     for side in SIDES:
         for kind in ("pitch", "roundness"):
             terms = getattr(scene.errors.side(side), kind)
@@ -72,7 +72,7 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
-    """A lead offset larger than a ball, or of a nut all of whose balls are on one side."""
+    """Yield faults of a lead offset larger than a ball, or of a nut with all balls on one side."""
     where, radius, offset = ("preload.lead_offset",), scene.balls.radius, scene.errors.lead_offset
     beyond = beyond_step(scene, ball_layout(scene).z)
     if abs(offset) > radius:
@@ -82,8 +82,10 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def contact_faults(scene: Scene) -> Iterator[Fault]:
-    """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
-    solution."""
+    """Yield faults of contacts without Hertz constants, for bodies that can be built.
+
+    Ball and flank conform, or the printed formula has no solution.
+    """
     from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, printed_sides
 
     if scene.ingredients.hertz == "as printed":
@@ -163,7 +165,7 @@ def _section_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _beam_faults(scene: Scene) -> Iterator[Fault]:
-    """A beam needs material left in its section (Lin C.6-C.8)."""
+    """Yield faults of beams without material in their section (Lin C.6-C.8)."""
     if scene.ingredients.screw == "rigid":
         return
     ratio = volume_ratio(scene)
@@ -197,7 +199,7 @@ def _station_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _rigid_faults(scene: Scene) -> Iterator[Fault]:
-    """Supports that no motion of a rigid screw can meet together."""
+    """Yield faults of supports that no motion of a rigid screw can satisfy together."""
     if scene.ingredients.screw != "rigid":
         return
     clash = contradiction(scene)
@@ -212,7 +214,7 @@ def _rigid_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _solid_faults(scene: Scene) -> Iterator[Fault]:
-    """Dimensions that only the 3D reference needs, where the scene gives them."""
+    """Yield faults of dimensions that only the 3D reference needs, if the scene gives them."""
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = groove_depths(scene)
     if solid.nut_inner_diameter is not None:
@@ -230,7 +232,7 @@ def _solid_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
-    """A flange that the nut hides, one longer than the nut, and an annulus beyond its face."""
+    """Yield faults of a flange smaller than the nut or longer than it, and of an annulus beyond its face."""
     if flange.diameter <= nut.outer_diameter + SEAT:
         advice = "a flange stands out from the nut: check diameter against radius"
         yield Fault(("nut.flange.diameter",), f"above {mm(nut.outer_diameter + SEAT)}", advice)
@@ -278,9 +280,14 @@ def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
 
 
 def overlapping(centres: Array, radii: Array) -> tuple[int, int] | None:
-    """Indices of a pair of overlapping balls, the lower first, or None.
+    """Return the indices of a pair of overlapping balls, the lower first, or None.
 
-    ``centres`` [m], shape ``(n, 3)``; ``radii`` [m], shape ``(n,)``; touching balls do not overlap.
+    Parameters
+    ----------
+    centres
+        Ball centres, (n, 3) [m].
+    radii
+        Ball radii, (n,) [m]; touching balls do not overlap.
     """
     following = np.arange(len(radii) - 1)[:, None] + np.array([0, 1])
     for pairs in (following, None):  # of balls in a row first: where they overlap, there may be very many pairs
@@ -292,7 +299,7 @@ def overlapping(centres: Array, radii: Array) -> tuple[int, int] | None:
 
 
 def _circuit_faults(scene: Scene) -> Iterator[Fault]:
-    """Circuits that cannot be built, and runs that leave the screw."""
+    """Yield faults of circuits that cannot be built, and runs that leave the screw."""
     from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
 
     try:

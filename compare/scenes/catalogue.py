@@ -1,4 +1,4 @@
-"""What the package ships: scenes of all kinds by name, each read once."""
+"""Shipped scenes of all kinds by name, each read once."""
 
 from __future__ import annotations
 
@@ -23,37 +23,36 @@ Of = TypeVar("Of", bound="KindScene")
 
 @cache
 def scene_names() -> tuple[str, ...]:
-    """Names of the shipped scenes of all kinds, sorted."""
+    """Return the names of the shipped scenes of all kinds, sorted."""
     return tuple(shipped_files("scenes"))
 
 
 @cache
 def heading(name: str) -> dict[str, Any]:
-    """What the file of a shipped scene says above its first table: title, kind, role. Raises InputError for an unknown
-    name."""
+    """Return the keys above the first table of a shipped scene: title, kind, role; InputError for an unknown name."""
     return tomllib.loads(scene_text(name).partition("\n[")[0])
 
 
 def kind(name: str) -> str:
-    """Kind of a shipped scene, as ``scene_file.kind_of`` says it of the scene that is read."""
+    """Return the kind of a shipped scene, as ``scene_file.kind_of``."""
     ring = re.search(r'(?m)^lead = "0 mm"', scene_text(name))
     return str(heading(name).get("kind", "bearing" if ring else "ball screw"))
 
 
 @cache
 def whole_names() -> tuple[str, ...]:
-    """Names of the shipped whole screws and bearings, sorted: neither axes nor kinds that only friction solves."""
+    """Return the names of the shipped ball screws and bearings with one set, sorted."""
     return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache
 def with_role(role: str) -> tuple[str, ...]:
-    """Names of the shipped scenes whose role begins with ``role``, sorted: "referenced", "unseen", "unseen, changed"."""
+    """Return the names of the shipped scenes whose role begins with ``role``: "referenced", "unseen", "unseen, changed"."""
     return tuple(name for name in scene_names() if heading(name).get("role", "").startswith(role))
 
 
 def scene_text(name: str) -> str:
-    """Text of a scene that is shipped or of another package's case. Raises InputError for an unknown name."""
+    """Return the text of a scene of any case by name; InputError for an unknown name."""
     path = file_of("scenes", name)
     if path is None:
         raise _unknown(name)
@@ -62,14 +61,14 @@ def scene_text(name: str) -> str:
 
 @cache
 def shipped(name: str) -> Described:
-    """The shipped scene of that name, of any kind. Raises InputError for an unknown name."""
+    """Return the shipped scene of a name, of any kind; InputError for an unknown name."""
     from rollbench.compare.scenes import scene_file
 
     return scene_file.read(scene_text(name), f"{name}.toml")
 
 
 def case(name: str, of: type[Of]) -> Of:
-    """The shipped scene of that name, of the kind with the record ``of``. Raises InputError where it is another."""
+    """Return the shipped scene of a name, whose record must be ``of``; InputError for another."""
     described = shipped(name)
     if not isinstance(described, of):
         from rollbench.compare.scenes import scene_file
@@ -79,10 +78,24 @@ def case(name: str, of: type[Of]) -> Of:
 
 
 def any_scene(name_or_path: str) -> Described:
-    """A shipped scene by name, or the scene of a file, of any kind.
+    """Return a shipped scene by name, or the scene of a file, of any kind.
 
-    A name that is not shipped is a path if it ends in ``.toml``, holds a path separator, or names an existing
-    file or folder. Raises InputError (SceneError for a faulty file).
+    A name that is not shipped is a path if it ends in ``.toml``, has a path separator, or names an existing file or folder.
+
+    Parameters
+    ----------
+    name_or_path
+        Name or path.
+
+    Returns
+    -------
+    Scene, Assembly, DutyCycle or KindScene
+        The scene.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene; as SceneError for a faulty file.
     """
     if name_or_path in scene_names():
         return shipped(name_or_path)
@@ -94,9 +107,9 @@ def any_scene(name_or_path: str) -> Described:
 
 
 def scene(name_or_path: str) -> Scene:
-    """A whole screw or bearing, shipped or of a file, as ``any_scene`` finds it.
+    """Return a ball screw or bearing with one set, shipped or from a file, as ``any_scene`` finds it.
 
-    Raises InputError (SceneError for a faulty file, and for a scene of a kind that only friction solves).
+    InputError as there, and for a scene of another kind.
     """
     from rollbench.compare.scenes import scene_file
 
@@ -104,7 +117,7 @@ def scene(name_or_path: str) -> Scene:
 
 
 def looks_like_path(text: str) -> bool:
-    """Whether ``text`` is meant as a path rather than as the name of a shipped scene."""
+    """Return whether a text is meant as a path, not as the name of a shipped scene."""
     if text.endswith(".toml") or "/" in text or "\\" in text:
         return True
     try:

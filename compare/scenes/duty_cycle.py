@@ -1,4 +1,4 @@
-"""What a scene file describes: names of the kinds, and load cases of one scene with their shares of the revolutions."""
+"""Descriptions in scene files: names of the kinds, and load cases with their shares of the revolutions."""
 
 from __future__ import annotations
 
@@ -14,34 +14,39 @@ if TYPE_CHECKING:
     from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 
-#: What a scene file describes.
+#: Records that a scene file may describe.
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 
 
 @record
 class LoadCase:
-    """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
-    None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize; time:
-    in one cycle [s], where shares follow from times."""
+    """One load case."""
 
+    #: Name of the load case.
     name: str = quantity("case", "name of the load case")
+    #: Share of the revolutions; 0 for a static check.
     share: float = quantity("share", "part of the revolutions; 0 for a static check")
+    #: Speed of the turning part [rad/s]; None if the shares are given.
     speed: float | None
+    #: Parts under the loads, supports and oversize of the load case.
     scene: Scene | Assembly
+    #: Time in one cycle [s], if shares follow from times.
     time: float | None = None
 
 
 @dataclass(frozen=True)
 class DutyCycle:
-    """A scene with several load cases, in the order of the file. parts: the scene without them; speed: mean speed of the
-    turning part [rad/s], None where neither the cases nor the scene give one."""
+    """A scene with several load cases, in the order of the file."""
 
+    #: The scene without load cases.
     parts: Scene | Assembly
+    #: The load cases.
     cases: tuple[LoadCase, ...]
+    #: Mean speed of the turning part [rad/s]; None if neither load cases nor scene give one.
     speed: float | None
 
     def to_toml(self) -> str:
-        """Text of a scene file that is read as this cycle."""
+        """Return the text of a scene file that is read as this cycle."""
         from rollbench.meshes.scene_text import axis_tables, case_table, scene_tables, to_toml
 
         parts = self.parts
@@ -69,7 +74,7 @@ class DutyCycle:
 
     @property
     def sets(self) -> dict[str, Scene | RollerRow]:
-        """Parts of each set by name; of the only one without a name."""
+        """Parts of each set by name; of the only one under an empty name."""
         if isinstance(self.parts, Scene):
             return {"": self.parts}
         return {s.name: s.parts for s in self.parts.sets}
@@ -82,28 +87,30 @@ class DutyCycle:
 
 @dataclass(frozen=True)
 class CaseOf:
-    """A load case of a cycle, told by the name of its scene."""
+    """A load case with its cycle."""
 
+    #: The duty cycle.
     cycle: DutyCycle
+    #: The load case.
     case: LoadCase
 
     @property
     def keys(self) -> dict[str, Any]:
-        """What every row of the case says of it in JSON."""
+        """Keys of the load case in every JSON row."""
         return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
 
 
 def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
-    """The load cases among what is described, by the names of their scenes."""
+    """Return the load cases of all duty cycles in a list, by the names of their scenes."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
     return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
-#: Whole screws and bearings, which every command solves.
+#: Kinds of scenes with one set, which every command solves.
 WHOLE = ("ball screw", "bearing")
 
-#: Several rolling sets on one shaft.
+#: Kind of scenes with several rolling sets on one shaft.
 AXIS = "axis"
 
-#: What only friction solves.
+#: Kinds of scenes that only friction is computed for.
 KINDS = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")

@@ -1,7 +1,7 @@
-"""Faults of a scene file, and one SceneError of all of them: which key is named, what is allowed there, what to do.
+"""Faults of a scene file, and one SceneError of all of them: key, allowed range, advice.
 
-What pydantic finds in the keys is put in words. With faulty keys a scene is read on with what is sound, so that all its
-faults are listed at once.
+Faults that pydantic finds are put in words. A scene with faulty keys is read on with the valid ones, so that all faults are
+listed at once.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rollbench.meshes.units import show
 #: Lengths that differ by less than this [m] count as equal.
 TOLERANCE = 1e-9
 
-#: Keys that a file may have in place of another one.
+#: Keys that may replace another one in a file.
 ALIASES = {
     "track.pitch_radius": ("track.pitch_diameter",),
     "balls.radius": ("balls.diameter",),
@@ -34,45 +34,50 @@ ALIASES = {
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: the keys it may be blamed on (the first one that the file has is named), and what to say.
+    """One fault."""
 
-    ``value`` is left empty where the text found in the file says it best.
-    """
-
+    #: Keys that may cause it; the first that the file has is named.
     keys: tuple[str, ...]
+    #: Allowed values, in words.
     allowed: str
+    #: What to do.
     advice: str
+    #: Value to show; empty: the text in the file.
     value: str = ""
 
 
 def mm(length: float) -> str:
-    """A length [m] for a message: in mm, or in um below 0.1 mm."""
+    """Return a length [m] as text: in mm, or in um below 0.1 mm."""
     return f"{length * 1e6:.6g} um" if 0.0 < abs(length) < 1e-4 else f"{length * 1e3:.7g} mm"
 
 
 class Said(NamedTuple):
-    """One fault in words: key, value found, what is allowed, what to do."""
+    """One fault in words."""
 
+    #: The key.
     key: str
+    #: The value found.
     value: str
+    #: Allowed values.
     allowed: str
+    #: What to do.
     advice: str
 
 
 def refusal(origin: str, said: Sequence[Said]) -> SceneError:
-    """All faults of a file as one error: the first, with the others."""
+    """Return all faults of a file as one error: the first, with the others."""
     errors = [SceneError(origin, *one) for one in said]
     return SceneError(origin, *said[0], len(said) - 1, tuple(errors[1:]))
 
 
 def refuse(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
-    """Raise all faults, if any."""
+    """Raise all faults as one error, if there are any."""
     if faults:
         raise refusal(origin, spoken(raw, faults))
 
 
 def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
-    """Faults in words, each blaming the first of its keys that the file has, under the name that it has there."""
+    """Return faults in words, each for the first of its keys that the file has, with its name there."""
     out = []
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
@@ -85,7 +90,7 @@ def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
 
 
 def _aliases(key: str) -> Iterator[str]:
-    """Keys that a file may have in place of a key."""
+    """Yield keys that a file may have instead of a key."""
     for suffix, others in ALIASES.items():
         if key.endswith(suffix):
             yield from (key.removesuffix(suffix) + other for other in others)
@@ -104,35 +109,37 @@ def _find(raw: Any, path: str) -> Any:
 
 Keys = TypeVar("Keys", bound=BaseModel)
 
-#: Tables and keys on which no body, support or load depends.
+#: Tables and keys that do not affect bodies, supports or loads.
 APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate", "operation"}
 
-#: What pydantic calls an unknown key of a table, and of a record.
+#: Pydantic's names of the error for an unknown key, of a table and of a record.
 EXTRA = ("extra_forbidden", "unexpected_keyword_argument")
 
-#: Unknown key, in lower case with underscores, and what it is called in a scene.
+#: Frequent unknown keys, in lower case with underscores, and the scene's keys for them.
 WORDS: dict[str, str] = files.table("words.toml")
 
 
 @dataclass(frozen=True)
 class Broken:
-    """What is wrong with the keys of a file, and the tables (or keys outside tables) that were mended to read on."""
+    """Faults of the keys of a file, and the tables (or keys outside tables) that were replaced to read on."""
 
+    #: The faults.
     said: tuple[Said, ...] = ()
+    #: Names of the replaced tables and keys.
     mended: frozenset[str] = frozenset()
 
     @property
     def bodies(self) -> bool:
-        """Whether bodies, supports and loads are as the file says."""
+        """Whether bodies, supports and loads are as in the file."""
         return self.mended <= APART
 
     def leaves(self, keys: Sequence[str]) -> bool:
-        """Whether a fault of these keys is the file's own: no table that was mended has a part in it."""
+        """Return whether a fault of these keys is the file's: no replaced table is involved."""
         return not any(key.split(".")[0].split("[")[0] in self.mended for key in keys)
 
 
 def sound(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
-    """Keys of a file, each by itself in range. Raises SceneError with all faults."""
+    """Return the validated keys of a file; SceneError with all faults."""
     try:
         return keys.model_validate(raw)
     except ValidationError as error:
@@ -140,9 +147,9 @@ def sound(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
 
 
 def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Broken]:
-    """Keys of a file and what is wrong with them; faulty values are replaced by examples, unknown keys left out.
+    """Return the keys of a file, and its faults; faulty values are replaced by examples, unknown keys left out.
 
-    None where that does not make the file readable, as where a whole table is missing.
+    None for the keys if that does not make the file readable, such as if a whole table is missing.
     """
     try:
         return keys.model_validate(raw), Broken()
@@ -163,7 +170,7 @@ def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Br
 
 
 def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
-    """Replace or leave out one value in place; whether that could be done."""
+    """Replace or leave out one value in place; return whether that was possible."""
     for key in where[:-1]:
         known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
         if not known:
@@ -181,8 +188,10 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
 
 
 def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
-    """Faults that pydantic found in ``keys``: unknown keys first, as they explain missing ones; a missing key that an
-    unknown one stands for is told with that."""
+    """Return the faults that pydantic found: unknown keys first, as they explain missing ones.
+
+    A missing key for which an unknown one stands is reported with that.
+    """
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in EXTRA)
     schema, named = tidy_schema(keys), set()
     out = []
@@ -198,7 +207,7 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
 
 
 def _only_faulty(fault: Any) -> bool:
-    """Whether a list is short only by entries that are at fault themselves, as pydantic counts the sound ones."""
+    """Return whether a list is too short only because pydantic does not count its faulty entries."""
     return bool(fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"])
 
 
@@ -207,7 +216,7 @@ def _path(where: Sequence[int | str]) -> str:
 
 
 def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
-    """An unknown key in words, and the known key of its table that it is taken for (may be empty)."""
+    """Return an unknown key in words, and the known key of its table that it is taken for (may be empty)."""
     where = fault["loc"]
     known, word = list(node_at(schema, where[:-1]).get("properties", {})), hint(str(where[-1]))
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
@@ -221,7 +230,7 @@ def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
 
 
 def _wrong(schema: dict[str, Any], fault: Any) -> Said:
-    """A missing key, or a value that is not allowed, in words."""
+    """Return a missing key, or a value that is not allowed, in words."""
     where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
     node = node_at(schema, where)
     allowed = str(context.get("allowed") or _allowed(node))
@@ -233,7 +242,7 @@ def _wrong(schema: dict[str, Any], fault: Any) -> Said:
 
 
 def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
-    """The part of the JSON Schema that describes the key at ``where`` (empty if there is none)."""
+    """Return the part of the JSON Schema for the key at ``where`` (empty if there is none)."""
     node: dict[str, Any] = schema
     for key in (*where, None):
         if "$ref" in node:
@@ -280,5 +289,5 @@ def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str
 
 
 def hint(name: str) -> str:
-    """What an unknown key is called in a scene, or nothing."""
+    """Return the scene's name for an unknown key, or an empty text."""
     return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

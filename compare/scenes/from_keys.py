@@ -1,4 +1,4 @@
-"""Records that the keys of a scene file stand for: parts, and load cases (``[[cases]]``) with what is wrong with them."""
+"""From the keys of a scene file to records: parts, and load cases (``[[cases]]``) with their faults."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
-    """The record of faultless keys."""
+    """Return the record of validated keys."""
     track, e, nut, held = keys.track, keys.errors, keys.nut, keys.solid.nut_held
     listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
     material = material_of(keys.balls.material, keys.material)
@@ -67,7 +67,7 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
 
 
 def _track(keys: schema.SceneKeys) -> parts.Track:
-    """The path; with a clearance, of a bearing of one arc a groove at its contact angle at rest."""
+    """Return the path; with a clearance, of a bearing with one arc per groove at its free contact angle."""
     fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
     if clearance is not None:
         apart = centres_apart(keys)
@@ -76,23 +76,23 @@ def _track(keys: schema.SceneKeys) -> parts.Track:
 
 
 def centres_apart(keys: schema.SceneKeys) -> float:
-    """Distance [m] of the groove centres where a ball touches both grooves."""
+    """Return the distance of the groove centres at which a ball touches both grooves [m]."""
     return groove_of(keys, keys.screw) + groove_of(keys, keys.nut) - 2.0 * keys.balls.radius
 
 
 def groove_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
-    """Groove radius [m] of screw or nut."""
+    """Return the groove radius of screw or nut [m]."""
     return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
 
 
 def _body(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """What screw and nut have alike."""
+    """Return the fields that screw and nut share."""
     shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_of(keys, part)}
     return {**shape, "material": material_of(part.material, keys.material)}
 
 
 def _flange(nut: schema.NutKeys) -> parts.Flange | None:
-    """The nut's flange, its face held as far as the flange goes where the file does not say."""
+    """Return the nut's flange, fixed at its whole face unless stated."""
     if nut.flange is None:
         return None
     seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
@@ -105,7 +105,7 @@ def _flange(nut: schema.NutKeys) -> parts.Flange | None:
 
 
 def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
-    """Coefficients of a scene."""
+    """Return the coefficients of friction of a scene."""
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
         raise AssertionError("a groove without a coefficient")
@@ -120,7 +120,7 @@ def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
 
 
 def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
-    """A part's material; values that it lacks are the scene's."""
+    """Return the material of a part; missing values are those of the scene."""
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
@@ -130,8 +130,11 @@ def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Mater
 
 
 def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of each circuit, circuits
-    with their gaps centred on the nut."""
+    """Return the azimuths of one start [rad].
+
+    They are listed, spread evenly over the arcs, or over the turns of each circuit, circuits with their gaps centred on the
+    nut.
+    """
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     if balls.arcs is None:
@@ -146,7 +149,7 @@ def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, .
 
 
 def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Balls of one circuit: the count shared, or as many as fill the part of its turns that is asked for, at least one."""
+    """Return the number of balls of one circuit: the count shared, or as many as the filling gives, at least one."""
     if balls.count is not None:
         return balls.count // (track.starts * balls.circuits)
     touching = touching_angle(track.pitch_radius, track.lead, 2.0 * balls.radius)
@@ -154,9 +157,18 @@ def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
 
 
 def touching_angle(radius: float, lead: float, ball: float) -> float:
-    """Angle [rad] between neighbours on a helix (radius, lead [m]) that touch: their chord is the ball's diameter [m].
+    """Return the angle between touching neighbours on a helix [rad]; their chord is the ball diameter.
 
-    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
+    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn if even that is shorter than a ball.
+
+    Parameters
+    ----------
+    radius
+        Pitch radius R [m].
+    lead
+        Lead [m].
+    ball
+        Ball radius [m].
     """
     from rollbench.meshes.numerics import brentq
 
@@ -167,12 +179,12 @@ def touching_angle(radius: float, lead: float, ball: float) -> float:
 
 
 def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Number of balls over all starts and circuits."""
+    """Return the number of balls over all starts and circuits."""
     return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
 
 
 def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
-    """Support at a station: freedoms held and displacements."""
+    """Return the support at a station, with fixed freedoms and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
     return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
@@ -182,13 +194,19 @@ def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
 
 
 def oversize_for(scene: parts.Scene, force: float) -> float:
-    """Oversize of the ball radius [m] at which screw and nut, both rigid, press on each pair of flanks with ``force`` [N]
-    along the axis, without load.
+    """Return the oversize of the ball radius [m] at which rigid screw and nut have an axial preload.
 
     All four contacts of a ball carry Q = force / (n sin beta cos alpha); along a diagonal, both approaches together make up
     for twice the oversize e: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact
-    angle. Valid where e is small against the distance of ball and groove centre, so that the angle hardly changes (a
-    per cent of the force at 7 um and 0.5 mm).
+    angle. Valid if e is small against the distance of ball and groove centre, so that the angle hardly changes (one per
+    cent of the force at 7 um and 0.5 mm).
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    force
+        Axial force on each pair of flanks without load [N].
     """
     from rollbench.lowfi.statics.contacts import error_free_hertz
 
@@ -200,7 +218,7 @@ def oversize_for(scene: parts.Scene, force: float) -> float:
 
 
 def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
-    """Preload force [N], and in words where it comes from."""
+    """Return the preload [N], and its origin in words."""
     if not isinstance(given, ShareOfRating):
         return given, ""
     from rollbench.lowfi.rating.life import rating
@@ -211,7 +229,7 @@ def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, s
 
 
 def preloaded(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
-    """The scene with its preload as an oversize, and what is idealised by it among the assumptions."""
+    """Return the scene with its preload as an oversize, and the idealisation among its assumptions."""
     if keys is None or keys.lead_offset is not None:
         return scene
     size, assumed = keys.oversize or 0.0, scene.assumed
@@ -228,14 +246,14 @@ def preloaded(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scen
 
 Parts = TypeVar("Parts", bound="Scene | Assembly")
 
-#: Largest distance of the sum of shares from 1: shares are written with a few digits.
+#: Largest deviation of the sum of shares from 1: shares are written with a few digits.
 ROUNDED = 1e-6
 
 
 def in_cases(
     parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
 ) -> Parts | DutyCycle:
-    """The parts, or the duty cycle of their cases; faults: of the parts in one case. Raises SceneError."""
+    """Return the parts, or the duty cycle of their load cases; SceneError for faults of the parts in a load case."""
     if not keys:
         return parts
     cycle = duty_cycle(parts, keys)
@@ -244,9 +262,9 @@ def in_cases(
 
 
 def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
-    """The record of faultless cases of a scene.
+    """Return the record of validated load cases.
 
-    Shares follow from times and speeds: revolutions of a case over those of the cycle, whichever way it turns.
+    Shares follow from times and speeds: revolutions of a load case over those of the cycle, in either direction.
     """
     turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in keys]
     whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
@@ -257,7 +275,7 @@ def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
 
 
 def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
-    """The scene in one case, under a name of its own: stored runs and files are told apart by it."""
+    """Return the scene in one load case, with a separate name for its stored runs and files."""
     motion = scene.motion
     if keys.speed is not None:
         motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
@@ -293,7 +311,7 @@ def _displaced(support: Support, keys: CaseKeys) -> Support:
 
 
 def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
-    """Names, shares and supports of the cases that do not fit together."""
+    """Yield faults of names, shares and supports of load cases that do not fit together."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
@@ -320,7 +338,7 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
 
 
 def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
-    """A case has a share, or time and speed."""
+    """Yield a fault unless a load case has a share, or time and speed."""
     if (case.share is None) == (case.time is None):
         given = "neither" if case.share is None else "both"
         advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
@@ -334,7 +352,7 @@ def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
 
 
 def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
-    """A case displaces freedoms that the scene's supports hold, each once."""
+    """Yield faults of displaced freedoms that the scene's supports do not fix, or given twice."""
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
         supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
@@ -356,7 +374,7 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
 
 
 def of_case(fault: Fault, k: int) -> Fault:
-    """A fault of the scene of case number ``k``, blamed on the keys of the case where it has them."""
+    """Return a fault of the scene of load case number ``k``, with the keys of the load case if it has them."""
     blamed = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
     oversize = () if blamed else (f"cases[{k}].oversize",)
     return replace(fault, keys=(*blamed, *oversize, *fault.keys))

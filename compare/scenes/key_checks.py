@@ -1,4 +1,4 @@
-"""Contradictory choices of a scene file: what its keys say before any geometry is built."""
+"""Checks of contradictory keys of a scene file, before any geometry is built."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import MAX_BALLS
 from rollbench.meshes.section import MERGE
 
-#: Part of a ball diameter by which a diameter may differ from twice the radius beside it.
+#: Relative difference up to which a diameter agrees with twice a radius that is also given.
 SAME = 1e-9
 
 
 def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Faults that show before geometry is built: keys that exclude or need each other, counts, supports."""
+    """Yield faults of keys that exclude or need each other, of counts and supports."""
     for part in ("screw", "nut", "balls"):
         yield from _material_faults(keys, part)
     yield from _kind_faults(keys)
@@ -41,7 +41,7 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def motion_faults(motion: Motion | None) -> Iterator[Fault]:
-    """A speed of zero."""
+    """Yield a fault for zero speed."""
     if motion is not None and motion.speed == 0.0:
         advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
@@ -61,7 +61,7 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def time_faults(time: Time) -> Iterator[Fault]:
-    """A run of two lengths or none."""
+    """Yield a fault for a run with two lengths or none."""
     if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both"
         advice = 'write angle = "360 deg", or duration = "1 s"'
@@ -69,7 +69,7 @@ def time_faults(time: Time) -> Iterator[Fault]:
 
 
 def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
-    """Both grooves need a coefficient, their own or the shared one."""
+    """Yield a fault unless both grooves have a coefficient, shared or separate."""
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "0 to 2", advice, "nothing")
@@ -86,7 +86,7 @@ def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
-    """A groove must be given in one of two ways; ``table`` is where it stands in the file."""
+    """Yield a fault unless a groove is given in exactly one form; ``table``: its table in the file."""
     if (groove.groove_radius is None) == (groove.conformity is None):
         given = "neither" if groove.conformity is None else "both"
         advice = "groove radius = conformity x ball diameter: give one and leave out the other"
@@ -94,7 +94,7 @@ def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
 
 
 def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """A contact angle, or in its place the clearance of a bearing whose balls touch at some angle."""
+    """Yield a fault unless there is a contact angle, or the clearance of a bearing whose balls can touch."""
     angle, clearance = keys.track.contact_angle, keys.track.clearance
     if clearance is None:
         if angle is None:
@@ -123,7 +123,7 @@ def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """A flange on a ring, keys of a flange's face without one, and the former key beside the new one."""
+    """Yield faults of a flange on a ring, flange keys without flange, and a former key together with the new one."""
     nut, former = keys.nut, keys.solid.nut_held
     if nut.held.at is not None and former is not None:
         yield Fault(("solid.nut_held",), "only nut.held.at", "solid.nut_held is its former name: leave it out", "both")
@@ -181,7 +181,7 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
-    """Angle ranges that are empty, out of order, or given beside turns."""
+    """Yield faults of angle ranges that are empty, out of order, or given with turns."""
     ends = [end for arc in balls.arcs or [] for end in arc]
     if balls.turns is not None:
         yield Fault(("balls.arcs",), "either turns or arcs", "arcs say how far the balls go: leave out turns", "both")
@@ -228,7 +228,7 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _said_twice(keys: SceneKeys) -> Iterator[Fault]:
-    """A radius and a diameter that contradict one another, a count beside a filling."""
+    """Yield faults of a radius and a diameter that differ, and a count together with a filling."""
     pairs = (
         ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
         ("balls.diameter", keys.balls.diameter, keys.balls.radius),
@@ -274,7 +274,7 @@ def _operation(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circulating(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
-    """Where balls go round, circuits of [circulation] that are not those of [balls]: balls would run on across a gap."""
+    """Yield faults of circuits of [circulation] that differ from those of [balls]: balls would run across a gap."""
     if keys.circulation is None and keys.time is None:
         return
     stated = 1 if keys.circulation is None else keys.circulation.circuits

@@ -1,4 +1,4 @@
-"""What keys of several kinds of scenes share: quantities with ranges, tables of material, grooves, path, motion."""
+"""Keys that several kinds of scenes share: quantities with ranges, tables of material, grooves, path and motion."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ STANDARD: dict[str, tuple[str, float]] = {
     "silicon nitride": ("310 GPa", 0.26),
     "zirconia": ("210 GPa", 0.3),
 }
-#: Grades of these materials as drawings and catalogues name them.
+#: Names of these materials in drawings and catalogues.
 GRADES = {
     "bearing steel": ("100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4"),
     "silicon nitride": ("Si3N4",),
@@ -53,8 +53,10 @@ OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
 def with_material(table: Any) -> Any:
-    """A raw table of a material, the values that it leaves out filled in by its name. Another name that stands with both
-    values is a word for the reader of the file, and goes."""
+    """Return a raw table of a material with missing values filled in by its name.
+
+    An unknown name with both values is dropped: it is a remark for readers of the file.
+    """
     if not isinstance(table, dict) or not isinstance(name := table.get("name"), str):
         return table
     if name in MATERIALS:
@@ -65,10 +67,10 @@ def with_material(table: Any) -> Any:
 
 
 def with_radius(table: Any, radius: str, diameter: str) -> Any:
-    """A raw table with a radius in place of a diameter that is given without one.
+    """Return a raw table with a radius from the diameter, if only that is given.
 
-    Halving a binary number is exact: the radius is the one that its own text would give. A diameter that cannot be read is
-    refused under its own name, so that any radius will do.
+    Halving a binary number is exact: the radius is the one that its text would give. A diameter that cannot be read is
+    refused under its name.
     """
     if not isinstance(table, dict) or diameter not in table or radius in table:
         return table
@@ -80,7 +82,7 @@ def with_radius(table: Any, radius: str, diameter: str) -> Any:
 
 
 def either(radius: str, diameter: str) -> ConfigDict:
-    """Configuration of a table that needs a radius or a diameter, for its JSON Schema."""
+    """Return the configuration of a table that needs a radius or a diameter, for its JSON Schema."""
 
     def change(schema: dict[str, Any]) -> None:
         schema["required"] = [name for name in schema["required"] if name != radius]
@@ -100,7 +102,7 @@ Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(ma
 
 
 def key(description: str, default: Any = ..., example: Any = None) -> Any:
-    """A key of the file. ``default`` is written as in a scene; without it the key is required."""
+    """Return a key of the file; ``default`` is written as in a scene, without it the key is required."""
     examples = None if example is None else [example]
     return Field(default=default, description=description, examples=examples)
 
@@ -127,7 +129,7 @@ class MaterialKeys(Table):
     @field_validator("youngs_modulus")
     @classmethod
     def _of_a_solid(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """A modulus that is a slip of a unit is refused, unless the table says that it is meant."""
+        """Refuse a modulus of no solid, usually due to a wrong unit, unless the table says that it is meant."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
@@ -193,7 +195,7 @@ class SpeedKeys(Table):
 
 @cache
 def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
+    """Return the JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
 
     Cached: do not change it.
     """
@@ -202,7 +204,7 @@ def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
 
 
 def without_null(node: Any) -> Any:
-    """Drop ``null`` (TOML has none) and pydantic's titles, and defaults that are whole tables."""
+    """Drop ``null`` (TOML has none), pydantic's titles, and defaults that are whole tables."""
     if isinstance(node, list):
         return [without_null(v) for v in node]
     if not isinstance(node, dict):
@@ -225,7 +227,7 @@ def without_null(node: Any) -> Any:
 
 
 def _as_in_a_file(default: Any, node: dict[str, Any]) -> Any:
-    """A default as a file has it: a record has it in SI units."""
+    """Return a default as in a file; a record has it in SI."""
     if isinstance(default, list):
         return [_as_in_a_file(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:

@@ -1,5 +1,4 @@
-"""Scene files: one TOML file is one load case, or several of the same parts; what cannot be read or built is refused in one
-line."""
+"""Reading scene files: one TOML file is one load case, or several of the same parts; faults are one-line errors."""
 
 from __future__ import annotations
 
@@ -21,7 +20,7 @@ from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, has_comma
 
-#: Most parts of a dotted key: the reader's time and memory grow with their square.
+#: Largest number of parts of a dotted key: time and memory of the reader grow with its square.
 MAX_PARTS = 32
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _DOTTED = re.compile(rf"""(?<![\w\-."'])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_PARTS}}}""")
@@ -30,26 +29,40 @@ MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
 def load(path: str | Path) -> Scene:
-    """The whole screw or bearing in the file ``path``; its name is the file's stem. Raises SceneError."""
+    """Return the ball screw or bearing in a file, named by the file's stem; SceneError for faults."""
     return loads(read_text(path), str(path))
 
 
 def loads(text: str, origin: str) -> Scene:
-    """The whole screw or bearing in ``text``; ``origin`` is the file named in errors.
+    """Return the ball screw or bearing in a text.
 
-    Raises SceneError, also for a scene of a kind that only friction solves, and nothing else.
+    Parameters
+    ----------
+    text
+        Text of a scene file.
+    origin
+        File for errors.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    SceneError
+        For faults, and for a scene of another kind.
     """
     return whole(read(text, origin), origin)
 
 
 def solvable(scene: Described, origin: str) -> Scene | Assembly:
-    """The scene, if it is a whole one of one set, or several sets on one shaft. Raises SceneError as `whole`."""
+    """Return the scene if it has one set or several sets on one shaft; SceneError as `whole`."""
     return scene if isinstance(scene, Assembly) else whole(scene, origin)
 
 
 def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
-    """The scenes to be solved for one that is described: one, or that of every load case in order. Raises SceneError as
-    `whole`."""
+    """Return the scenes to be solved: one, or that of every load case in order; SceneError as `whole`."""
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
     single = solvable(scene, origin)
@@ -57,7 +70,7 @@ def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
 
 
 def whole(scene: Described, origin: str) -> Scene:
-    """The scene, if it is one whole screw or bearing. Raises SceneError naming its kind where it is another."""
+    """Return the scene if it is one ball screw or bearing; SceneError that names its kind otherwise."""
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, DutyCycle):
@@ -72,13 +85,32 @@ def whole(scene: Described, origin: str) -> Scene:
 
 @dataclass(frozen=True)
 class Known:
-    """What the text of a scene file describes, as it is kept."""
+    """Cached record of the text of a scene file."""
 
+    #: The record.
     described: Described
 
 
 def read(text: str, origin: str) -> Described:
-    """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
+    """Return the scene of any kind in a text.
+
+    Parameters
+    ----------
+    text
+        Text of a scene file.
+    origin
+        File for errors.
+
+    Returns
+    -------
+    Scene, Assembly, DutyCycle or KindScene
+        The scene.
+
+    Raises
+    ------
+    SceneError
+        For faults.
+    """
     return _known(text, origin).described
 
 
@@ -90,7 +122,7 @@ def _known(text: str, origin: str) -> Known:
 
 
 def kind_of(scene: Described) -> str:
-    """The kind of a scene, as its file may name it."""
+    """Return the kind of a scene, as its file may name it."""
     scene = scene.parts if isinstance(scene, DutyCycle) else scene
     if not isinstance(scene, Scene):
         return scene.kind
@@ -98,7 +130,7 @@ def kind_of(scene: Described) -> str:
 
 
 def read_text(path: str | Path) -> str:
-    """Text of a file. Raises SceneError if it cannot be read or is not text."""
+    """Return the text of a file; SceneError if it cannot be read or is not text."""
     allowed = "a readable TOML file"
     try:
         if Path(path).is_dir():
@@ -127,13 +159,13 @@ def read_text(path: str | Path) -> str:
 
 
 def scene_hash(text: str) -> str:
-    """First 16 hexadecimal digits of the SHA-256 of a scene's text, without its role: that says nothing of the scene."""
+    """Return the first 16 hexadecimal digits of the SHA-256 of a scene's text, without its role."""
     described = re.sub(r"(?m)^role = .*\n", "", text)
     return hashlib.sha256(described.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def read_toml(text: str, origin: str) -> dict[str, Any]:
-    """Tables and keys of a TOML text; ``origin`` is the file named in errors. Raises SceneError."""
+    """Return tables and keys of a TOML text; SceneError, for the file ``origin``, if it is not valid."""
     if long := _DOTTED.search(text):
         row = text.count("\n", 0, long.start()) + 1
         advice = "keys of scenes have up to four: rollbench schema lists them"

@@ -1,4 +1,4 @@
-"""From the tables of a scene file to the scene; what cannot be built is refused in one line."""
+"""From the tables of a scene file to the scene, with one-line errors for what cannot be built."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from rollbench.meshes.units import show
 if TYPE_CHECKING:
     from rollbench.compare.scenes.schema import AxisKeys
 
-#: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
+#: Tables that no ball screw or bearing has: with them, a missing kind is reported.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
 
 def read_tables(raw: dict[str, Any], origin: str) -> Described:
-    """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
+    """Return the scene of any kind from the tables of a file; SceneError for faults."""
     kind = raw.get("kind")
     if _is_axis(raw):
         from rollbench.compare.scenes.axis_file import read_axis
@@ -52,10 +52,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
 
 
 def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
-    """The keys of the tables ``raw`` of a whole screw or bearing, or of several sets on one shaft, each by itself in range.
-
-    Raises SceneError.
-    """
+    """Return the validated keys of a ball screw, a bearing, or several sets on one shaft; SceneError for faults."""
     return _axis_keys(raw, origin) if _is_axis(raw) else sound(raw, SceneKeys, origin)
 
 
@@ -70,9 +67,9 @@ def _is_axis(raw: dict[str, Any]) -> bool:
 
 
 def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
-    """The whole screw or bearing of the tables ``raw``, in one load case or several; ``origin``: the file named in errors.
+    """Return the ball screw or bearing of the tables ``raw``, in one load case or several.
 
-    Raises SceneError with all that is wrong, as far as it can be told before the first faults are mended.
+    SceneError, for the file ``origin``, with all faults that can be found before the first are corrected.
     """
     keys, broken = validated(raw, SceneKeys)
     said = list(broken.said)
@@ -92,5 +89,5 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
 
 
 def _body_faults(scene: Scene) -> list[Fault]:
-    """Bodies that cannot be built; where all can, contacts that cannot be solved."""
+    """Return faults of bodies that cannot be built; without any, of contacts that cannot be solved."""
     return list(geometry_faults(scene)) or list(contact_faults(scene))

@@ -239,7 +239,7 @@ class FrictionKeys(keys.Table):
 
 class PreloadKeys(keys.Table):
     """Preload of one nut: in four-point contact by force or oversize (instead of errors.balls.oversize), or in two-point
-    contact by a lead offset of its halves. Give one of the three."""
+    contact by a lead offset of its halves. Give one of the three."""  # noqa: D205, D209 - a description in the schema
 
     force: Preload | None = key(
         "axial force between the two pairs of flanks of nut and screw without load, both taken as rigid; or in per cent of "

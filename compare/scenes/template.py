@@ -1,7 +1,7 @@
-"""Scenes to begin with: commented ones of every kind, and one of a nominal size, such as 40x10.
+"""Scenes to begin with: commented ones of every kind, and ones of a nominal size, such as 40x10.
 
-A commented scene has the values of a shipped scene, and every other key as a comment; that of a nominal size has what is
-usual for it, by rules that the scene states.
+A commented scene has the values of a shipped scene, and every other key as a comment; a scene of a nominal size has usual
+values, by rules that it states.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rollbench.compare.scenes.keys import tidy_schema
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import show
 
-#: Shipped scenes whose values the templates take; that of a ball screw is written by hand.
+#: Shipped scenes whose values the templates take; the template of a ball screw is written by hand.
 EXAMPLES = {
     "bearing": "bearing-9",
     "bearing ball": "lin-rotary-1",
@@ -36,7 +36,7 @@ EXAMPLES = {
 #: Shipped shafts with several rolling sets that are templates as they stand.
 AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
 
-#: Shafts with bearings that are templates in files of their own.
+#: Shafts with bearings, whose templates are separate files.
 BEARINGS = ("angular contact bearing", "support bearings")
 
 INTRODUCTION = """\
@@ -49,9 +49,25 @@ Node = Mapping[str, Any]
 
 
 def text_of(kind: str = "ball screw", size: str = "") -> str:
-    """A commented scene of a kind, of a nominal size such as 40x10 where one is given. Raises InputError for an unknown
-    kind, for the size of another kind than ball screw and double nut, and where the rules of sizes do not reach."""
+    """Return the text of a commented scene of a kind, or of a nominal size such as 40x10.
 
+    Parameters
+    ----------
+    kind
+        Kind of the scene.
+    size
+        Nominal diameter and lead [mm]; empty: the template of the kind.
+
+    Returns
+    -------
+    str
+        Text of the scene file.
+
+    Raises
+    ------
+    InputError
+        For an unknown kind, a size of another kind than ball screw and double nut, and a size out of range.
+    """
     kind = (kind or "ball-screw").replace("-", " ")
     sized = {"ball screw": scene_like, "double nut": double_nut_like}
     if not size:
@@ -63,9 +79,9 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
 
 
 def template(kind: str = "ball screw") -> str:
-    """A commented scene of a kind that solves as it stands; words of the kind may be joined by hyphens.
+    """Return the text of a commented scene of a kind, which solves as it is; words of the kind may be joined by hyphens.
 
-    Raises InputError for an unknown kind.
+    InputError for an unknown kind.
     """
     name = kind.replace("-", " ")
     if name in AXES:
@@ -100,7 +116,7 @@ def _schema(kind: str) -> dict[str, Any]:
 
 
 def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
-    """Keys of a table, those with a plain value first; then the tables in it."""
+    """Yield the keys of a table, those with a plain value first; then the tables in it."""
     inner = {}
     for name, entry in node["properties"].items():
         content = values.get(name)
@@ -124,7 +140,7 @@ def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
 
 
 def _line(name: str, entry: Node, value: Any) -> Iterator[str]:
-    """A key with its value, or as a comment with its default or an example."""
+    """Yield a key with its value, or as a comment with its default or an example."""
     text = _sentence(entry)
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
@@ -142,7 +158,7 @@ def _sentence(entry: Node) -> str:
 
 
 def _resolve(entry: Node, defs: Node) -> Node:
-    """The table that an entry of the schema refers to."""
+    """Return the table that an entry of the schema refers to."""
     table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
     return table
 
@@ -150,7 +166,7 @@ def _resolve(entry: Node, defs: Node) -> Node:
 #: Ball diameters that are kept in stock [mm].
 STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)
 
-#: Sizes that the rules are for [mm].
+#: Range of nominal sizes of the rules [mm].
 DIAMETERS, LEADS = (6.0, 160.0), (1.0, 100.0)
 
 #: Ball diameter over lead and over nominal diameter at most; pitch circle beyond the land, in ball diameters; wall of the
@@ -176,13 +192,13 @@ SPACER = 0.1
 
 
 def scene_like(size: str) -> str:
-    """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
+    """Return the text of a ball screw of a nominal size ``DIAMETERxLEAD`` in mm; InputError for a size out of range."""
     values = values_like(size)
     return _tidy(_text("screw", values), values)
 
 
 def double_nut_like(size: str) -> str:
-    """Text of a double nut of a nominal size, as `scene_like`: its nuts are pressed apart by a spacer."""
+    """Return the text of a double nut of a nominal size, as `scene_like`, with a spacer that presses the nuts apart."""
     values = values_like(size)
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
@@ -194,17 +210,17 @@ def double_nut_like(size: str) -> str:
 
 
 def _text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """A text of the folder ``like_texts``, filled; title and assumptions in it name nothing that is edited later."""
+    """Return a filled text of the folder ``like_texts``; its title and assumptions name nothing that a user edits later."""
     return files.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:
-    """The text without gaps where there is one circuit."""
+    """Return the text without gaps if there is one circuit."""
     return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 
 def values_like(size: str) -> dict[str, Any]:
-    """Numbers of a size by the names in the texts, as they stand in the file: lengths in mm. Raises InputError."""
+    """Return the values of a nominal size by their names in the texts, lengths in mm; InputError as `scene_like`."""
     outer, lead = _size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)
@@ -248,7 +264,7 @@ def values_like(size: str) -> dict[str, Any]:
 
 
 def _size(size: str) -> tuple[float, float]:
-    """Nominal diameter and lead [mm]."""
+    """Return nominal diameter and lead [mm]."""
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
     match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
     if match is None:

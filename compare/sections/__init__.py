@@ -1,1 +1,1 @@
-"""The sections of the validation report, one module each: they run models and fill plain records."""
+"""Sections of the validation report, one module each: they run models and fill plain records."""

@@ -16,15 +16,28 @@ from rollbench.reports.content import Figure, Panel, Series
 
 
 def numbers(values: Array, factor: float = 1.0) -> list[float]:
-    """Plain numbers for a record, times a factor."""
+    """Return plain numbers for a record, times a factor."""
     return [factor * float(v) for v in values]
 
 
 def lateral(
     stations: Array, moved: Array, name: str = "u_{}", style: str = "line", *, emphasis: bool = False
 ) -> tuple[Series, Series]:
-    """Curves of the two lateral displacements [um] of a centreline ``(k, 2 or more)`` [m] over its stations ``(k,)`` [mm];
-    name: with a place for the axis."""
+    """Return curves of both lateral displacements [um] of an axis over its stations.
+
+    Parameters
+    ----------
+    stations
+        Stations, (k,) [mm].
+    moved
+        Displacements, (k, 2 or more) [m].
+    name
+        Label, with a placeholder for the direction.
+    style
+        Style of the curves.
+    emphasis
+        Whether they are drawn bold.
+    """
     z = numbers(stations, 1e3)
     x, y = (
         Series(name.format(axis), z, numbers(moved[:, k], 1e6), style, emphasis=emphasis) for k, axis in enumerate("xy")
@@ -33,7 +46,7 @@ def lateral(
 
 
 def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
-    """Contact loads over the balls."""
+    """Return a panel for contact loads over the balls."""
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
@@ -46,7 +59,7 @@ def loads(
     emphasis: bool = False,
     bar: Array | None = None,
 ) -> Series:
-    """Curve of the loads of one side over the ball number, 1 to n; bar ``(n, 4)`` [N]: what they are uncertain by."""
+    """Return the curve of the loads of one side over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
     ends = None if bar is None else (numbers(load - bar[:, side]), numbers(load + bar[:, side]))
@@ -58,8 +71,11 @@ MOST = 8
 
 
 def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference) -> Figure | None:
-    """Largest and smallest loads, and the centreline, over the cell size, as difference from the finest level in per cent
-    of the panel's largest value; bars at the finest, extrapolation to cells of no size. None with fewer than two levels."""
+    """Draw extreme loads and displacements over the cell size, relative to the finest level.
+
+    In per cent of the panel's largest value, with uncertainties at the finest level and extrapolation to zero cell size.
+    None with fewer than two levels.
+    """
     if len(found.runs) < 2:
         return None
     sizes = [size / found.sizes[-1] for size in found.sizes]
@@ -81,7 +97,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
 
 
 def _curves(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
-    """Values of one quantity over the cell size, and the power law from the finest to cells of no size."""
+    """Return the values of one quantity over the cell size, and the power law from the finest to zero cell size."""
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:
         return []

@@ -1,6 +1,6 @@
-"""What the models are fit for and what not, from all scenes that were compared with the 3D reference.
+"""Section on what the models are fit for, from all scenes that were compared with the 3D reference.
 
-What was compared is drawn: a range for each descriptor, the compared scenes in it, and the place of a scene.
+A figure shows the range of each descriptor, the compared scenes in it, and a given scene.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Names of the errors, and their words in tables.
+#: Names of the errors, with their headings in tables.
 NAMES = {
     "gate_percent": "worst contact load",
     "percent": "worst contact load",
@@ -37,7 +37,7 @@ WORDS = (
     | {"gate_percent": "worst contact load, by the gate's rule"}
 )
 
-#: Limits [%] that a use is counted by: the gate's, which judges no error of the mean load.
+#: Limits [%] of the errors: the gate's, which does not judge errors of the mean load.
 LIMITS = {"gate_percent": LIMIT} | {
     f"{q.name}_percent": q.times * LIMIT for q in (judged.DISPLACEMENT, judged.RIGIDITY, judged.PRESSURE)
 }
@@ -58,25 +58,28 @@ NOT_FIT = (
 
 @dataclass(frozen=True)
 class Fit:
-    """Sizes of the errors (n,) [%] of a model in one quantity, a key of ``NAMES``."""
+    """Absolute errors of a model in one quantity."""
 
+    #: Quantity, a key of ``NAMES``.
     key: str
+    #: Name of the model.
     model: str
+    #: Errors, (n,) [%].
     errors: Array
 
     @property
     def within(self) -> float | None:
-        """Share within the gate's limit; None where it has none."""
+        """Share within the gate's limit; None if it has none."""
         return float(np.mean(self.errors <= LIMITS[self.key])) if self.key in LIMITS else None
 
     @property
     def good(self) -> bool | None:
-        """Whether 95 of 100 are within the gate's limit; None where it has none."""
+        """Whether 95 of 100 are within the gate's limit; None if it has none."""
         return None if self.within is None else self.within >= 0.95
 
     @property
     def row(self) -> Row:
-        """Median, 95th percentile and largest error, the gate's limit and the share within it."""
+        """Return median, 95th percentile and largest error, the gate's limit and the share within it."""
         share, good = self.within, self.good
         return {
             "quantity": WORDS[self.key],
@@ -92,7 +95,7 @@ class Fit:
 
 
 def fits(points: Sequence[Point]) -> list[Fit]:
-    """Every model in every quantity that was compared."""
+    """Return the errors of every model in every compared quantity."""
     found = []
     for model in dict.fromkeys(p.model for p in points):
         for key in NAMES:
@@ -103,7 +106,7 @@ def fits(points: Sequence[Point]) -> list[Fit]:
 
 
 def conclusion(found: Sequence[Fit]) -> str:
-    """What 95 of 100 compared scenes are fit for."""
+    """Return a sentence on the errors within which 95 of 100 compared scenes are."""
     good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
     bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
     held = "the gate's limits hold on at least 95 of 100"
@@ -117,7 +120,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Section of the report."""
+    """Return the section of the report."""
     step("all compared scenes")
     found = fits(shipped_points())
     note = (
@@ -130,7 +133,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
 
 
 def range_table(scene: Scene | None = None) -> Table:
-    """Compared ranges, and the place of a scene where one is given."""
+    """Return the compared ranges, with the values of a scene if one is given."""
     rows: list[Row] = []
     placed = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
     ring = scene is not None and scene.track.lead == 0.0
@@ -157,7 +160,7 @@ def range_table(scene: Scene | None = None) -> Table:
 
 
 def range_figure(scene: Scene | None = None) -> Figure:
-    """Compared scenes by pairs of descriptors, with a scene's own place."""
+    """Draw the compared scenes by pairs of descriptors, with a given scene."""
     pairs = ((0, 1), (2, 4), (6, 3), (5, 7))
     ring = scene is not None and scene.track.lead == 0.0
     panels = []
@@ -174,5 +177,5 @@ def _label(d: Descriptor) -> str:
 
 
 def items_of(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
-    """Table and figure without a scene of one's own."""
+    """Return table and figure without a given scene."""
     return range_table(), range_figure()

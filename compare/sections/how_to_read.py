@@ -1,7 +1,6 @@
-"""How to read the report, and what to know of it.
+"""Sections on how to read the report: error, uncertainty, class and verdict, with one example row.
 
-What an error, an uncertainty, a class and a verdict are, with one row worked through; what the scenes assume, what the
-source misprints, and what does not reproduce.
+Also assumptions of the scenes, misprints of the sources, and what is not reproduced.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 
-#: Scene and model of the worked row.
+#: Scene and model of the example row.
 SCENE, MODEL = "lin-case1", "lin"
 
 TERMS = (
@@ -60,7 +59,7 @@ TERMS = (
 
 
 def worked(study: Study) -> str:
-    """One row of a table of loads, word by word; empty without the reference."""
+    """Return an explanation of one row of a table of loads, word by word; empty without the reference."""
     found = study.reference(SCENE)
     if found is None:
         return ""
@@ -80,13 +79,13 @@ def worked(study: Study) -> str:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("one worked row")
     return Section("how-to-read", "How to read this report", (Text(TERMS, bullets=True),), conclusion=worked(study))
 
 
 def assumptions(study: Study) -> list[dict[str, Cell]]:
-    """Assumed statements and the scenes that make them."""
+    """Return the assumptions, with the scenes that make them."""
     by_text: dict[str, list[str]] = {}
     for name, scene in study.used.items():
         for sentence in scene.assumed:
@@ -99,12 +98,12 @@ def assumptions(study: Study) -> list[dict[str, Cell]]:
 
 
 def _why(f: Evidence) -> str:
-    """The best explanation of an entry."""
+    """Return the best explanation of an entry."""
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
 
 def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
-    """Entries that are contradicted, and those that the text does not determine."""
+    """Return the entries that are contradicted, and those that the text does not determine."""
     return [
         {
             Quantity("entry", "printed", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",
@@ -120,7 +119,7 @@ def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
 
 
 def notes_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section on assumptions, misprints and what is not reproduced."""
     step("assumptions and misprints")
     return Section(
         "notes",

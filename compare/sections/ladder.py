@@ -1,4 +1,4 @@
-"""The ladder: from the source's model to the refined one, step by step against the 3D reference."""
+"""Section on the model ladder: from the source's model to the refined one, step by step against the 3D reference."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Scenes from which on a model's expected errors are drawn.
+#: Number of scenes from which on a model's expected errors are drawn.
 MANY = 40
 #: Choices of the refined model that its derivation leaves open, varied one at a time.
 CHOICES: dict[str, Backend] = {
@@ -36,22 +36,26 @@ CHOICES: dict[str, Backend] = {
     "screw a beam beyond its contacts": replace(REFINED, screw="beam"),
     "section of the screw by Lin C.8": replace(REFINED, section="scene"),
 }
-#: Scenes on which they are varied.
+#: Scenes on which these choices are varied.
 VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 
 @dataclass(frozen=True)
 class Changed:
-    """One choice on one scene: the largest change of a load [% of the mean load], and the error against the reference."""
+    """Effect of one choice of the refined model on one scene."""
 
+    #: Name of the scene.
     scene: str
+    #: Description of the choice.
     label: str
+    #: Largest change of a load [% of the mean load].
     change: float
+    #: Errors against the reference.
     error: LoadError
 
 
 def choices_of(study: Study, name: str) -> Iterator[Changed]:
-    """The refined model as it is and with every choice varied; nothing for a scene without a stored reference."""
+    """Yield the refined model unchanged and with every choice varied; nothing for a scene without a stored reference."""
     scene, reference = study.scene(name), study.reference(name)
     if reference is None:
         return
@@ -64,7 +68,7 @@ def choices_of(study: Study, name: str) -> Iterator[Changed]:
 
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:
-    """Errors of every rung on every scene."""
+    """Return the errors of every model of the ladder on every scene."""
     rows: list[Row] = [
         {
             "scene": r.scene,
@@ -89,7 +93,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
 
 
 def ladder_figure(rungs: Sequence[Rung]) -> Figure:
-    """Largest and RMS error by rung: every scene, and the median of the scenes."""
+    """Draw largest and RMS error by model: every scene, and the median of the scenes."""
     order = [m.name for m in RUNGS]
     scenes = list(dict.fromkeys(r.scene for r in rungs))
 
@@ -111,7 +115,7 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
-    """Choices of the refined model varied one at a time: what they change, and the error with them."""
+    """Return the effect of each choice of the refined model, varied one at a time, and the error with it."""
     rows: list[Row] = []
     for name in VARIED:
         step(f"choices of the refined model varied on {name}")
@@ -135,7 +139,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
 
 
 def shares_table(study: Study) -> Table:
-    """Which body's idealisation is behind the refined model's error."""
+    """Return which body's idealisation causes the error of the refined model."""
     found = study.once(shares)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
@@ -158,7 +162,7 @@ def shares_table(study: Study) -> Table:
 
 
 def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
-    """The model-form estimate of every compared screw made without it, and the error that was measured."""
+    """Return the errors expected of every compared screw from all others, and the measured ones."""
     rows = left_out_one(study, rungs)
     lines: list[Row] = []
     panels = []
@@ -203,7 +207,7 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
 
 
 def headline(rungs: Sequence[Rung]) -> str:
-    """Worst errors of the source's and the default model, on the case studies and on the unseen screws."""
+    """Return the largest errors of the source's and the default model, on case studies and unseen screws."""
     words = []
     for label, names in (("case studies", REFERENCED), ("unseen screws", UNSEEN)):
         for model in ("lin", "refined", "condensed"):
@@ -218,7 +222,7 @@ def headline(rungs: Sequence[Rung]) -> str:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("every rung on every scene with a reference")
     rungs = study.once(ladder)
     title = "From the source's model to the refined one"

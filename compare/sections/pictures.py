@@ -1,6 +1,6 @@
-"""Pictures of the 3D reference: its mesh, contact pressures against Hertz, stresses around a ball, forces on all balls.
+"""Section with pictures of the 3D reference: mesh, contact pressures against Hertz, stresses around a ball, forces.
 
-Of pressures: maps, curves along lines of nodes, and a table.
+Pressures are shown as maps, curves along lines of nodes, and a table.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ MM, MPA = 1e3, 1e-6
 
 
 def panel_of(name: str, found: ContactPressure) -> PressurePanel:
-    """Map of one contact."""
+    """Return the map of one contact."""
     h = found.hertz
     return PressurePanel(
         name,
@@ -62,7 +62,7 @@ def panel_of(name: str, found: ContactPressure) -> PressurePanel:
 
 
 def profiles(found: dict[str, ContactPressure]) -> Figure:
-    """Pressure along both lines of nodes through the most loaded node, with Hertz's."""
+    """Draw the pressure along both lines of nodes through the most loaded node, with Hertz's."""
     panels = []
     for name, one in found.items():
         assert one.shape is not None
@@ -97,13 +97,13 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
 
 
 def step_along(found: ContactPressure) -> float:
-    """Mean distance [m] of the nodes along the groove."""
+    """Return the mean distance of the nodes along the groove [m]."""
     assert found.shape is not None
     return float(np.abs(np.diff(found.along.reshape(found.shape), axis=1)).mean())
 
 
 def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
-    """Largest pressures, by the 3D reference and by Hertz."""
+    """Return the largest pressures by the 3D reference and by Hertz."""
     rows: list[Row] = [
         {
             Quantity("contact", "Contact", format="s"): f"{scene}, {name}",
@@ -134,40 +134,50 @@ Step = Callable[[str], None]
 
 SCENE, FOUR = "lin-case1", "lin-case3-offset"
 
-#: Mesh level of the pictures of meshes and stresses, and of those of contact pressures.
+#: Mesh levels of the pictures of meshes and stresses, and of contact pressures.
 LEVEL, FINE_LEVEL = 1, PRODUCTION
 
 #: Colours: screw, nut, ball, patches of the grooves and of the ball.
 STEEL, NUT, BALL, FINE, FINE_BALL = "#c9ced4", "#a9bccd", "#e4dcc8", "#f0a35e", "#7fb7a2"
 
-#: Sections are taken this far [m] from the middle of the ball, where no cells' faces lie in them.
+#: Distance [m] of sections from the middle of the ball, so that no faces of cells lie in them.
 BESIDE = 0.02e-3
 
 
 @dataclass(frozen=True)
 class Solved:
-    """The scene on the coarsest mesh: set-up, meshes, result; the ball that is drawn and the two sides that touch."""
+    """A scene solved on the coarsest mesh, for pictures."""
 
+    #: The scene.
     scene: Scene
+    #: Its set-up.
     setup: Setup
+    #: Its meshes.
     meshes: Meshes
+    #: Result of the reference.
     result: ReferenceResult
+    #: Nodal forces of the drawn ball by side.
     forces: dict[int, Array]
+    #: Number of the drawn ball.
     ball: int
 
 
 @dataclass(frozen=True)
 class Stresses:
-    """Fields around one ball in its frame: coarse screw and nut, coarse ball, groove patches and ball patches by side."""
+    """Fields around one ball in its frame."""
 
+    #: Coarse screw and nut.
     bodies: tuple[SolidField, SolidField]
+    #: Coarse ball.
     ball: SolidField
+    #: Patches of the grooves by side.
     grooves: dict[int, SolidField]
+    #: Patches of the ball by side.
     patches: dict[int, SolidField]
 
 
 def solve_pictured(study: Study, step: Step) -> Solved:
-    """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
+    """Solve the scene on the coarsest level, with two flanks, and choose its most loaded ball."""
     from rollbench.hifi.fields import contact_forces
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
@@ -189,7 +199,7 @@ def solve_pictured(study: Study, step: Step) -> Solved:
 
 
 def stresses(solved: Solved, step: Step) -> Stresses:
-    """Recover the fields around the chosen ball."""
+    """Compute the stress fields around the chosen ball."""
     from rollbench.hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
 
     step("displacements and stresses recovered")
@@ -210,7 +220,7 @@ def stresses(solved: Solved, step: Step) -> Stresses:
 
 
 def frame(solved: Solved) -> tuple[Array, Array, Array]:
-    """Unit vectors x3, y3, z3 of the groove's section at azimuth 0: radial, along the track, across it."""
+    """Return unit vectors x3, y3, z3 of the groove's section at azimuth 0: radial, along the track, across it."""
     alpha = solved.setup.map.alpha
     return (
         np.array([1.0, 0.0, 0.0]),
@@ -220,7 +230,7 @@ def frame(solved: Solved) -> tuple[Array, Array, Array]:
 
 
 def contact_point(solved: Solved, side: int) -> Array:
-    """Nominal contact point of a side in the ball's frame."""
+    """Return the nominal contact point of a side in the ball's frame."""
     from rollbench.meshes.ball_body import directions
 
     m = solved.setup.map
@@ -228,13 +238,13 @@ def contact_point(solved: Solved, side: int) -> Array:
 
 
 def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
-    """Part of a mesh without the nodes that its cells do not use."""
+    """Return a part of a mesh without the nodes that its cells do not use."""
     nodes, local = np.unique(cells, return_inverse=True)
     return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
 
 
 def mesh_overview(solved: Solved) -> FieldPicture:
-    """Coarse screw and half of the nut, with all fine patches in their sockets."""
+    """Return the picture of coarse screw and half of the nut, with all fine patches in their sockets."""
     from rollbench.hifi.fields import groove_patch
     from rollbench.hifi.meshing.part_meshes import body_kind, rotation
 
@@ -270,7 +280,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
 
 
 def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
-    """All pieces around the ball; with the mesh, or coloured by the equivalent stress in MPa."""
+    """Return all pieces around the ball, with the mesh or coloured by the equivalent stress in MPa."""
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
         stress = MPA * piece.von_mises if values else None
@@ -288,7 +298,10 @@ def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
 def section_picture(
     solved: Solved, found: Stresses, name: str, title: str, caption: str, *, height: float, side: int | None = None
 ) -> FieldPicture:
-    """Mesh in the plane of the groove's section through the ball, screw below, nut above; or one contact of it enlarged."""
+    """Return the picture of the mesh in the groove's section through the ball; or of one contact of it, enlarged.
+
+    The screw is below, the nut above.
+    """
     x3, y3, _ = frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
@@ -311,7 +324,7 @@ def section_picture(
 
 
 def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
-    """The screw's groove around one contact, seen along the normal from the side of the ball."""
+    """Return the picture of the screw's groove around one contact, seen along the normal from the ball."""
     x3, y3, _ = frame(solved)
     point, b = contact_point(solved, 0), solved.setup.map.ball
     normal = point - np.array([solved.setup.map.R, 0.0, 0.0])
@@ -336,7 +349,7 @@ def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 
 def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
-    """The ball with its patches, seen towards its contact with the screw."""
+    """Return the picture of the ball with its patches, seen towards its contact with the screw."""
     x3, y3, _ = frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
@@ -361,8 +374,10 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 
 def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
-    """The ball of a scene whose least loaded contact carries most, pressed on a fine mesh by its loads in the reference
-    (where none is stored: in the default model)."""
+    """Press the ball whose least loaded contact carries most on a fine mesh, by its loads in the reference.
+
+    Without a stored reference by its loads in the default model.
+    """
     from rollbench.hifi.fields import pressed_ball
 
     scene, found = study.scene(name), study.reference(name)
@@ -377,7 +392,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
 
 
 def loaded(solved: Solved) -> LoadedScrew:
-    """Contact forces of the 3D reference on all balls."""
+    """Return the picture of the contact forces of the 3D reference on all balls."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
     ball = float(specimen(scene, layout).ball_radius.max())
@@ -402,7 +417,7 @@ def loaded(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses) -> str:
-    """Largest equivalent stresses below the contact with the screw, by the 3D reference and by Hertz."""
+    """Return the largest equivalent stresses below the screw contact, by the 3D reference and by Hertz."""
     from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
     setup = solved.setup
@@ -419,14 +434,14 @@ def stress_caption(solved: Solved, found: Stresses) -> str:
 
 
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
-    """Pressures of the contacts of a ball with the ellipses of Hertz."""
+    """Return the pressures of the contacts of a ball, with the ellipses of Hertz."""
     panels = tuple(panel_of(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
     return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
 
 
 def section(study: Study, step: Step) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     solved = solve_pictured(study, step)
     found = stresses(solved, step)
     ball, b = f"ball {solved.ball + 1}", solved.setup.map.ball

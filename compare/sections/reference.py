@@ -1,4 +1,4 @@
-"""The low-order models against the 3D reference: errors with its error bar, loads, centreline, run times."""
+"""Section on low-order models against the 3D reference: errors with its uncertainty, loads, axis of the screw, times."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ References = Mapping[str, Reference]
 
 
 def case_studies(study: Study) -> dict[str, Reference]:
-    """Stored references of the case studies."""
+    """Return the stored references of the case studies."""
     return study.references(REFERENCED)
 
 
 def modelling(study: Study) -> dict[str, Modelling]:
-    """Modelling uncertainty of the scenes on which choices were varied."""
+    """Return the modelling uncertainty of the scenes on which choices were varied."""
     return study.once(_modelling)
 
 
@@ -53,12 +53,12 @@ def _modelling(study: Study) -> dict[str, Modelling]:
 
 
 def answer(study: Study, name: str, model: str) -> Loads:
-    """Answer of a low-order model for a scene, without times."""
+    """Return loads and displacements of a low-order model for a scene, without times."""
     return from_result(study.solve(name, model))
 
 
 def error_table(study: Study, found: References) -> Table:
-    """Errors of every low-order model, of the source's mesh and of coarser levels against the finest reference."""
+    """Return the errors of every low-order model, of the source's mesh and of coarser levels against the finest."""
     rows: list[Row] = []
     modelled = modelling(study)
     for name, ref in found.items():
@@ -95,7 +95,7 @@ LABELS = {
 def _error_row(
     named: tuple[str, str], e: LoadError | None, ratio: float, printed: str | None, bars: tuple[float | None, float | None]
 ) -> Row:
-    """A row of `error_table`, without errors for the reference itself; bars: of its grid, and of modelling."""
+    """Return a row of `error_table`; ``bars``: uncertainty by grid and by modelling choices."""
     errors: Sequence[float | None] = (None,) * 4
     if e is not None:
         errors = e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent
@@ -115,7 +115,7 @@ def _error_row(
 
 
 def load_tables(study: Study, found: References) -> list[Table]:
-    """Every contact load of every model, scene by scene."""
+    """Return every contact load of every model, in a table for each scene."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -150,7 +150,7 @@ def _number(value: Any) -> float | None:
 
 
 def line_table(study: Study, found: References) -> Table:
-    """Centreline of the screw at the reference's stations."""
+    """Return the displacement of the screw's axis at the reference's stations."""
     rows: list[Row] = []
     for name, ref in found.items():
         low = answer(study, name, "refined")
@@ -167,7 +167,7 @@ def line_table(study: Study, found: References) -> Table:
 
 
 def load_figures(study: Study, found: References) -> list[Figure]:
-    """Load distributions of all models on one axis; the reference's uncertainty as a band."""
+    """Draw the loads of all models on one axis, with the reference's uncertainty as a band."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -187,7 +187,7 @@ def load_figures(study: Study, found: References) -> list[Figure]:
 
 
 def line_figure(study: Study, found: References) -> Figure:
-    """Lateral deflection of the screw: beam against 3D."""
+    """Draw the lateral deflection of the screw: beam against 3D."""
     panels = []
     for name, ref in found.items():
         low = answer(study, name, "refined")
@@ -200,7 +200,7 @@ def line_figure(study: Study, found: References) -> Figure:
 
 
 def gate_text(found: References, study: Study) -> str:
-    """Sentence on the contacts that the gate finds, from the data."""
+    """Return a sentence on the contacts beyond the gate's limit, from the data."""
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
@@ -217,7 +217,7 @@ def gate_text(found: References, study: Study) -> str:
 
 
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
-    """Low-order error [%] of a contact against the reference whose nut is rigid too (coarsest level); None if not run."""
+    """Return the low-order error of a contact against a reference whose nut is rigid too [%]; None without such a run."""
     run = load(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None
@@ -227,7 +227,7 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 
 
 def exceedance_table(found: References, study: Study) -> Table:
-    """Contacts beyond the gate's limit, with the cause that the gate's data name and its evidence."""
+    """Return the contacts beyond the gate's limit, with the cause in the gate's data and its evidence."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in found.items():
@@ -251,7 +251,7 @@ def exceedance_table(found: References, study: Study) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report; reads runs that ``compare.reference.jobs`` computed."""
+    """Return the section of the report, from stored runs."""
     step("low-order models against the 3D reference")
     found = case_studies(study)
     title = "Low-order models against the 3D reference"

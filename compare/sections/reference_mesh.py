@@ -1,4 +1,4 @@
-"""How good the 3D reference is: mesh levels and their cost, mesh study, modelling spread, what each ingredient changes."""
+"""Section on the accuracy of the 3D reference: mesh levels, mesh study, modelling choices, effect of each ingredient."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ References = Mapping[str, Reference]
 
 
 def _changed(error: LoadError, form: str = ".2f") -> Row:
-    """Cells on what a choice changes in the loads."""
+    """Return cells on the change of the loads by a choice."""
     return {
         Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
         Quantity("rms", "RMS change", "% of mean", form): error.rms_percent,
@@ -36,12 +36,12 @@ def _changed(error: LoadError, form: str = ".2f") -> Row:
 
 
 def _refined(variant: str) -> bool:
-    """Whether a variant refines one numerical choice alone."""
+    """Return whether a variant refines a single numerical choice."""
     return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
 
 def level_table(study: Study, found: References) -> Table:
-    """Mesh levels of every scene: size, own cost, change to the next level, quality, residuals."""
+    """Return the mesh levels of every scene: size, cost, change to the next level, quality, residuals."""
     rows: list[Row] = []
     common = most_of(run.measured for ref in found.values() for run in ref.runs)
     for name, ref in found.items():
@@ -86,7 +86,7 @@ def level_table(study: Study, found: References) -> Table:
 
 
 def convergence_table(found: References) -> Table:
-    """What the mesh leaves uncertain in every scene's contact loads, part by part."""
+    """Return the uncertainty of every scene's contact loads by the mesh, part by part."""
     rows: list[Row] = []
     for name, ref in found.items():
         p = ref.parts
@@ -122,7 +122,7 @@ def convergence_table(found: References) -> Table:
 
 
 def coverage_table(study: Study) -> Table | None:
-    """Bars of coarser levels against what finer ones find; None where runs are missing."""
+    """Return the uncertainties of coarser levels against the changes to finer ones; None if runs are missing."""
     found = coverage(study)
     if not found:
         return None
@@ -153,7 +153,7 @@ def coverage_table(study: Study) -> Table | None:
 
 
 def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
-    """A row of `coverage_table`, of one scene or of several."""
+    """Return a row of `coverage_table`, of one scene or of several."""
     row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
     for k in sorted({h.level for h in group}):
@@ -163,7 +163,7 @@ def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
 
 
 def shared_text(study: Study) -> str:
-    """What all contacts have in common and no bar holds, with its evidence."""
+    """Return a sentence on the error that all contacts share and no uncertainty covers, with its evidence."""
     low, high = SHARED
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
@@ -179,12 +179,12 @@ def shared_text(study: Study) -> str:
 
 
 def _only(common: Measured | None) -> str:
-    """Which times a table shows, in words."""
+    """Return which times a table shows, in words."""
     return f"Times are those measured with {common}; others are left out."
 
 
 def stage_table(found: References) -> Table:
-    """Where the time of the finest run goes."""
+    """Return the time of each stage of the finest run."""
     rows: list[dict[str, Cell]] = []
     common = most_of(ref.best.measured for ref in found.values())
     for name, ref in found.items():
@@ -200,7 +200,7 @@ def stage_table(found: References) -> Table:
 
 
 def study_items(study: Study, found: References) -> list[Table | Figure]:
-    """Mesh study of every scene with two levels or more: extremes and centreline; ``mesh-study`` writes every ball."""
+    """Return the mesh study of every scene with two levels or more: extreme loads and axis of the screw."""
     out: list[Table | Figure] = []
     for name in found:
         ref = studied(study.scene(name), study.stores)
@@ -232,7 +232,7 @@ KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "the scene
 
 
 def spread_table(study: Study) -> Table | None:
-    """What moves the reference besides its mesh, without and with preload, on the coarsest level."""
+    """Return the effect of modelling choices on the reference, without and with preload, on the coarsest level."""
     rows: list[Row] = []
     for name in VARIED:
         scene = study.scene(name)
@@ -267,7 +267,7 @@ def spread_table(study: Study) -> Table | None:
 
 
 def single_choice_table(study: Study) -> Table | None:
-    """Every numerical choice of the finest level refined alone, against the uncertainty that is printed for it."""
+    """Return the effect of each numerical choice of the finest level, with the stated uncertainty for it."""
     scene, found, rows = study.scene(REFINED), study.reference(REFINED), list[Row]()
     if found is None:
         return None
@@ -296,7 +296,7 @@ def single_choice_table(study: Study) -> Table | None:
 
 
 def modelling_table(study: Study) -> Table | None:
-    """Modelling uncertainty: choice by choice, together, and what it does not hold."""
+    """Return the modelling uncertainty by choice and in total, and what it does not include."""
     found = modelling(study)
     if not found:
         return None
@@ -327,7 +327,7 @@ def modelling_table(study: Study) -> Table | None:
 
 BEAM = "the screw a Timoshenko beam of the homogenised section, with the local response of each contact"
 RIGID = "nut rigid, screw a beam, ball rigid beyond the local response of each contact"
-#: Ingredients of the reference: what stands in for each, and stages of a set-up that it takes.
+#: Ingredients of the reference, with their replacement and the stages of a set-up that each takes.
 INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "elastic nut": ("the nut rigid beyond the local response of each contact", ("nut",)),
     "3D shaft": (BEAM, ("screw",)),
@@ -338,7 +338,7 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
-    """Case studies whose coarsest run was solved without ingredients too: name, run, the source's model."""
+    """Yield case studies whose coarsest run was also solved without single ingredients: name, run, the source's model."""
     for name in case_studies(study):
         run = load(study.scene(name), min(LEVELS), stores=study.stores)
         if run is not None and run.without:
@@ -346,7 +346,7 @@ def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
 
 
 def ablation_table(study: Study) -> Table | None:
-    """What each ingredient of the reference changes, in per cent and seconds."""
+    """Return the effect of each ingredient of the reference, in per cent and seconds."""
     rows: list[Row] = []
     common = most_of(run.measured for _, run, _ in _ablated(study))
     for name, run, low in _ablated(study):
@@ -373,7 +373,7 @@ def ablation_table(study: Study) -> Table | None:
 
 
 def ablation_text(study: Study) -> str:
-    """Sentence on the cause of the low-order error, from the data."""
+    """Return a sentence on the cause of the low-order error, from the data."""
     parts = []
     for name, run, low in _ablated(study):
         if "elastic nut" not in run.without:
@@ -390,7 +390,7 @@ def ablation_text(study: Study) -> str:
 
 
 def conclusion(found: References) -> str:
-    """How well the finest levels are known."""
+    """Return a sentence on the accuracy of the finest levels."""
     bars = [uncertainty_percent(ref) for ref in found.values()]
     if not bars:
         return ""
@@ -402,7 +402,7 @@ def conclusion(found: References) -> str:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report on the reference's own quality."""
+    """Return the section of the report."""
     step("mesh levels, mesh study, modelling spread, ablation")
     found, everything = case_studies(study), study.references((*REFERENCED, *UNSEEN))
     text = [

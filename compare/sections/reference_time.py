@@ -1,4 +1,4 @@
-"""Error against run time: every model, mesh and scene by one definition of error, error bar, cold and warm time."""
+"""Section on error against run time: every model, mesh and scene, cold and warm."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Tabl
 Step = Callable[[str], None]
 #: Lower edge of the figures [% of the mean load].
 FLOOR = 1e-2
-#: Calls whose median is the warm time.
+#: Number of calls whose median is the warm time.
 WARM_CALLS = 10
 #: Scene whose first process is timed with and without compiling.
 FIRST = "lin-case1"
-#: Stages of a set-up that are named.
+#: Number of stages of a set-up that are named.
 DEAREST = 3
 #: Kinds of work of a set-up, and their headings.
 WORK = {
@@ -59,49 +59,76 @@ WORK = {
 }
 #: Models whose first process is timed there.
 SAMPLE = ("lin", "refined")
-#: Panels of one figure.
+#: Number of panels of one figure.
 PANELS = 6
 
 
 @dataclass(frozen=True)
 class Largest:
-    """The largest error [%] of a contact load, and its lowest and highest that the grid uncertainty of every contact
-    allows: `error_range`."""
+    """Largest error of a contact load [%], with the range that the grid uncertainty allows (`error_range`)."""
 
+    #: Largest error.
     error: float
+    #: Smallest value that it may have.
     low: float
+    #: Largest value that it may have.
     high: float
 
 
 @dataclass(frozen=True)
 class TimePoint:
-    """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
-    lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
-    cold and warm of the measuring run (None: not measured in it), unknowns, peak memory [MB] (None: not measured), kind,
-    short name, the largest error by the gate's rule, the status where it is no solution; what the seconds were
-    measured with; an older time in words."""
+    """Error and run time of one model or mesh of a scene, against the reference's finest level."""
 
+    #: Name in tables.
     label: str
+    #: Kind: low-order model, level of the reference, or the source's mesh.
     kind: Literal["model", "level", "source mesh"]
+    #: Largest error [% of the mean load].
     error: float
+    #: RMS error [% of the mean load].
     rms: float
+    #: Smallest value of the largest error that the grid uncertainty allows; None with one level.
     low: float | None
+    #: Largest value of the largest error that the grid uncertainty allows; None with one level.
     high: float | None
+    #: Time of a cold start in the measuring run [s]; None: not measured.
     cold: float | None
+    #: Time of a further solution in the measuring run [s]; None: not measured.
     warm: float | None
+    #: Number of unknowns.
     unknowns: int
+    #: Peak memory [MB]; None: not measured.
     memory: float | None
+    #: Short name.
     name: str
+    #: Largest error as the gate takes it.
     gate: Largest
+    #: Status; "converged" for a solution.
     status: str = "converged"
+    #: Conditions of the time measurement.
     measured: Measured | None = None
+    #: Description of a time from an older run.
     older: str = ""
 
 
 def error_range(value: Array, found: Reference, scale: Array) -> Largest:
-    """Largest error of loads (n, 4) [N] against the reference's finest level in per cent of ``scale`` (n, 4) [N].
+    """Return the largest error of loads against the finest level, and its range by the grid uncertainty.
 
     With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U).
+
+    Parameters
+    ----------
+    value
+        Contact loads, (n, 4) [N].
+    found
+        The reference.
+    scale
+        Loads to which errors are related, (n, 4) [N].
+
+    Returns
+    -------
+    Largest
+        Error and range in per cent.
     """
     off = np.abs(error_percent(value, found.load, scale))
     bar = np.abs(error_percent(found.uncertainty, 0.0, scale))
@@ -109,7 +136,7 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
 
 
 def errors_of(value: Array, found: Reference) -> dict[str, Any]:
-    """Errors of a `TimePoint` by loads (n, 4) [N]."""
+    """Return the errors of a `TimePoint` from loads (n, 4) [N]."""
     e = load_error(value, found.load, found.contacts)
     of_mean = error_range(value, found, np.full(value.shape, found.mean))
     gate = error_range(value, found, gate_scale(found.load, found.mean))
@@ -117,7 +144,7 @@ def errors_of(value: Array, found: Reference) -> dict[str, Any]:
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
-    """Seconds of a further solve, bodies known and kernels compiled: the median of some calls."""
+    """Return the time of a further solution with known bodies and compiled kernels [s], a median of some calls."""
     spent = []
     for _ in range(WARM_CALLS + 1):
         start = perf_counter()
@@ -127,8 +154,7 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 
 def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
-    """Times of all models of scenes that have a reference, measured now; levels: of the reference's too, and of first
-    processes with and without compiling, and commands as typed."""
+    """Measure all models of scenes with a reference now; ``levels``: also the reference, first processes and commands."""
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
         for model, bodies in models_of(name, found, study):
@@ -151,9 +177,11 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
-    """The times that a report shows: those that are kept, None without any; of a timed study those of a measuring run now,
-    which is kept in its first store: every model and level of every compared scene, an hour in all. A quick study measures
-    models alone, and keeps nothing."""
+    """Return the times that a report shows: stored ones, or those of a measuring run now for a timed study.
+
+    A measuring run takes every model and level of every compared scene (about an hour) and is stored in the first store; a
+    quick study measures models only, and stores nothing.
+    """
     if not study.timed:
         return load_times((*(study.stores or ()), shipped_store()))
     measured = measured_now(study, list(compared_scenes(study)), step, levels=not study.quick)
@@ -163,12 +191,12 @@ def measuring_run(study: Study, step: Step) -> Kept | None:
 
 
 def compared_scenes(study: Study) -> dict[str, Reference]:
-    """References of all scenes that have one; of the case studies alone in a quick study."""
+    """Return the references of all scenes that have one; in a quick study of the case studies only."""
     return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
 
 
 def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
-    """Models of a scene, each with the file of its condensed bodies, where it takes them."""
+    """Return the models of a scene, each with the file of its condensed bodies, if it takes them."""
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*suited(scene), *further)]
@@ -176,14 +204,16 @@ def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Pa
 
 
 def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
-    """Runs of the 3D reference of a scene: on the source's mesh, where there is one, and on its levels."""
+    """Return the runs of the 3D reference of a scene: on the source's mesh, if any, and on its levels."""
     source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 
 
 def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """All models and meshes of a scene, with the times of the measuring run alone; the times of a run that this did not
-    measure are named with what they were measured with."""
+    """Return all models and meshes of a scene with times of the measuring run.
+
+    Times of runs that it did not measure are given with the conditions of their measurement.
+    """
     kept, out = study.once(measuring_run, step), []
     measured = None if kept is None else kept.measured
     for model, bodies in models_of(name, found, study):
@@ -211,7 +241,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
 
 
 def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
-    """Result of a model on a scene; with condensed bodies from a file, that of the ladder where it has been climbed."""
+    """Return the result of a model on a scene; with condensed bodies that of the ladder if it was computed."""
     if bodies is None:
         return study.solve(name, model.name)
     for rung in study.computed.get((ladder,), ()):
@@ -221,7 +251,7 @@ def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> Stati
 
 
 def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
-    """Every point of every scene; measured: a sentence on where and when times were measured."""
+    """Return the table of every point of every scene; ``measured``: sentence on the measurement."""
     rows: list[Row] = [
         {
             "scene": scene,
@@ -254,7 +284,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
 
 
 def compile_table(kept: Kept) -> Table:
-    """The first process on a machine: with and without compiling the kernels."""
+    """Return the time of a first process on a machine, with and without compiling the kernels."""
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
@@ -275,7 +305,7 @@ def compile_table(kept: Kept) -> Table:
 
 
 def typed_table(kept: Kept) -> Table:
-    """Waiting time for commands as typed from an empty home."""
+    """Return the waiting time for commands typed in an empty home directory."""
     rows: list[Row] = [
         {
             Quantity("command", "command", "", "s"): c.command,
@@ -300,7 +330,7 @@ def typed_table(kept: Kept) -> Table:
 
 
 def level_table(kept: Kept) -> Table:
-    """Waiting time for a level of the 3D reference of a new scene."""
+    """Return the waiting time for a level of the 3D reference of a new scene."""
     rows: list[Row] = [
         {
             "scene": c.scene,
@@ -327,7 +357,7 @@ def level_table(kept: Kept) -> Table:
 
 
 def cost_tables(costs: Costs) -> list[Table]:
-    """Where the processor time of cold set-ups goes, and what cheaper ones would save and move."""
+    """Return the processor time of cold set-ups by stage, and what cheaper variants would save and change."""
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
         {
@@ -367,7 +397,7 @@ def cost_tables(costs: Costs) -> list[Table]:
 
 
 def _dearest(level: ColdLevel) -> str:
-    """The stages that most of a set-up's time goes to, in words."""
+    """Return the stages that take most of a set-up's time, in words."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -375,9 +405,11 @@ def _dearest(level: ColdLevel) -> str:
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Speed ratio of the finest level to the source's low-order model for the same work, scene by scene: a new process up
-    to the loads, and a further load case of a geometry that is known. Raises ValueError for times of several measuring
-    runs."""
+    """Return the ratio of the finest level's time to that of the source's low-order model, scene by scene.
+
+    For a new process up to the loads, and for a further load case of a known geometry. ValueError for times of several
+    measuring runs.
+    """
     rows: list[Row] = []
     for scene, several in points.items():
         low = next(p for p in several if p.name == "lin")
@@ -401,7 +433,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
 
 
 def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
-    """Error over cold run time of one scene, each point with its error bar; the levels cost more from one to the next."""
+    """Return the error over cold run time of one scene, each point with its uncertainty."""
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
@@ -420,7 +452,7 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
 
 
 def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
-    """Case studies without and with preload, and the screws that no model was made with."""
+    """Draw the case studies without and with preload, and the screws not used in development."""
     caption = (
         "All points are errors against the finest level, with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
@@ -439,7 +471,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 
 
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
-    """Points of all compared scenes. Raises ValueError where their times are of several measuring runs."""
+    """Return the points of all compared scenes; ValueError if their times are of several measuring runs."""
     study.once(ladder)  # its results serve here
     points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
     one_run(p.measured for several in points.values() for p in several if p.measured is not None)
@@ -447,13 +479,13 @@ def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
 
 
 def when_measured(study: Study, step: Step) -> str:
-    """What the run times were measured with, in words."""
+    """Return the conditions of the time measurement in words."""
     kept = study.once(measuring_run, step)
     return "No run times are kept." if kept is None else str(kept)
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Tables and figures of all scenes with a reference; in a quick study none of first processes and cold levels."""
+    """Return tables and figures of all scenes with a reference; in a quick study without first processes and levels."""
     points, kept = study.once(all_points, step), study.once(measuring_run, step)
     items: list[Table | Figure] = [time_table(points, when_measured(study, step))]
     if not study.quick:

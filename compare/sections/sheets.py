@@ -1,7 +1,4 @@
-"""A sheet for every scene that was solved in 3D: inputs, result, verdict, how far to trust it, and a sketch of its parts,
-how they are held, and what acts on them.
-
-"""
+"""Section with a data sheet for every scene solved in 3D: sketch, inputs, results, verdict, and accuracy."""
 
 from __future__ import annotations
 
@@ -23,12 +20,12 @@ from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Ta
 
 
 def sketch_of(scene: Scene, name: str, title: str) -> Sketch:
-    """Sketch of a scene with the inputs that the drawing does not show."""
+    """Return the sketch of a scene, with the inputs that the drawing does not show."""
     return Sketch(name, title, scene, inputs(scene))
 
 
 def inputs(scene: Scene) -> str:
-    """The inputs that the drawing does not show, in words."""
+    """Return the inputs that the drawing does not show, in words."""
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
     words = [
@@ -50,7 +47,7 @@ def _conformity(scene: Scene) -> str:
     return " and ".join(dict.fromkeys(found))
 
 
-#: Models on a sheet, the one that the verdict is on first.
+#: Models on a data sheet; the verdict is on the first.
 MODELS = (DEFAULT, "lin")
 
 LEGEND = (
@@ -64,7 +61,7 @@ Judged = Mapping[tuple[str, str], Validated]
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report: the sheets, the source's cases first."""
+    """Return the section of the report, the source's cases first."""
     step("a sheet for every scene with a 3D reference")
     found = study.references((*REFERENCED, *UNSEEN))
     title = "A sheet for every case"
@@ -77,7 +74,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def judge(study: Study, name: str) -> Judged:
-    """Every model of a sheet on every quantity, by the names of both."""
+    """Compare every model of a data sheet in every quantity, by the names of both."""
     return {
         (model, quantity.name): one
         for model in MODELS
@@ -87,7 +84,7 @@ def judge(study: Study, name: str) -> Judged:
 
 
 def conclusion(judged: Mapping[str, Judged]) -> str:
-    """The largest error of either model on the source's cases and on the others."""
+    """Return a sentence on the largest error of either model, on the source's cases and on others."""
     kinds = (
         ("case studies of the source", REFERENCED),
         ("screws and bearings that were fixed before they were solved in 3D", UNSEEN),
@@ -108,7 +105,7 @@ def _largest(judged: Mapping[str, Judged], model: str) -> str:
 
 
 def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
-    """One sheet: heading and verdict, sketch with its inputs, results."""
+    """Return one data sheet: heading and verdict, sketch with its inputs, results."""
     scene = study.scene(name)
     gate = verdicts(study, name, reference)
     words = (verdict(gate), trust(reference, judged[DEFAULT, CONTACTS]))
@@ -119,17 +116,17 @@ def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequ
     )
 
 
-#: What the gate says of a model, in words.
+#: Verdicts of the gate in words.
 WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
-    """The gate's verdict on the loads of each model."""
+    """Return the gate's verdict on the loads of each model."""
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
 def verdict(found: Mapping[str, Verdict]) -> str:
-    """What the gate says of each model, by which contact."""
+    """Return a sentence on the gate's verdict on each model, with the contact that decides."""
     sentences = [
         f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
@@ -142,7 +139,7 @@ def _signed(value: float) -> str:
 
 
 def trust(reference: Reference, bounds: Validated) -> str:
-    """Uncertainty of the errors of a sheet."""
+    """Return a sentence on the uncertainty of the errors of a data sheet."""
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
@@ -151,8 +148,11 @@ def trust(reference: Reference, bounds: Validated) -> str:
 
 
 def results(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
-    """The quantities of a sheet: reference, models, their errors. Of all contact loads it has only the errors, by the
-    gate's rule and of the mean load, as the worst contact is another one in each model."""
+    """Return the quantities of a data sheet: reference, models, and their errors.
+
+    Of contact loads it has only the errors (as the gate takes them, and of the mean load), as the worst contact differs
+    between models.
+    """
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
 

@@ -1,11 +1,12 @@
-"""The tables of a source as it prints them, each number with what is computed for it.
+"""Tables of a source as it prints them, with the computed value of each number.
 
-``layout.toml`` of a case holds the layout: number, title, columns, rows with their label and a key for each column. A table
-of results stands twice: in the source's own layout, printed and computed side by side, and with a row for each number.
+``layout.toml`` of a case has the layout: number, title, columns, rows with their label and a key for each column. A table
+of results is shown twice: in the source's layout, printed and computed next to each other, and with a row for each number.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,29 +16,35 @@ from typing import Any
 
 from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import Evidence, computations, source
+from rollbench.compare.evidence import Evidence, computations, sentences, source
 from rollbench.compare.measure import error_percent
-from rollbench.compare.printed import entry
+from rollbench.compare.printed import Printed, entry, load_table
 from rollbench.compare.sections.verdicts import shown_error
 from rollbench.reports.content import Quantity, Row, Table
 
-#: Cells of a row by printed entry ("table:key"), beside those that all rows have.
+#: Further cells of a row, by printed entry ("table:key").
 More = Mapping[str, Row]
 
 
 @dataclass(frozen=True)
 class Layout:
-    """A table as its source prints it: case, number, what it is of, title, the printed table of most of its numbers, kind
-    (``inputs``, ``results``, ``sentences``), headings of the columns, rows: label, and for each column the name of a
-    printed entry ("table:key", empty for an empty cell)."""
+    """A table as its source prints it."""
 
+    #: Name of the case.
     case: str
+    #: Number of the table.
     number: str
+    #: Short description of its contents.
     short: str
+    #: Title.
     title: str
+    #: Printed table with most of its numbers.
     printed: str
+    #: ``inputs``, ``results`` or ``sentences``.
     kind: str
+    #: Headings of the columns.
     columns: tuple[str, ...]
+    #: Rows: label, and for each column the name of a printed entry ("table:key"; empty for an empty cell).
     rows: tuple[tuple[str, tuple[str, ...]], ...]
 
     @property
@@ -47,27 +54,27 @@ class Layout:
 
     @property
     def across(self) -> list[tuple[str, ...]]:
-        """Names of its printed entries, row by row, empty for an empty cell."""
+        """Names of its printed entries row by row; empty for an empty cell."""
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Name of its table in the report, by what that shows."""
+        """Return the name of its table in the report, by what that shows."""
         return "-".join(filter(None, (self.case, self.number, what)))
 
     @property
     def heading(self) -> str:
-        """Its number and what it is of."""
+        """Number and contents."""
         return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
     def digits(self) -> int:
-        """Significant digits that show all those that it prints: five at least."""
+        """Number of significant digits that shows all printed ones; at least five."""
         texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
 
 def layouts(case: Case) -> list[Layout]:
-    """The layouts of a case, in order. Raises InputError for one with a wrong row."""
+    """Return the layouts of a case, in order; InputError for a wrong row."""
     path = case.folder / "layout.toml"
     return [_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
@@ -87,8 +94,10 @@ def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
 
 
 def as_printed_digits(value: float | None, printed: str) -> str:
-    """A value with the digits of a printed number.
+    """Return a value with the digits of a printed number.
 
+    Examples
+    --------
     >>> as_printed_digits(1.81234e-7, "1.812e-7"), as_printed_digits(2.3456, "2.30"), as_printed_digits(None, "1")
     ('1.812e-7', '2.35', '–')
     """
@@ -103,8 +112,11 @@ def as_printed_digits(value: float | None, printed: str) -> str:
 
 
 def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
-    """The table in the source's own layout: for each column the printed number, ours, to the digits printed, and where ours
-    repeats a fault the right value; ours: texts for entries whose value is another one, such as a time."""
+    """Return the table in the source's layout: printed number, computed one with the printed digits, for each column.
+
+    If the computed value repeats a fault of the source, the correct value is added. ``ours``: texts for entries with other
+    values, such as times.
+    """
     rows: list[Row] = []
     across, down = ([_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True)))
     of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
@@ -143,20 +155,23 @@ def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
 
 
 def ours_of(f: Evidence) -> str:
-    """What stands at a printed number, to its digits: with the source's faults where they change it, else right; of another
-    program's result the 3D value."""
+    """Return the computed value of an entry, with the printed digits.
+
+    With the source's faults if they change it, else correct; of another program's result the 3D value.
+    """
     if f.printed.claim:
         return "–" if f.holds is None else "holds" if f.holds else "does not hold"
     values = (f.as_printed, f.value, f.reference)
     return as_printed_digits(next((v for v in values if v is not None), None), f.printed.printed)
 
 
-#: What a row of a printed number says, besides the values of ours.
+#: Columns of a row of a printed number, besides the computed values.
 PRINTED, SOLID = Quantity("printed", "printed", "", "s"), Quantity("solid", "3D, ours", "", "s")
 OFF = {
     "right": Quantity("off", "ours against printed", "%", "+.2f"),
     "faulty": Quantity("off_faulty", "with faults against printed", "%", "+.2f"),
     "reading": Quantity("off_reading", "inferred against printed", "%", "+.2f"),
+    "solid": Quantity("off_solid", "3D against printed", "%", "+.2f"),
 }
 AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
 SCENES = Quantity("scenes", "scenes, or why none", "", "s")
@@ -170,8 +185,23 @@ def compared(
     columns: Sequence[str] = (),
     note: str = "",
 ) -> Table:
-    """A row for each result of a layout, in its order; more: further cells by entry; why: by entry why there is no 3D
-    value; columns: entries that stand in cells of other rows. Columns that no row fills are left out."""
+    """Return a row for each result of a layout, in its order; columns that no row fills are left out.
+
+    Parameters
+    ----------
+    layout
+        The layout.
+    found
+        Evidence by name of the entry.
+    more
+        Further cells by entry.
+    why
+        Reason why there is no 3D value, by entry.
+    columns
+        Entries that are in cells of other rows.
+    note
+        Note below the table.
+    """
     further = dict.fromkeys(q for cells in more.values() for q in cells)
     rows: list[Row] = []
     remarks: dict[str, int] = {}
@@ -179,8 +209,10 @@ def compared(
         for head, name in zip(layout.columns, names, strict=True):
             if name and name not in columns and found[name].printed.cls != "input":
                 f = found[name]
-                row = _compared(layout, f, why.get(name, "")) | dict.fromkeys(further) | more.get(name, {})
-                remark = remarks.setdefault(f.reason, len(remarks) + 1) if f.reason else None
+                base = _compared(layout, f, why.get(name, ""))
+                row = base | {q: None for q in further if q not in base} | more.get(name, {})
+                reason = sentences(f.reason, _band(f.printed))
+                remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
                 first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
                 first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
                 last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
@@ -193,7 +225,8 @@ def compared(
 
 def _compared(layout: Layout, f: Evidence, why: str) -> Row:
     p, form = f.printed, f"g{layout.digits}"
-    off = {"right": _off(f.value, p.value), "faulty": _off(f.as_printed, p.value), "reading": _off(f.reading, p.value)}
+    values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
+    off = {key: _off(value, p.value) for key, value in values.items()}
     return {
         PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
         Quantity("right", "low-order, ours", "", form): _round_off(f.value),
@@ -203,8 +236,14 @@ def _compared(layout: Layout, f: Evidence, why: str) -> Row:
         OFF["right"]: off["right"],
         OFF["faulty"]: off["faulty"],
         OFF["reading"]: off["reading"],
+        OFF["solid"]: off["solid"],
         AGAINST: _off(f.value, f.reference),
     }
+
+
+def _band(p: Printed) -> str:
+    """Return ends and origin of a band in words; empty for another class."""
+    return f"Band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
 
 
 def _off(value: float | None, reference: float | None) -> float | None:
@@ -218,14 +257,14 @@ def _round_off(value: float | None) -> float | None:
 
 
 def _tidy(rows: Sequence[Row]) -> list[Row]:
-    """Rows without columns that none of them fills."""
+    """Return rows without columns that none of them fills."""
     filled = {q for row in rows for q, value in row.items() if value not in (None, "")}
     order = dict.fromkeys(q for row in rows for q in row)
     return [{q: row.get(q) for q in order if q in filled} for row in rows]
 
 
 def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """An input table: printed, as the scene has it, remark."""
+    """Return an input table: printed value, value of the scene, remark."""
     rows: list[Row] = [
         {
             Quantity("label", "parameter (symbol)", "", "s"): label,
@@ -244,9 +283,10 @@ def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
 
 
 def how(tables: Iterable[str]) -> Iterator[Table]:
-    """For each printed table how its numbers are computed: scenes, function, test, command."""
+    """Yield, for each printed table, how its numbers are computed: scenes, function, test, command."""
     for name in tables:
         one = computations()[name]
+        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_in_order))
         rows: list[Row] = [
             {
                 Quantity("keys", "entries", "", "s"): pattern,
@@ -257,11 +297,19 @@ def how(tables: Iterable[str]) -> Iterator[Table]:
             }
             for pattern, behind in one.behind
         ]
-        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed", rows)
+        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
 
 
-def by_place(found: Sequence[Evidence]) -> Table:
-    """How many numbers every table and section of the sources prints, how many of them are results, how many come out."""
+def _in_order(place: str) -> tuple[bool, list[int], str]:
+    """Return the rank of a place of a source: by chapter, tables before sections, by their numbers; appendices last."""
+    in_text, text = "Table" not in place, place.rpartition(", ")[2]
+    letter = re.match(r"\D*\b([A-Z])\b", text)
+    numbers = [ord(letter[1])] if letter else [int(n) for n in re.findall(r"\d+", text)]
+    return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
+
+
+def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
+    """Count the printed numbers, the results among them and the reproduced ones, by table and section of the sources."""
     groups: dict[str, list[Evidence]] = {}
     for f in found:
         groups.setdefault(source(f.printed), []).append(f)
@@ -271,16 +319,16 @@ def by_place(found: Sequence[Evidence]) -> Table:
         places: dict[str, list[Evidence]] = {}
         for f in of_source:
             places.setdefault(f.printed.place, []).append(f)
-        rows += [_counted(place, entries) for place, entries in places.items()]
+        rows += [_counted(place, places[place]) for place in sorted(places, key=_in_order)]
     note = (
         "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
         "printed has every entry."
     )
-    return Table.of("printed-by-table", "Printed values by table and section, and how many come out", rows, note)
+    return Table.of(name, "Printed values by table and section, and how many come out", rows, note, unfolded=unfolded)
 
 
 def _counted(place: str, found: Sequence[Evidence]) -> Row:
-    """A row of `by_place`."""
+    """Return a row of `by_place`."""
     numbers = [f for f in found if not f.printed.claim]
     claims = [f for f in found if f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
@@ -301,8 +349,7 @@ def _counted(place: str, found: Sequence[Evidence]) -> Row:
 
 
 def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
-    """Every printed value of some printed tables of a case: those that its layouts have twice, as the source lays them out
-    and a row each, then inputs and results that it prints in sentences."""
+    """Yield every printed value of some tables of a case: twice those with a layout, then those in sentences."""
     for layout in listed:
         if layout.printed in printed:
             yield in_layout(layout, found, {})

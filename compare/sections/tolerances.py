@@ -1,4 +1,4 @@
-"""Tolerances of case 3: which of ball grade, pitch, roundness and misalignment matters most for the largest load."""
+"""Section on tolerances of case 3: effect of ball grade, pitch, roundness and misalignment on the largest load."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: The shipped summary: the ``summary.json`` of the command that it names.
 TOLERANCES = "studies/sweep/tolerances-case3.json"
-#: What the keys are called here, by the beginning of their path.
+#: Names of the keys, by the beginning of their path.
 WORDS = {
     "errors.balls.sigma": "ball grade: standard deviation of the ball radius",
     "errors.SL.pitch": "pitch: standard deviation of its amplitudes, once a turn, all flanks",
@@ -28,25 +28,25 @@ WORDS = {
 
 @cache
 def stored() -> dict[str, Any]:
-    """The shipped summary."""
+    """Return the shipped summary."""
     found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 
 def command(found: Mapping[str, Any]) -> str:
-    """The command that a summary comes from."""
+    """Return the command that made a summary."""
     vary = "".join(f' --vary "{text}"' for text in found["vary"])
     options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
     return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
 
 
 def short(vary: Vary) -> str:
-    """A key in one or two words."""
+    """Return a short name of a key."""
     return words(vary).partition(":")[0]
 
 
 def words(vary: Vary) -> str:
-    """A key in words."""
+    """Return a description of a key."""
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
 
@@ -55,7 +55,7 @@ def _short(row: Mapping[str, Cell]) -> str:
 
 
 def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
-    """A row a key, that of the largest total index first: mean of the largest load over the range, Sobol indices."""
+    """Return a row per key, sorted by total Sobol index: mean of the largest load over the range, Sobol indices."""
     indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
     for vary in sorted(keys, key=lambda v: -indices[v.key]["total"]):
@@ -75,7 +75,7 @@ def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Ce
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("stored sweep of tolerances")
     found = stored()
     study.uses((found["scene"].removesuffix(".toml"),))

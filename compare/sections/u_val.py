@@ -1,9 +1,9 @@
-"""Validation uncertainty in the report: error beside u_val, bias and scatter of every model, stated bounds that held.
+"""Section on validation uncertainty: error against u_val, bias and scatter of every model, and how often bounds held.
 
-Bars of discretisation are judged by what a finer level finds: every scene by its coarser levels and by all other
-scenes. A scene's experience (`compare.reference.grid_parts`) is taken again without it and without the scenes of its
-parts. Drawn screws (chosen and computed by ``tests/judging_levels.py``), and levels beyond those that are studied, are
-kept as loads alone: they judge, and are nobody's reference.
+Uncertainties of discretisation are tested by finer levels: every scene by its coarser levels and all other scenes. The
+experience (`compare.reference.grid_parts`) is derived again without the scene and scenes with its parts. Drawn screws
+(chosen and computed by ``tests/judging_levels.py``), and levels beyond those that are studied, are stored as loads only:
+they test, but are no reference.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Ser
 #: Loads by level of drawn screws and of further levels of shipped scenes, beside the stored runs.
 JUDGES = "judging_levels.json"
 
-#: Its key of a drawn scene's text.
+#: Key of the text of a drawn scene in that file.
 SCENE = "scene"
 
 #: The variant that cuts the coarse sockets finer.
 SOCKETS = "finer-sockets"
 
-#: Scenes that another program solved as well, and those that have two levels.
+#: Scenes that another program solved too, and those with two levels.
 CHECKED = ("two-balls", "lin-case1-cut")
 
 COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
@@ -59,32 +59,38 @@ COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
 #: Shipped scenes that are compared.
 SHIPPED = tuple(dict.fromkeys((*REFERENCED, *CHECKED, *UNSEEN, *COARSE)))
 
-#: Contacts from which on a scene's own coverage says something.
+#: Number of contacts from which on the coverage of a single scene is meaningful.
 MANY = 40
 
 
 @dataclass(frozen=True)
 class Held:
-    """Of one scene: level whose bars are judged (with those before it) and level that judges; contacts that carry load; the
-    bar, RMS over them [% of the mean load], and how many are within theirs; whether the scene was drawn."""
+    """Test of the uncertainty of one level of one scene by a finer level."""
 
+    #: Name of the scene.
     scene: str
+    #: Level whose uncertainty is tested (with those before it).
     level: int
+    #: Level that tests it.
     judge: int
+    #: Number of loaded contacts.
     contacts: int
+    #: Uncertainty, RMS over them [% of the mean load].
     bar: float
+    #: Number of contacts within their uncertainty.
     held: int
+    #: Whether the scene was drawn.
     drawn: bool
 
     @property
     def share(self) -> float:
-        """Share of contacts within the bar."""
+        """Share of contacts within the uncertainty."""
         return self.held / self.contacts
 
 
 @cache
 def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Loads ``(n, 4)`` [N] by level that a store keeps only to judge by, and the drawn scenes; empty without a record."""
+    """Return the loads (n, 4) [N] by level that a store keeps only for tests, and the drawn scenes; empty without."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
@@ -92,7 +98,7 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
 
 
 def levelled(study: Study) -> dict[str, dict[int, Array]]:
-    """Loads ``(n, 4)`` [N] by level of every compared scene that a store holds on two levels or more, drawn ones last."""
+    """Return the loads (n, 4) [N] by level of every compared scene with two levels or more, drawn ones last."""
     out, extra = {}, dict(judges(shipped_store())[0])
     for name in SHIPPED:
         runs = [run for k in LEVELS if (run := load(study.scene(name), k, stores=study.stores)) is not None]
@@ -102,8 +108,10 @@ def levelled(study: Study) -> dict[str, dict[int, Array]]:
 
 
 def socket_scatter(study: Study) -> float | None:
-    """Standard deviation [% of the mean load] that the cut of the coarse sockets leaves: a change of it alone is the
-    difference of two of its errors. None without the run."""
+    """Return the standard deviation by the cut of the coarse sockets [% of the mean load]; None without the run.
+
+    A change of the cut is the difference of two of its errors.
+    """
     scene = study.scene(REFINED)
     finer, base = load(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
     if finer is None or base is None:
@@ -114,18 +122,18 @@ def socket_scatter(study: Study) -> float | None:
 
 
 def experience(study: Study) -> Experience | None:
-    """What all compared scenes of a store tell; None where it does not hold them."""
+    """Return the experience from all compared scenes of a store; None if it does not hold them."""
     loads, sockets = levelled(study), socket_scatter(study)
     return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
 
 
 def _scene(study: Study, name: str) -> Scene:
-    """A compared scene, shipped or drawn."""
+    """Return a compared scene, shipped or drawn."""
     return judges(shipped_store())[1].get(name) or study.scene(name)
 
 
 def _beside_faces(study: Study) -> dict[str, Array]:
-    """Of every compared scene that has level 1, what this leaves out beside free faces ``(n, 4)`` [% of the mean load]."""
+    """Return the error of level 1 near free faces, (n, 4) [% of the mean load], of every compared scene."""
     first = min(LEVELS)
     return {
         name: error_percent(left_out(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
@@ -135,12 +143,12 @@ def _beside_faces(study: Study) -> dict[str, Array]:
 
 
 def coverage(study: Study) -> list[Held]:
-    """Every compared scene, level by level, against its finest; empty where a store does not hold what is needed."""
+    """Test every compared scene level by level against its finest; empty if a store does not hold what is needed."""
     return study.once(_coverage)
 
 
 def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
-    """Every compared scene that has these levels and a finer one, by these only, against its finest."""
+    """Test every compared scene that has these levels and a finer one, by these levels only."""
     return _judged(study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else [])
 
 
@@ -149,7 +157,7 @@ def _coverage(study: Study) -> list[Held]:
 
 
 def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
-    """Bars of all scenes by the sets of levels that are chosen from those that each has."""
+    """Test the uncertainties of all scenes, by sets of levels chosen from those that each has."""
     scenes, sockets = levelled(study), socket_scatter(study)
     if sockets is None or len(scenes) < len(UNSEEN):
         return []
@@ -178,7 +186,7 @@ def _held(
 
 
 def share_of(rows: Sequence[Held]) -> float:
-    """Share of all contacts within their bars."""
+    """Return the share of all contacts within their uncertainty."""
     return sum(h.held for h in rows) / sum(h.contacts for h in rows)
 
 
@@ -187,13 +195,13 @@ SHOWN = (DEFAULT, "lin")
 
 
 def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
-    """Every rung on every quantity."""
+    """Return every model of the ladder in every quantity."""
     found = [validated(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 
 def u_val_table(rows: Sequence[Validated]) -> Table:
-    """Error and u_val per scene and quantity."""
+    """Return error and u_val by scene and quantity."""
     cells: list[Row] = []
     for row in rows:
         if row.model not in SHOWN:
@@ -226,7 +234,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
-    """Bias and scatter by model and quantity."""
+    """Return bias and scatter by model and quantity."""
     cells: list[Row] = [
         {
             "model": s.model,
@@ -249,7 +257,7 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
 
 
 def scatter_figure(found: Sequence[Scatter]) -> Figure:
-    """Bias with its scatter, model by model, a panel for each quantity."""
+    """Draw bias with scatter model by model, a panel for each quantity."""
     panels = []
     order = [m.name for m in RUNGS]
     for quantity in dict.fromkeys(s.quantity for s in found):
@@ -265,7 +273,7 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Stated bounds and how many of them held."""
+    """Return the stated bounds, and how many of them held."""
     rows = left_out_one(study, rungs)
     counts = [
         (f"largest error to expect, model {name}, scene left out", held, total)
@@ -293,7 +301,7 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     title = "How much of an error is the model's: u_val, bias and scatter, applicability"
     step("every rung on every scene with a reference")
     rungs = study.once(ladder)

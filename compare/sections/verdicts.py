@@ -1,6 +1,6 @@
-"""Every printed entry with its verdict, how to read that, and how much of each source can be trusted.
+"""Sections on every printed entry with its verdict, and on how reliable each source is.
 
-The tables of printed numbers and claims with what is computed for them are made here for all pages.
+Tables of printed numbers and claims with their computed values are made here for all pages.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import KINDS, VERDICTS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 
-#: Remarks that more rows than this share are numbered and stand once, in the note.
+#: Remarks that more rows than this share are numbered and given once, in the note.
 SHARED = 2
 
 #: Error [%] below which it is round-off and shown as zero.
@@ -28,11 +28,25 @@ FAULTS = "As printed: computed with the source's faults repeated; empty where no
 def printed_table(
     name: str, title: str, found: Sequence[Evidence], note: str = "", *, digits: int = 5, place: bool = False
 ) -> Table:
-    """Printed entries, each with its computed values, error, class, verdict and remark.
+    """Return printed entries, each with its computed values, error, class, verdict and remark.
 
-    Columns of values with the faults repeated and under an inferred reading are there where an entry has one; place: every
-    entry, with a column of places (else without inputs, which test no model, and an entry from elsewhere than most says
-    so in its label).
+    Columns of values with repeated faults and under an inferred assumption are there if an entry has one.
+
+    Parameters
+    ----------
+    name
+        Name of the table.
+    title
+        Title of the table.
+    found
+        The entries.
+    note
+        Note below the table.
+    digits
+        Significant digits.
+    place
+        Whether every entry is listed, with a column of places; else inputs, which test no model, are left out, and an entry
+        from another place than most says so in its label.
     """
     given = 0 if place else sum(f.verdict == "input" for f in found)
     found = [f for f in found if f.verdict != "input"] if given else found
@@ -88,14 +102,14 @@ def _cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
 
 
 def shown_error(error: float | None) -> float | None:
-    """Error [%] for a cell: None where it is infinite (the printed number is zero), zero where it is round-off."""
+    """Return an error [%] for a cell: None if infinite (the printed number is zero), zero if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
     return error if abs(error) > ROUND_OFF else 0.0
 
 
 def _number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that rows share by their number; returns these remarks in order."""
+    """Replace remarks that rows share by their number; return these remarks in order."""
     count = Counter(str(row["remark"]) for row in rows)
     common = [text for text, times in count.items() if text and times > SHARED]
     for row in rows:
@@ -115,7 +129,7 @@ INFERRED = (
 
 
 def total_text(rows: Sequence[Evidence]) -> str:
-    """All entries and their verdicts in one sentence, claims, table values and computed results apart."""
+    """Return a sentence on all entries and verdicts, with claims, table values and computed results separately."""
     total = audited_counts(rows)[-1]
     kinds = Counter(r.printed.kind for r in rows if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
@@ -124,7 +138,7 @@ def total_text(rows: Sequence[Evidence]) -> str:
 
 
 def kinds_table(rows: Sequence[Evidence]) -> Table:
-    """Entries by kind and verdict."""
+    """Return the entries by kind and verdict."""
     tally = Counter((r.printed.kind, r.verdict) for r in rows)
     cells: list[Row] = [
         {
@@ -138,7 +152,7 @@ def kinds_table(rows: Sequence[Evidence]) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("every printed number and claim")
     audited = audit(study)
     tally: dict[tuple[str, str], int] = Counter((r.printed.cls, r.verdict) for r in audited)
@@ -170,7 +184,7 @@ def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
 
 
 def counts_table(rows: Sequence[Evidence]) -> Table:
-    """Entries by source and verdict."""
+    """Return the entries by source and verdict."""
     heads = [(v, f"{v}, apart" if v in APART else v) for v in VERDICTS]
     columns = _texts(("source", "source"), *heads, ("judged", "judged"), ("all", "all"))
     note = "Judged: without inputs and identities, which say nothing of a model."
@@ -178,7 +192,7 @@ def counts_table(rows: Sequence[Evidence]) -> Table:
 
 
 def misprints_table(case: str = "") -> Table:
-    """Misprints and faults of a case, or of all sources."""
+    """Return the misprints and faults of a case, or of all sources."""
     columns = _texts(
         *(() if case else (("source", "source"),)),
         ("place", "place"),
@@ -193,7 +207,7 @@ def misprints_table(case: str = "") -> Table:
 
 
 def audit_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of every printed entry."""
     step("every printed entry")
     rows = audit(study)
     words = [trust(row) for row in counts(rows)]

@@ -1,7 +1,7 @@
-"""The 3D reference checked: against Hertz, and against another program.
+"""Sections that check the 3D reference: against Hertz, and against CalculiX.
 
-Against Hertz: error, unknowns and seconds of each element type, on a sphere and on an ellipse. By CalculiX: contact loads
-of two small scenes, on whole bodies.
+Against Hertz: error, unknowns and seconds of each element type, on a sphere and an ellipse. By CalculiX: contact loads of
+two small scenes, on whole bodies.
 """
 
 from __future__ import annotations
@@ -66,15 +66,18 @@ WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 @dataclass(frozen=True)
 class Level:
-    """A run, the label of the meshes it belongs to, and its errors in per cent by quantity."""
+    """A run against Hertz."""
 
+    #: Label of its mesh.
     label: str
+    #: The run.
     run: HertzRun
+    #: Errors by quantity [%].
     errors: Mapping[str, float]
 
 
 def level(label: str, run: HertzRun) -> Level:
-    """Errors of a run against the closed form; of the two semi-axes the larger error counts for both."""
+    """Return a run with its errors against the closed form; of the semi-axes the larger error counts."""
     exact = run.exact
     values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
     closed = exact.approach, exact.semi_x, exact.semi_y, exact.pole_pressure, exact.pole_pressure
@@ -83,7 +86,7 @@ def level(label: str, run: HertzRun) -> Level:
 
 
 def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
-    """All runs: each job on each element's meshes, and on the source's."""
+    """Compute all runs: each contact on each element's meshes, and on the source's."""
     for element in wanted:
         solve_block(JOBS["A"], element, 1.0)  # loads the libraries, which no run should be charged for
     out = []
@@ -96,12 +99,12 @@ def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -
 
 
 def production(found: Sequence[Level]) -> list[Level]:
-    """The runs on the production mesh, one for each job."""
+    """Return the runs on the production mesh, one for each contact."""
     return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
 
 
 def verdict(found: Sequence[Level]) -> list[str]:
-    """Whether the production mesh meets its targets, and what the source's mesh does: sentences."""
+    """Return sentences on whether the production mesh meets its targets, and on the source's mesh."""
     return [*map(_met, production(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
 
 
@@ -127,17 +130,17 @@ def _source_errors(one: Level) -> str:
 
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 
-#: Their headings where these are not their names.
+#: Headings of the errors that differ from their names.
 STAGES = {"mesh": "meshing"}
 
 
 def mesh_row(one: Level) -> Row:
-    """First cells of a row on a mesh."""
+    """Return the first cells of a row on a mesh."""
     return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
 
 
 def error_row(one: Level) -> Row:
-    """Row of the table of errors."""
+    """Return a row of the table of errors."""
     counts: Row = {
         "unknowns": one.run.unknowns,
         Quantity("contact_nodes", "contact nodes", "", "s"): one.run.contact_nodes,
@@ -148,7 +151,7 @@ def error_row(one: Level) -> Row:
 
 
 def value_rows(found: Sequence[Level]) -> list[Row]:
-    """Values of the production mesh and of the closed form."""
+    """Return the values of the production mesh and of the closed form."""
     rows: list[Row] = []
     quantities = (
         ("approach", "µm", 1e6, "approach"),
@@ -176,7 +179,7 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
 
 
 def figure(found: Sequence[Level], job: str) -> Figure:
-    """Size of the errors against unknowns and seconds, both logarithmic."""
+    """Draw the errors over unknowns and seconds, both logarithmic."""
     panels = []
     for quantity in ("approach", "pole pressure"):
         for axis in ("unknowns", "seconds"):
@@ -204,19 +207,19 @@ def figure(found: Sequence[Level], job: str) -> Figure:
 
 
 def times_table(found: Sequence[Level]) -> Table:
-    """Seconds of every run by stage; the stages have keys of their own, as one of them is called like the mesh."""
+    """Return the seconds of every run by stage; stages have separate keys, as one has the name of the mesh column."""
     stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
     rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
     return Table.of("verification-times", "Where the time goes [s]", rows)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     return drawn(levels(step, QUICK if study.quick else LEVELS))
 
 
 def drawn(found: Sequence[Level]) -> Section:
-    """Section of the runs ``found``."""
+    """Return the section of given runs."""
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
         f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies elastic) "
@@ -271,7 +274,7 @@ NUT = (
 
 
 def run_table(data: CrossData) -> Table:
-    """Every run: choices, meshes, effort, and what the weak springs and the last correction change."""
+    """Return every run: choices, meshes, effort, and the effect of weak springs and the last correction."""
     rows: list[Row] = []
     base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
@@ -307,7 +310,7 @@ def run_table(data: CrossData) -> Table:
 
 
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
-    """Every contact by both programs, CalculiX extrapolated; and on every mesh of either."""
+    """Return every contact by both programs, CalculiX extrapolated; and on every mesh of both."""
     rows = contact_rows(data, ours, limit)
     heads = mesh_columns(data, ours)
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, heads))
@@ -325,7 +328,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
 
 
 def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
-    """Section of the report; folder: of CalculiX's results (None: those of the package)."""
+    """Return the section on CalculiX; ``folder``: of its results (None: those of the package)."""
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")

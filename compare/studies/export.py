@@ -1,7 +1,7 @@
-"""The command ``rollbench export``: the 3D reference as files for other programs.
+"""Export of the 3D reference as files for other programs (``rollbench export``).
 
-A mesh, or with ``--deck ccx`` a small scene or a few neighbouring balls cut out of a larger one with short pieces of screw
-and nut, as a deck for CalculiX and Abaqus.
+Meshes of parts, or with ``--deck ccx`` a deck for CalculiX and Abaqus of a small scene or of a few neighbouring balls that
+are cut out of a larger one with short pieces of screw and nut.
 """
 
 from __future__ import annotations
@@ -32,26 +32,36 @@ if TYPE_CHECKING:
     from rollbench.meshes.exchange.step_files import PlacedSet
 
 
-#: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
+#: Name of a block for Hertz contact (a quarter of it), as the source refines it, independent of the scene.
 BLOCK = "block-source"
 
-#: Bodies, and what is added to their names for those that the reference condenses: with a socket, a hole, at every contact.
+#: Names of the bodies, and the ending for bodies with a socket (a hole) at every contact, which the reference condenses.
 BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
 
-#: Growth of a whole body's element sizes per length away from its contacts.
+#: Growth of element size per distance from the contacts, for whole bodies.
 AWAY = 0.4
 
 
 def parts_of(scene: Scene) -> tuple[str, ...]:
-    """Names of the parts that can be exported: whole bodies, the same with sockets, patches of groove and ball of the sides
-    that may touch, block."""
+    """Return the names of the parts that can be exported.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+
+    Returns
+    -------
+    tuple of str
+        Whole bodies, bodies with sockets, patches of groove and ball on the flanks that may touch, and the block.
+    """
     sides = [SIDES[s] for s in needed_sides(scene)]
     patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
     return (*BODIES, *(body + SOCKETS for body in BODIES), *patches, BLOCK)
 
 
 def placed_sets(described: Solvable) -> list[PlacedSet]:
-    """Each set of a scene in its place, and its stretch of shaft in the reference. Raises ValueError for rollers."""
+    """Return each set of a scene at its position, with its stretch of shaft in the reference; ValueError for rollers."""
     from rollbench.hifi.several_sets import bodies_of
     from rollbench.meshes.exchange.step_files import PlacedSet
     from rollbench.meshes.solid import dimensions
@@ -68,9 +78,28 @@ def placed_sets(described: Solvable) -> list[PlacedSet]:
 
 
 def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> Mesh:
-    """Mesh of a part: a whole body with that level's element sizes, the others as the reference of that level uses them.
+    """Mesh a part, with the element sizes of a level of the reference.
 
-    Raises ValueError where it cannot be built.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    part
+        Name by `parts_of`.
+    level
+        Mesh level.
+    cache
+        Folder of meshes; None: no cache.
+
+    Returns
+    -------
+    Mesh
+        The mesh.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be built.
     """
     if part == BLOCK:
         from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
@@ -105,9 +134,30 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
 
 
 def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
-    """Displacement ``(n, 3)`` [m], stress ``(n, 6)`` [Pa] (xx, yy, zz, yz, xz, xy) and von Mises stress of a part's nodes.
+    """Compute displacement and stress of a part's nodes.
 
-    ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    part
+        Name by `parts_of`.
+    level
+        Mesh level.
+    ball
+        Number of the ball, from 0, for parts of one ball.
+    cache
+        Folder of meshes; None: no cache.
+
+    Returns
+    -------
+    dict
+        Displacement (n, 3) [m], stress (n, 6) [Pa] (xx, yy, zz, yz, xz, xy) and von Mises stress (n,) [Pa].
+
+    Raises
+    ------
+    ValueError
+        If the scene cannot be solved, or its screw is fixed or loaded beyond the low end.
     """
     from rollbench.hifi import fields
     from rollbench.hifi.bodies.coarse import of_order
@@ -146,7 +196,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 
 def _whole(scene: Scene, part: str, level: int) -> Mesh:
-    """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
+    """Mesh a whole screw (its 3D stretch), nut or ball, finest at the expected contacts."""
     from rollbench.hifi.bodies.coarse import of_order
     from rollbench.hifi.meshing.part_meshes import body_kind, socket_size, sockets_of
     from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
@@ -174,24 +224,49 @@ def _whole(scene: Scene, part: str, level: int) -> Mesh:
     return only(mesh, *sorted(mesh.boundaries))
 
 
-#: Programs that a deck can be written for; Abaqus reads CalculiX's.
+#: Programs for which decks are written; Abaqus reads CalculiX's.
 PROGRAMS = ("ccx",)
 
-#: Bounds of the choices: elements across, growth, contact stiffness [N/mm3].
+#: Bounds of elements across, growth and contact stiffness [N/mm3].
 BOUNDS = {"b_over_h": (0.4, 8.0), "growth": (0.1, 1.5), "stiffness": (1e5, 1e12)}
 
-#: Nut beyond the outermost balls, and 3D screw beyond the nut, over the ball's radius.
+#: Length of the nut beyond the outermost balls, and of the 3D screw beyond the nut, over the ball radius.
 NUT, SHAFT = 3.0, 3.0
 
 
 def write_deck(
     program: str, unit: str, balls: str, b_over_h: float, growth: float, stiffness: float, scene: Scene, out: Path | None
 ) -> str:
-    """Write a scene's deck, and a line about it: for a program, in a unit, with some balls kept, elements across the short
-    half axis, growth of the element sizes, contact stiffness [N/mm3]. out: the file, replaced if it exists; None:
-    ``<scene>.inp``.
+    """Write the deck of a scene.
 
-    Raises InputError for a bad choice, a scene too large or not representable, and a file that cannot be written.
+    Parameters
+    ----------
+    program
+        Program that reads it.
+    unit
+        Unit of length of the deck.
+    balls
+        Range of balls to keep, such as ``3:5``; empty: all.
+    b_over_h
+        Elements across the short half axis of a contact.
+    growth
+        Growth of element size per distance from the contacts.
+    stiffness
+        Contact stiffness [N/mm3].
+    scene
+        Scene with one set.
+    out
+        File, replaced if it exists; None: ``<scene>.inp``.
+
+    Returns
+    -------
+    str
+        A line about the deck.
+
+    Raises
+    ------
+    InputError
+        If a choice is out of range, the scene is too large or cannot be represented, or the file cannot be written.
     """
     faults = [
         (program not in PROGRAMS, "deck", program, ", ".join(PROGRAMS), "Abaqus reads CalculiX's deck"),
@@ -219,7 +294,7 @@ def write_deck(
 
 
 def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
-    """First and last ball (from 1) of ``3:5``. Raises InputError."""
+    """Return first and last ball (from 1) of a range such as ``3:5``; InputError if it is not valid."""
     allowed = f"FIRST:LAST with balls from 1 to {scene.ball_count}"
     words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
     first, last = (int(words[1]), int(words[2])) if words else (0, 0)
@@ -229,11 +304,28 @@ def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
 
 
 def cut_scene(scene: Scene, first: int, last: int) -> Scene:
-    """Balls ``first`` to ``last`` (from 1) of a screw of one start, in a piece of nut and of screw around them.
+    """Cut a few neighbouring balls out of a screw with one start, with short pieces of nut and screw around them.
 
-    Every load and support moves to the nearer end of the piece of screw (its station there), loads are reduced to the
-    balls' share; listed errors of ball radii keep their balls. Raises InputError for a bearing, a screw of several starts,
-    random errors (their draws depend on the number of balls) and prescribed displacements, which have no counterpart.
+    Every load and support moves to the nearer end of the piece of screw, loads are reduced to the share of the balls;
+    listed errors of ball radii keep their balls.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    first, last
+        Range of balls, from 1.
+
+    Returns
+    -------
+    Scene
+        The piece.
+
+    Raises
+    ------
+    InputError
+        For a bearing, several starts, random errors (their draws depend on the number of balls), and prescribed
+        displacements, which have no counterpart.
     """
     track, layout = scene.track, ball_layout(scene)
     faults = (

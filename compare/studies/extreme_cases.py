@@ -1,8 +1,8 @@
-"""Numerical stability: the hard scenes of its table.
+"""Hard scenes for the table of numerical stability.
 
-They are extreme on purpose (100 t of load, a shaft a thousand times too soft): the question is whether the equations
-are solved, not whether the model holds there. Most are scenes that a file may describe; where one is not (a bore that
-leaves too thin a wall) that is said at the case.
+They are extreme on purpose (100 t of load, a shaft a thousand times too soft): the question is whether the equations are
+solved, not whether the model is valid there. Most can be described by a scene file; exceptions (such as a bore that leaves
+too thin a wall) are stated at the case.
 """
 
 from __future__ import annotations
@@ -31,11 +31,15 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 @dataclass(frozen=True)
 class Case:
-    """One hard scene; ``expected`` is ``"converged"`` or the status that names the mechanism."""
+    """One hard scene."""
 
+    #: Name of the case.
     name: str
+    #: Group in the table.
     group: str
+    #: The scene.
     scene: Scene | Assembly
+    #: ``"converged"``, or the status that names the mechanism.
     expected: str = CONVERGED
 
 
@@ -64,13 +68,13 @@ def _materials(base: Scene, screw: float, nut: float, balls: float) -> Scene:
 
 
 def shaft_scaled(base: Scene, factor: float) -> Scene:
-    """The scene with the beam's stiffness scaled and every Hertz constant unchanged.
+    """Return a copy with the beam's stiffness scaled and every Hertz constant unchanged.
 
     Stiffer: the screw's modulus times ``factor``, the balls softened by ``2 - 1/factor`` so that ball and screw keep
-    their contact modulus, and the nut stiffened like the screw (the parts of ``base`` share one material). Softer: no
+    their contact modulus, and the nut stiffened like the screw (all parts share one material). Softer: no
     modulus can do that (the ball would need a negative one), so a bore leaves ``factor`` of the section's area, and
     ``factor (2 - factor)`` of its second moment; below about 0.2 that wall is thinner than the groove is deep, which a
-    scene file may not ask for.
+    scene file does not allow.
     """
     if factor >= 1.0:
         return _materials(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
@@ -79,13 +83,13 @@ def shaft_scaled(base: Scene, factor: float) -> Scene:
 
 
 def conforming(base: Scene, ratio: float) -> Scene:
-    """Groove radii at ``ratio`` times the ball radius."""
+    """Return a copy with groove radii of ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
 
 
 def with_lead(base: Scene, lead: float) -> Scene:
-    """The screw of ``base`` with another lead [m]: 0 is a bearing of 16 balls; below 6 mm with balls of 3 mm."""
+    """Return a copy of a screw with another lead [m]: 0 is a bearing of 16 balls; below 6 mm with balls of 3 mm."""
     if lead == 0.0:
         ring = tuple(2.0 * math.pi * i / 16 for i in range(16))
         return replace(base, track=replace(base.track, lead=0.0), balls=replace(base.balls, azimuths=ring))
@@ -97,7 +101,7 @@ def with_lead(base: Scene, lead: float) -> Scene:
 
 
 def _free(base: Scene) -> Scene:
-    """Held along and about the axis only, so that the balls carry any lateral load and moment."""
+    """Return a copy fixed only along and about the axis, so that the balls carry all lateral loads and moments."""
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 
 
@@ -198,7 +202,7 @@ WARMING, EXPANSION = (40.0, -300.0), 11.5e-6
 LONG = 6.0
 #: Offset of each row of the shipped axis [m].
 OFFSET = 5e-6
-#: Why a lone row of rollers does not hold a shaft that is pulled out of it.
+#: Why a single row of rollers cannot carry a shaft that is pulled out of it.
 PULLED = (
     "not held: the loads open every contact that could carry them (linear program: rigid motion of the shaft in ux, uy, "
     "uz, rx, ry)"
@@ -228,7 +232,7 @@ def _part_cases(base: Scene) -> Iterator[Case]:
 
 
 def shipped_axis(name: str) -> Assembly:
-    """A shipped scene of several sets."""
+    """Return a shipped scene with several sets."""
     found = catalogue.shipped(name)
     if not isinstance(found, Assembly):
         raise TypeError(f"{name} is one set")
@@ -236,21 +240,20 @@ def shipped_axis(name: str) -> Assembly:
 
 
 def both_kinds() -> Assembly:
-    """The shipped axis with Smith's tapered rows in place of its right pair of ball bearings, preloaded by offsets."""
+    """Return the shipped axis with Smith's tapered rows as right bearing, preloaded by offsets."""
     axis, row = _fixed(), shipped_axis("smith-axis-taper").sets[0].parts
     right = tuple(replace(s, kind="tapered roller bearing", parts=row) for s in axis.sets[3:])
     return replace(axis, sets=(*axis.sets[:3], *right))
 
 
 def _fixed() -> Assembly:
-    """The shipped axis, its bearings preloaded by offsets, so that all formulations solve the same equations."""
+    """Return the shipped axis with bearings preloaded by offsets, so that all formulations solve the same equations."""
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
     return _each_set(shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0)))
 
 
 def _pushed(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
-    """Forces [N] and moment [N m] on an axis: along on its carriage, or on the shaft where it has none; others at a third
-    of the shaft."""
+    """Return an axis with forces [N] and a moment [N m]: axial on its carriage or shaft, others at a third of the shaft."""
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
     side = Load(at, (across, 0.5 * across, 0.0 if carriage else along), (moment, 0.0, 0.0))
@@ -263,30 +266,30 @@ def _each_set(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Ass
 
 
 def _balls_of(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """An axis with its sets of balls changed."""
+    """Return an axis with changed sets of balls."""
     return _each_set(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
 def _rows_of(axis: Assembly, **changes: Any) -> Assembly:
-    """An axis with its rows of rollers changed."""
+    """Return an axis with rows of rollers as its bearings."""
     return _each_set(axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s)
 
 
 def _unloaded(axis: Assembly) -> Assembly:
-    """Without preload, offsets and oversize."""
+    """Return an axis without preload, offsets and oversize."""
     bare = _each_set(axis, lambda s: replace(s, preload=0.0, offset=0.0))
     return _balls_of(bare, lambda p: replace(p, errors=Errors()))
 
 
 def _ball_count(scene: Scene, count: int) -> Scene:
-    """A nut with so many of its balls side by side; a bearing has them evenly around."""
+    """Return a nut with so many neighbouring balls; a bearing has them evenly spaced."""
     ring = tuple(2.0 * math.pi * i / count for i in range(count))
     azimuths = ring if scene.track.lead == 0.0 else scene.balls.azimuths[:count]
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
 def _longer(axis: Assembly, length: float) -> Assembly:
-    """The axis with a longer shaft: its right end moves out, and its carriage to the middle."""
+    """Return the axis with a longer shaft: its right end moves out, and its carriage to the middle."""
     more = length - axis.screw.length
 
     def moved(z: float) -> float:
@@ -351,7 +354,7 @@ def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_cases() -> Iterator[Case]:
-    """Nuts, bearings of balls and of tapered rollers on one shaft."""
+    """Yield cases of nuts, ball bearings and tapered roller bearings on one shaft."""
     mixed, rollers, balls = both_kinds(), shipped_axis("smith-axis-taper"), _fixed()
     for kind, axis, groups in (
         ("balls and rollers", mixed, (_axis_load_cases, _axis_part_cases, _roller_cases)),
@@ -370,7 +373,7 @@ def _axis_cases() -> Iterator[Case]:
 
 
 def cases() -> list[Case]:
-    """All hard scenes in a fixed order: one screw, the shipped ``lin-case1`` by replacement, then shipped axes."""
+    """Return all hard scenes in a fixed order: a screw, variants of ``lin-case1``, then shipped axes."""
     base = catalogue.scene("lin-case1")
     groups = (_load_cases, _fit_cases, _stiffness_cases, _geometry_cases, _mechanism_cases, _part_cases)
     found = [*(c for group in groups for c in group(base)), *_axis_cases()]

@@ -1,10 +1,10 @@
-"""Numerical stability: hard scenes against formulations, each converged or with the reason why not.
+"""Numerical stability: hard scenes solved by several formulations, each converged or with the reason why not.
 
-The scenes are those of `extreme_cases`. A second formulation, on the contact forces with the compliance of the same beam,
-must find the same loads; of rows of rollers, which it does not solve without balls, the law of every slice is checked.
+The scenes are in `extreme_cases`. A second formulation, in contact forces with the compliance of the same beam, must find
+the same loads. It does not solve rows of rollers without balls; of these the law of every slice is checked.
 
-The source's starts are those of ``lowfi.as_source``: the nominal state; a good guess, the screw moved along its
-axis as if all balls shared the axial load (without an axial load that is the nominal state); ten load steps from there.
+The source's Newton starts (``lowfi.as_source``) are: the nominal state; a good guess, the screw moved along its axis as if
+all balls shared the axial load equally; ten load steps from there.
 
 Random campaigns are run by ``python -m tests.campaign`` of the repository; here their records are read.
 """
@@ -61,13 +61,13 @@ BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.extr
 
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 
-#: The source's dense Jacobian is not attempted above this many unknowns.
+#: Largest number of unknowns for which the source's dense Jacobian is attempted.
 DENSE_LIMIT = 2000
 
-#: Balls beyond which no elastic bodies are attempted.
+#: Largest number of balls for which elastic bodies are attempted.
 ELASTIC_LIMIT = 250
 
-#: Share of the largest line load by which a slice may differ from what its law gives it.
+#: Allowed difference of a slice's line load from its law, over the largest line load.
 SLICES = 1e-9
 
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
@@ -76,31 +76,38 @@ SAME = 1e-4
 
 @dataclass(frozen=True)
 class Attempt:
-    """One case solved by one formulation.
+    """One case solved by one formulation."""
 
-    residual: largest unbalanced force over the largest force (None where nothing was solved, or there is no force);
-    round_off_bound: what double precision leaves of it at best (energy solver only); seconds include set-up;
-    difference_percent: largest difference of a load from the energy solver's, on the same partition, in per cent of the
-    largest load (None unless both converge); reason: the verdict in short, with what else a reader must know.
-    """
-
+    #: Name of the case.
     case: str
+    #: Group of the case.
     group: str
+    #: Name of the formulation.
     formulation: str
+    #: Status of the solver.
     status: str
+    #: Status that is expected.
     expected: str
     converged: bool
+    #: Number of iterations.
     iterations: int = 0
+    #: Largest unbalanced force over the largest force; None if nothing was solved or there is no force.
     residual: float | None = None
+    #: Smallest residual that double precision allows (energy solver only).
     round_off_bound: float = 0.0
+    #: Run time with set-up [s].
     seconds: float = 0.0
+    #: Number of unknowns.
     unknowns: int = 0
+    #: Largest difference of a load from the energy solver on the same partition [% of the largest load]; None unless both
+    #: converged.
     difference_percent: float | None = None
+    #: Short form of the status, with remarks.
     reason: str = ""
 
     @property
     def tried(self) -> bool:
-        """Whether anything was solved for."""
+        """Whether a solution was attempted."""
         return not self.status.startswith("not attempted")
 
 
@@ -108,10 +115,23 @@ class Attempt:
 
 
 def attempt(case: Case, formulation: str) -> Attempt:
-    """Solve one case by one of ``FORMULATIONS``; a failure is a row, never an exception of the solvers.
+    """Solve one case by one formulation; a failure of a solver is a row, never an exception.
 
-    Ours runs on the scene's own partition (a node at every contact). The source runs on its own 15 mm partition, with
-    the rigid arcs of our model for the flanks (``kinematics="arc"``), so that both solve the same equations.
+    The energy solver uses the scene's partition (a node at every contact). The source's formulation uses its partition of
+    15 mm, with the rigid arcs of the energy solver for the flanks (``kinematics="arc"``), so that both solve the same
+    equations.
+
+    Parameters
+    ----------
+    case
+        The case.
+    formulation
+        One of ``FORMULATIONS``.
+
+    Returns
+    -------
+    Attempt
+        The row.
     """
     if formulation == ENERGY:
         return _ours(case)
@@ -120,7 +140,7 @@ def attempt(case: Case, formulation: str) -> Attempt:
 
 @cache
 def _load_kernels() -> None:
-    """Load (or compile) the kernels of this process before anything is timed."""
+    """Load or compile the kernels of this process before anything is timed."""
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
@@ -138,9 +158,11 @@ def _ours(case: Case, result: StaticResult | AxisResult | None = None) -> Attemp
 
 
 def _elastic(case: Case, formulation: str, ours: StaticResult | AxisResult | None = None) -> Attempt:
-    """A case by the force formulation; where its dimensions leave no body (no land, no wall), or more balls than
-    `ELASTIC_LIMIT` would take minutes, it is not attempted. ours: the energy solver's result, for the difference of
-    `FORCES`."""
+    """Solve a case by the force formulation.
+
+    Not attempted if its dimensions leave no body (no land, no wall), or above `ELASTIC_LIMIT` balls, which would take
+    minutes.
+    """
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
         if case.scene.ball_count > ELASTIC_LIMIT:
@@ -161,12 +183,12 @@ def _elastic(case: Case, formulation: str, ours: StaticResult | AxisResult | Non
 
 
 def _loads(result: StaticResult | AxisResult) -> Array:
-    """Loads [N] of all contacts and rollers."""
+    """Return the loads of all contacts and rollers [N]."""
     return np.concatenate([s.loads.ravel() for s in result.sets]) if isinstance(result, AxisResult) else result.load
 
 
 def _row_of(case: Case, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
-    """What a solver of this project made of a case since ``begin``; no difference from the energy solver."""
+    """Return the row of a solver's result since ``begin``, without difference from the energy solver."""
     status, s = _fault(result) or result.status, result.solver
     return _attempt(
         case,
@@ -182,12 +204,12 @@ def _row_of(case: Case, formulation: str, result: StaticResult | AxisResult, beg
 
 
 def _attempt(case: Case, formulation: str, status: str, **found: Any) -> Attempt:
-    """What became of a case; found: fields of `Attempt` on the solution."""
+    """Return a row with fields of the solution."""
     return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
 def _fault(result: StaticResult | AxisResult) -> str:
-    """Contradiction to a solver's claim of convergence; empty if there is none."""
+    """Return what contradicts a solver's claim of convergence; empty if nothing."""
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
@@ -207,8 +229,10 @@ def _fault(result: StaticResult | AxisResult) -> str:
 
 
 def slice_fault(row: SetResult, result: AxisResult) -> float:
-    """Largest difference of a slice's line load of a row of rollers from what its law gives it by the motions of cone and
-    cup, over the largest line load and what the round-off of the motions makes; zero for balls and without load."""
+    """Return the largest difference of a roller slice's line load from its law, over the largest line load.
+
+    The round-off of the motions of cone and cup is deducted; zero for balls and without load.
+    """
     parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
         return 0.0
@@ -234,14 +258,17 @@ def _on_source_partition(scene: Scene) -> Scene:
 
 
 def dense_unknowns(scene: Scene) -> int:
-    """Unknowns of the source's formulation: two per ball's centre, four contact angles, and the free nodal motions."""
+    """Return the number of unknowns of the source's formulation.
+
+    Two per ball centre, four contact angles per ball, and the free nodal motions.
+    """
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
     return 6 * layout.z.size + problem.unknowns
 
 
 def _source(case: Case, formulation: str, ours: StaticResult | None = None) -> Attempt:
-    """A case by the source's Newton; ours: the energy solver's result on the source's partition."""
+    """Solve a case by the source's Newton; ``ours``: result of the energy solver on the source's partition."""
     if isinstance(case.scene, Assembly):
         status = "not attempted: the source has one set"
         return _attempt(case, formulation, status, reason=status)
@@ -289,7 +316,7 @@ def _difference(load: Array, ours: Array) -> float:
 
 
 def _short(status: str) -> str:
-    """The first clause of a status, and the second where the first only says that the screw is not held."""
+    """Return the first clause of a status; also the second if the first only says that the screw is not held."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
@@ -304,9 +331,19 @@ def _rows_of(case: Case) -> list[Attempt]:
 
 
 def table(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
-    """Every case by every formulation, in the order of ``cases``; two processes share the work.
+    """Solve every case by every formulation, in two processes.
 
-    progress: called with the number of cases done, their total, and the name of the one just done.
+    Parameters
+    ----------
+    progress
+        Called with the number of cases done, their total, and the name of the last one.
+    n_jobs
+        Number of processes.
+
+    Returns
+    -------
+    list of Attempt
+        Rows in the order of ``cases``.
     """
     from joblib import Parallel, delayed
 
@@ -320,8 +357,10 @@ def table(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs
 
 
 def failures(rows: Sequence[Attempt]) -> list[Attempt]:
-    """Rows of the solvers of this project whose status is not the expected one: converged, or the mechanism by name; and
-    those of `FORCES` with other loads than the energy solver's."""
+    """Return the rows with an unexpected status, and those of `FORCES` whose loads differ from the energy solver's.
+
+    Expected is convergence, or the mechanism by name.
+    """
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
     return [r for r in ours if (r.status != r.expected and r.tried) or (r.difference_percent or 0.0) > SAME]
 
@@ -330,7 +369,7 @@ def failures(rows: Sequence[Attempt]) -> list[Attempt]:
 
 
 def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
-    """One row per case, one status per formulation."""
+    """Return one row for each case, with the status by each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
@@ -344,7 +383,7 @@ def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
 
 
 def short(row: Attempt) -> str:
-    """Status for a table: how it ended, with iterations and residual where it converged."""
+    """Return the status for a table, with iterations and residual if it converged."""
     if row.status == CONVERGED:
         apart = row.difference_percent
         other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
@@ -353,7 +392,7 @@ def short(row: Attempt) -> str:
 
 
 def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
-    """Per formulation: cases solved (or its mechanism named), cases tried, cases."""
+    """Count, by formulation, the cases solved (or whose mechanism was named), the cases tried, and all cases."""
     out = {}
     for formulation in FORMULATIONS:
         attempts = [r for r in rows if r.formulation == formulation]
@@ -364,7 +403,7 @@ def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
 
 Record = dict[str, Any]
 
-#: How a scene may end, the good ways first.
+#: Possible outcomes of a scene, the good ones first.
 RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, proven", "refused, contacts not unique"
 
 WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
@@ -375,7 +414,7 @@ GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRAS
 
 
 def read(path: Path) -> list[Record]:
-    """Records of a file; none where there is none, or it holds something else."""
+    """Return the records of a file; empty if it is missing or holds something else."""
     try:
         records = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -387,13 +426,15 @@ def read(path: Path) -> list[Record]:
 
 
 def shipped_records() -> list[Record]:
-    """Records that come with the package."""
+    """Return the shipped records."""
     return read(Path(__file__).with_name("campaign.json"))
 
 
 def rows(records: Sequence[Record]) -> list[Row]:
-    """Rows of the report's table, a campaign each: its command and version, and how many scenes, damaged files and killed
-    processes ended in which way."""
+    """Return rows of the report's table, one for each campaign.
+
+    Each has its command and version, and how many scenes, damaged files and killed processes ended in which way.
+    """
     out = []
     for r in records:
         bad: Row = {verdict: r["scenes"].get(verdict, 0) for verdict in BAD}

@@ -1,4 +1,4 @@
-"""Mesh study of the 3D reference (``rollbench mesh-study``): extreme and single loads, centreline, level by level."""
+"""Mesh study of the 3D reference (``rollbench mesh-study``): loads and displacements level by level."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rollbench.meshes.parts import SIDES, Scene
 
 Take = partial[float]
 
-#: A level is worth its time where its uncertainty is no more than this share of the one before it.
+#: A level is worth its time if its uncertainty is at most this share of that of the level before.
 CLEARLY = 0.8
 
 #: Why a contact's load has no order.
@@ -45,12 +45,12 @@ def _single(ball: int, side: int, run: Run) -> float:
 
 
 def _line(station: int, axis: int, run: Run) -> float:
-    """Displacement [um] at one of the stations that every level shares."""
+    """Return the displacement at one of the stations that all levels share [um]."""
     return float(1e6 * run.centreline[station, 1 + axis])
 
 
 def quantities(run: Run) -> list[tuple[str, str, Take]]:
-    """What a mesh study follows: name, unit, how to take it from a run."""
+    """Return the quantities of a mesh study: name, unit, function that takes it from a run."""
     out: list[tuple[str, str, Take]] = []
     for s, side in enumerate(SIDES):
         if (run.load[:, s] > 0.0).any():
@@ -67,15 +67,35 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
 
 
 def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> Reference | None:
-    """The reference of all stored runs on these levels; None without any."""
+    """Return the reference of all stored runs on some levels; None without any.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    stores
+        Folders with runs; None: those of the package.
+    levels
+        Mesh levels.
+    """
     runs = tuple(r for k in levels if (r := load(scene, k, stores=stores)) is not None)
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
 def level_rows(reference: Reference) -> list[dict[str, Any]]:
-    """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds
-    without anything known before and what they were measured with, largest difference of a contact load from the finest and
-    `enough`, in per cent of the mean load."""
+    """Return a row for each level, coarsest first.
+
+    Parameters
+    ----------
+    reference
+        The reference.
+
+    Returns
+    -------
+    list of dict
+        Relative cell size, unknowns of the equivalent single mesh, seconds without cached parts and the conditions of their
+        measurement, largest difference of a contact load from the finest level, and `enough` [% of the mean load].
+    """
     return [
         {
             "level": run.level,
@@ -91,16 +111,18 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
 
 
 def enough(reference: Reference, k: int) -> float:
-    """What the contact loads of run ``k`` are good for [% of the mean load] with those before it: their uncertainty by
-    discretisation, RMS over the contacts; of the first alone from experience with other scenes."""
+    """Return the uncertainty of the contact loads of run ``k`` with the runs before it [% of the mean load].
+
+    RMS over the contacts; that of the first run alone is from experience with other scenes.
+    """
     loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
     return parts(loads, read(shipped_store())).bar
 
 
 def closing(reference: Reference) -> str:
-    """Which level is enough for what, in one sentence, and which are not worth their time.
+    """Return a sentence on the accuracy of each level, and on levels that are not worth their time.
 
-    Per cents are rounded up. Times stand there where all are of one measuring run.
+    Percentages are rounded up. Times are given if all are of one measuring run.
     """
     stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
@@ -120,8 +142,10 @@ def closing(reference: Reference) -> str:
 
 
 def _up(percent: float) -> str:
-    """Rounded up to two digits.
+    """Return a percentage rounded up to two digits.
 
+    Examples
+    --------
     >>> _up(1.21), _up(0.031), _up(2.0)
     ('1.3', '0.031', '2')
     """
@@ -130,12 +154,26 @@ def _up(percent: float) -> str:
 
 
 def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> list[dict[str, Any]]:
-    """Per quantity that is not held at zero: value on each level, its own order, extrapolated value, grid uncertainty and
-    why it has an order or none; modelling uncertainty (root of squares over the choices that were varied) and the effect of
-    the scene's own ones.
+    """Return the table of a mesh study.
 
-    Loads, extremes among them, have the uncertainty of their contact on the finest level, and no order; displacements that
-    of their own order, or with two levels that of all displacements together.
+    Contact loads, extremes included, have the uncertainty of their contact on the finest level, and no order; displacements
+    that of their order of convergence, or with two levels that of all displacements together.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    stores
+        Folders with runs; None: those of the package.
+    levels
+        Mesh levels.
+
+    Returns
+    -------
+    list of dict
+        For each quantity that is not fixed at zero: value on each level, order, extrapolated value, grid uncertainty, why
+        it has an order or none; modelling uncertainty (root of squares over the varied choices) and the effect of choices
+        that belong to the scene.
     """
     reference = studied(scene, stores, levels)
     if reference is None:
@@ -147,7 +185,17 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
 
 
 def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
-    """The table of `study_table` of a reference; base, changed: the runs that modelling choices are told by, by variant."""
+    """Return the table of `study_table` of a reference.
+
+    Parameters
+    ----------
+    reference
+        The reference.
+    base
+        Run with which variants of modelling choices are compared; None: without these.
+    changed
+        Run of each variant.
+    """
     runs, table = reference.runs, []
     shown = [(name, unit, take) for name, unit, take in quantities(runs[-1]) if any(take(r) for r in runs)]
     lines = [take for _, _, take in shown if take.func is _line]
@@ -178,7 +226,10 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Ball and side of the contact whose load a quantity is on the finest level, if it is that of one contact."""
+    """Return ball and side of the contact whose load on the finest level a quantity is.
+
+    None if it is not a contact load.
+    """
     if take.func is _single:
         return take.args[0], take.args[1]
     if take.func is not _extreme:
@@ -188,14 +239,14 @@ def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
 
 
 def _percent(value: float | None, of: float) -> float | None:
-    """A number in per cent of another; None where there is none, or nothing to compare it with."""
+    """Return a number in per cent of another; None if there is none, or the other is zero."""
     if value is None or (of == 0.0 and value != 0.0):
         return None
     return float(error_percent(value, 0.0, of))
 
 
 def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Root of squares over modelling choices, each by the larger of its variants; None where none was varied."""
+    """Return the root of squares over modelling choices, each by the larger of its variants; None without any."""
     by_choice: dict[str, float] = {}
     for name, move in moves.items():
         variant = VARIANTS[name]
@@ -205,7 +256,7 @@ def _root_of_squares(moves: Mapping[str, float]) -> float | None:
 
 
 def levels_of(count: int | None) -> tuple[int, ...]:
-    """Levels of a mesh study: `ADVISED`, or 1 to ``count``. Raises InputError where there are fewer."""
+    """Return the levels of a mesh study: `ADVISED`, or 1 to ``count``; InputError if there are fewer."""
     if count is None:
         return ADVISED
     if not 1 <= count <= len(LEVELS):
@@ -214,7 +265,7 @@ def levels_of(count: int | None) -> tuple[int, ...]:
 
 
 def table_of(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
-    """The table of a mesh study; of one of several sets without the effect of modelling choices: none is varied there."""
+    """Return the table of a mesh study; of one of several sets without the effect of modelling choices."""
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
 
@@ -229,11 +280,36 @@ def compute_study(
     source: bool = False,
     fresh: bool = False,
 ) -> list[Referenced]:
-    """References of the scenes by all runs on some levels, set by set; what the stores lack is computed and kept
-    in the first.
+    """Compute the references of scenes by all runs on some levels; runs that no store holds are stored in the first.
 
-    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for spread of several sets on one
-    shaft, Refusal for a scene of which no run converged.
+    Parameters
+    ----------
+    scenes
+        Scenes with one load case each.
+    levels
+        Mesh levels.
+    stores
+        Folders with runs.
+    engine
+        Where runs are computed.
+    step
+        Called with lines of progress.
+    spread
+        Whether modelling choices are varied.
+    source
+        Whether the source's mesh is added.
+    fresh
+        Whether stored runs are computed again.
+
+    Returns
+    -------
+    list of Referenced
+        Reference of each set.
+
+    Raises
+    ------
+    InputError
+        For ``spread`` of several sets on one shaft; as Refusal if no run of a scene converged.
     """
     tasks = plan(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
@@ -261,7 +337,7 @@ def compute_study(
 
 
 def extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows and columns of the terminal: no single balls, uncertainty in the quantity's unit alone."""
+    """Return rows and columns for the terminal: no single balls, uncertainty only in the unit of the quantity."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table
@@ -272,8 +348,30 @@ def extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 def library(
     target: Solvable, levels: int | None, step: Callable[[str], None], *, spread: bool, store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
-    """What `rollbench.mesh_study` returns of a scene: JSON-ready, key of the table that is shown, closing lines.
-    step: takes lines of progress."""
+    """Run a mesh study for `rollbench.mesh_study`.
+
+    Parameters
+    ----------
+    target
+        Scene with one set or several.
+    levels
+        Number of levels; None: `ADVISED`.
+    step
+        Called with lines of progress.
+    spread
+        Whether modelling choices are varied.
+    store
+        Folder that takes new runs.
+
+    Returns
+    -------
+    dict
+        JSON values.
+    str
+        Key of the table to show.
+    tuple of str
+        Closing lines.
+    """
     from rollbench.meshes.cache import default_root
 
     stores, wanted = (store, shipped_store()), levels_of(levels)

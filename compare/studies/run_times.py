@@ -1,11 +1,11 @@
-"""Run times of models, of the 3D reference and of typed commands, measured and kept.
+"""Run times of models, of the 3D reference and of commands: measured in new processes, and stored.
 
-Cold is what somebody waits for who has done nothing yet: a new interpreter, all imports, the set-up of the geometry and
-one solve, in a process with empty folders for meshes and for machine code. Compiled kernels are timed cold too, as their
-first call compiles. Warm is a further solve in the same process: bodies of the geometry known, kernels compiled.
+Cold is the time for a first use: a new interpreter, all imports, the set-up of the geometry and one solution, in a process
+with empty folders for meshes and machine code; compiled kernels include their compilation. Warm is a further solution in
+the same process: bodies of the geometry known, kernels compiled.
 
-A store keeps the times of one measuring run, and processor time of cold set-ups (as ``tests/set_up_costs.py`` measured
-it), so that a report need not start every process again.
+A store holds the times of one measuring run, and the processor time of cold set-ups (by ``tests/set_up_costs.py``), so that
+a report need not start every process again.
 """
 
 from __future__ import annotations
@@ -36,20 +36,29 @@ from rollbench.meshes.processes import VARIABLES
 
 @dataclass(frozen=True)
 class Job:
-    """A timed job: wall clock [s] (None: not measured), a ratio and what it is over (in ``note``), unknowns of one solve,
-    peak memory of the process [MB], largest error of a contact load [% of the mean load]."""
+    """Row of a table of run times."""
 
+    #: Description.
     job: str
+    #: Wall clock [s]; None: not measured.
     seconds: float | None
+    #: Ratio to another time, explained in ``note``.
     ratio: float | None = None
+    #: Number of unknowns of one solution.
     unknowns: int | None = None
+    #: Peak memory of the process [MB].
     peak_MB: float | None = None
+    #: Largest error of a contact load [% of the mean load].
     error_percent: float | None = None
+    #: Explanation.
     note: str = ""
 
 
 def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
-    """Median wall clock of ``work`` [s], after one run that is not counted; ``reset`` runs before each, untimed."""
+    """Return the median wall clock of ``work`` [s], after one run that is not counted.
+
+    ``reset`` runs before each, untimed.
+    """
     seconds = []
     gc.collect()
     enabled = gc.isenabled()
@@ -68,25 +77,31 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
 
 
 def as_a_users(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Environment of a process that is timed, with further variables: that of a user who has set no number of threads."""
+    """Return the environment for a timed process: that of a user who set no number of threads, with further variables."""
     return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
 @dataclass(frozen=True)
 class Launched:
-    """A process that ended: seconds of wall clock to its end and to its first line (None: it wrote none), CPU seconds of it
-    and its own processes, exit code, and what it wrote, as on a terminal."""
+    """Process that ended."""
 
+    #: Wall clock to its end [s].
     seconds: float
+    #: Wall clock to its first line of output [s]; None without output.
     first_line: float | None
+    #: CPU time of it and its child processes [s].
     cpu: float
+    #: Exit code.
     code: int
+    #: Output, as on a terminal.
     output: str
 
 
 def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
-    """Run a Python process, which imports nothing from its working folder, as a user would on a terminal. It is ended
-    after `PATIENCE`."""
+    """Run a Python process as a user would on a terminal; it is ended after `PATIENCE`.
+
+    It imports nothing from its working folder.
+    """
     environment = as_a_users({"PYTHONUNBUFFERED": "1"} | (extra or {}))
     before, begin = os.times(), perf_counter()
     process = subprocess.Popen(
@@ -110,14 +125,14 @@ def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: st
 
 
 def _cpu(before: os.times_result, after: os.times_result) -> float:
-    """CPU seconds of processes that ended in between."""
+    """Return the CPU time of processes that ended in between [s]."""
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
 
 #: Longest wait for a process [s].
 PATIENCE = 1200.0
 
-#: Solves whose fastest is the warm time.
+#: Number of solutions, the fastest of which gives the warm time.
 REPEATS = 5
 
 CHILD = """
@@ -146,7 +161,7 @@ print(json.dumps({{"done": done, "first": spent[0], "warm": min(spent[1:]), "mem
 """
 
 
-#: Any call, after imports that only its first time includes.
+#: Program that times a call, after imports that only the first time includes.
 CALL_CHILD = """
 import sys
 sys.path[:] = {path!r}
@@ -169,7 +184,7 @@ print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
 """
 
 
-#: A level as `compare` computes it, without a cache to read or a store to write.
+#: Program that times a level as `compare` computes it, without cache and store.
 LEVEL_CHILD = """
 import sys
 sys.path[:] = {path!r}
@@ -191,38 +206,50 @@ print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
 
 @dataclass(frozen=True)
 class ColdLevel:
-    """A level of the 3D reference, from the start of the interpreter to its loads: seconds, CPU seconds of all processes,
-    sum of their peaks of memory [MB] (None: not measured), status; scene, contacts with load, seconds that a further load
-    case takes, and those of every stage of the set-up by name (None: not measured)."""
+    """Time of a level of the 3D reference, from the start of the interpreter to its loads; None: not measured."""
 
+    #: Mesh level.
     level: int
+    #: Wall clock [s].
     process: float
+    #: CPU time of all processes [s].
     cpu: float
+    #: Sum of their peak memories [MB].
     memory: float | None
+    #: Status of the run.
     status: str
+    #: Name of the scene.
     scene: str = "lin-case1"
+    #: Number of loaded contacts.
     contacts: int | None = None
+    #: Seconds of a further load case.
     load_case: float | None = None
+    #: Seconds of each stage of the set-up.
     stages: dict[str, float] | None = None
 
 
 @dataclass(frozen=True)
 class Cold:
-    """Seconds of a model on a scene: ``process``, interpreter, imports and the first solve; ``first``, that solve alone;
-    ``warm``, the fastest further one; peak memory [MB] of the process (None: not measured); engine; the solve's status."""
+    """Time of a model on a scene in a new process."""
 
+    #: Seconds of interpreter, imports and first solution.
     process: float
+    #: Seconds of the first solution.
     first: float
+    #: Seconds of the fastest further solution.
     warm: float
+    #: Peak memory of the process [MB]; None: not measured.
     memory: float | None
+    #: Kernels: interpreted or compiled.
     engine: str
+    #: Status of the solution.
     status: str
 
 
 def measure(
     scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
 ) -> Cold:
-    """Times of a shipped scene in a new process with empty caches. Raises RuntimeError where the process fails."""
+    """Measure a model on a shipped scene in a new process with empty caches; RuntimeError if the process fails."""
     ask = {
         "scene": scene,
         "model": model,
@@ -235,15 +262,16 @@ def measure(
 
 
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
-    """Times of a call in a new process with empty caches, and of further ones there. Raises RuntimeError where the process
-    fails."""
+    """Measure a call in a new process with empty caches, and further ones there; RuntimeError if the process fails."""
     begin, printed = _alone(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
 def measure_level(scene: str, level: int) -> ColdLevel:
-    """Times of a level of the 3D reference of a shipped scene in a new process with empty caches, on all cores. Raises
-    RuntimeError where the process fails."""
+    """Measure a level of the 3D reference in a new process with empty caches, on all cores.
+
+    RuntimeError if the process fails.
+    """
     before = os.times()
     begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
     after = os.times()
@@ -253,7 +281,7 @@ def measure_level(scene: str, level: int) -> ColdLevel:
 
 
 def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
-    """Run a new process with empty caches; when it began, and what it printed."""
+    """Run a new process with empty caches; return when it began, and its output."""
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in caches.values():
@@ -274,7 +302,7 @@ def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str,
     return begin, json.loads(process.stdout)
 
 
-#: Files of a store.
+#: Names of files in a store.
 RUN_TIMES, SET_UP_COSTS = "run_times.json", "set_up_costs.json"
 
 T = TypeVar("T")
@@ -282,60 +310,75 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class RunTime:
-    """A model on a scene: seconds of a new process with empty caches up to its first solve, seconds of a further solve
-    (compiled), peak memory [MB] of that process (None: not measured)."""
+    """Time of a model on a scene."""
 
+    #: Seconds of a new process with empty caches to its first solution.
     cold: float
+    #: Seconds of a further solution, with compiled kernels.
     warm: float
+    #: Peak memory of that process [MB]; None: not measured.
     memory: float | None
 
 
 @dataclass(frozen=True)
 class Kept:
-    """Times of one measuring run, what it was measured with, and its day: ``times`` by scene and model, ``first``: a first
-    process by model and engine, ``levels`` of the 3D reference, cold, ``typed`` commands."""
+    """Stored times of one measuring run."""
 
+    #: Conditions of the measurement.
     measured: Measured
+    #: Date of the measurement.
     date: str
+    #: Times by scene and model.
     times: Mapping[tuple[str, str], RunTime]
+    #: Times of a first process by model and kind of kernels.
     first: Mapping[tuple[str, str], Cold]
+    #: Cold times of levels of the 3D reference.
     levels: Sequence[ColdLevel] = ()
+    #: Times of commands.
     typed: Sequence[Typed] = ()
 
     def __str__(self) -> str:
-        """What it was measured with, in words."""
+        """Return the conditions of the measurement in words."""
         older = "" if self.measured == here() else f", not with the {here().version} of this report"
         return f"Run times are of one measuring run: measured with {self.measured}, {self.date}{older}."
 
 
 @dataclass(frozen=True)
 class SetUp:
-    """A cold set-up in one process of one thread: scene, mesh level, contacts with load; processor time [s] of every stage
-    by kind of work: "all", and of it "meshing", "assembly", "elimination" and of that "dense", the dense algebra alone."""
+    """Processor time of a cold set-up in one process with one thread."""
 
+    #: Name of the scene.
     scene: str
+    #: Mesh level.
     level: int
+    #: Number of loaded contacts.
     contacts: int
+    #: Seconds of every stage by kind of work: "all", of it "meshing", "assembly" and "elimination", and of the latter
+    #: "dense" (dense algebra).
     stages: Mapping[str, Mapping[str, float]]
 
     def of(self, kind: str) -> float:
-        """Seconds of a kind of work in all stages."""
+        """Return the seconds of a kind of work in all stages."""
         return sum(stage.get(kind, 0.0) for stage in self.stages.values())
 
 
 @dataclass(frozen=True)
 class Way:
-    """A cheaper set-up of a scene on level 1: processor time saved [s], largest change of a load [% of the mean load]."""
+    """Cheaper variant of a set-up on level 1."""
 
+    #: Name of the scene.
     scene: str
+    #: Description of the variant.
     way: str
+    #: Processor time saved [s].
     saved: float
+    #: Largest change of a load [% of the mean load].
     moved: float
 
 
 @dataclass(frozen=True)
 class Costs:
-    """Costs of set-ups, measured on a machine and day with a version of this program."""
+    """Costs of set-ups, with machine, date and version of the measurement."""
 
     machine: str
     date: str
@@ -345,12 +388,12 @@ class Costs:
 
 
 def today() -> str:
-    """The day, in words."""
+    """Return the date in words."""
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
 
 def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
-    """What the first store with a valid file of that name holds, as it is made of the JSON value; None without any."""
+    """Return the value made from the first valid file of a name in some stores; None without any."""
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
             return made(json.loads((store / file).read_text(encoding="utf-8")))
@@ -358,22 +401,22 @@ def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T
 
 
 def save_rows(store: Path, file: str, records: Sequence[Any]) -> None:
-    """Write records into a file of a store, a line each. Raises InputError where it cannot be written."""
+    """Write records to a file of a store, a line for each; InputError if it cannot be written."""
     replace_file(store / file, f"[{_lines([asdict(one) for one in records])}]\n")
 
 
 def _lines(rows: Sequence[Any]) -> str:
-    """JSON of rows, a row a line."""
+    """Return JSON of rows, a row per line."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
 def file_of(source: str) -> str:
-    """File of the times of a case's page, or of those of all compared scenes."""
+    """Return the name of the file with the times of a case's page, or of all compared scenes."""
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
 def save_times(store: Path, kept: Kept, source: str = "") -> None:
-    """Write times into a store; source: those of a case's page. Raises InputError where it cannot be written."""
+    """Write times to a store; ``source``: those of a case's page. InputError if it cannot be written."""
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
@@ -386,14 +429,13 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
 
 
 def times_of(study: Study, source: str) -> Kept | None:
-    """Times of a case's page as one measuring run has them; those of all compared scenes where none is kept; None without
-    any."""
+    """Return the times of a case's page from one measuring run, else those of all compared scenes; None without any."""
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Times of the first store that has any; source: those of a case's page. None without a valid file."""
+    """Return the times of the first store that has a valid file; ``source``: those of a case's page."""
 
     def made(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
@@ -407,7 +449,7 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
 
 
 def load_costs(stores: Sequence[Path]) -> Costs | None:
-    """Costs of the first store that has any; None without a valid file."""
+    """Return the costs of the first store that has a valid file; None without any."""
 
     def made(data: dict[str, Any]) -> Costs:
         jobs, ways = [SetUp(**row) for row in data["jobs"]], [Way(**row) for row in data["ways"]]
@@ -433,32 +475,39 @@ COMMANDS = {
     "report": "120 s",
 }
 
-#: A process that keeps a core busy.
+#: Program that keeps a core busy.
 BUSY = "while True: pass"
 
-#: Members of an ensemble, and numbers of threads.
+#: Number of specimens of an ensemble, and numbers of threads.
 MEMBERS, THREADS = 1000, (1, 2)
 
 
 @dataclass(frozen=True)
 class Typed:
-    """A command typed in an empty home: seconds to its end and to its first line, CPU seconds of all its processes; seconds
-    and CPU seconds typed once more there, which is what does not come of the empty home; and from an empty home beside one
-    busy process. None: not measured, as the note says."""
+    """Time of a command typed in an empty home directory; None: not measured."""
 
+    #: The command.
     command: str
+    #: Wall clock to its end [s].
     seconds: float | None = None
+    #: Wall clock to its first line of output [s].
     first_line: float | None = None
+    #: CPU time of all its processes [s].
     cpu: float | None = None
+    #: Wall clock when typed a second time [s], without the cost of the empty home.
     again: float | None = None
+    #: CPU time when typed a second time [s].
     again_cpu: float | None = None
+    #: Wall clock from an empty home next to one busy process [s].
     beside: float | None = None
+    #: CPU time from an empty home next to one busy process [s].
     beside_cpu: float | None = None
+    #: Remark, such as why it was not measured.
     note: str = ""
 
     @property
     def job(self) -> Job:
-        """As a row of the bench."""
+        """Return the time as a row of the bench."""
         if self.seconds is None:
             return Job(f"{self.command}, from an empty home", None, note=self.note)
         first = "" if self.first_line is None else f"first line {self.first_line:.3g} s, "
@@ -469,7 +518,7 @@ class Typed:
 
 
 def typed(command: str) -> Typed:
-    """Times of a command as typed, with a note where it fails."""
+    """Measure a command as typed, with a note if it fails."""
     found = _in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
     try:
@@ -487,7 +536,7 @@ def typed(command: str) -> Typed:
 
 
 def _in_empty_home(command: str, times: int) -> list[Launched]:
-    """A command typed some times in a home that is empty at first, but for a new scene where the command names it."""
+    """Run a command several times in a home that is empty at first, except for a new scene that the command names."""
     with tempfile.TemporaryDirectory() as home:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
@@ -497,7 +546,7 @@ def _in_empty_home(command: str, times: int) -> list[Launched]:
 
 
 def in_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
-    """An ensemble of ``lin-random`` by the model lin in one and in two threads; ratio: one thread's time over it."""
+    """Measure an ensemble of ``lin-random`` by the model lin in one and in two threads."""
     parts = scene("lin-random")
     alone = 0.0
     for threads in THREADS:

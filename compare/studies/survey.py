@@ -1,7 +1,7 @@
-"""Survey: ball screws as catalogues have them, drawn as scene files and solved by the 3D reference and the models.
+"""Survey: ball screws drawn at random from the range of catalogues, solved by the 3D reference and the models.
 
-Drawn are size, starts, hand, preload, errors, offsets, moments. A record of a scene keeps what it is, whether the
-reference answered, and how far off the models are; scenes that no record is kept of are solved.
+Size, starts, hand, preload, errors, offsets and moments are drawn. The record of a scene has its features, the status of
+the reference, and the errors of the models.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
 from rollbench.meshes.units import show
 
-#: The survey's seed; no scene of it is ever drawn again.
+#: Seed of the survey.
 SEED = 20360
 
-#: Nuts without a flange come first.
+#: Number of screws without flange, which come first, and of all.
 TUBES, SCENES = 200, 240
 
 #: Nominal diameters with their leads [mm].
@@ -58,23 +58,23 @@ SIZES = {
     80: (10, 20),
 }
 
-#: Oversize of the ball radius over its diameter [-] that makes a light preload.
+#: Oversize of the ball radius over the ball diameter [1] for a light preload.
 OVERSIZE = 4.7e-4
 
-#: Circuits and turns of each, least first, and the balls that a nut may have for it.
+#: Circuits and turns per circuit, smallest first, with the allowed number of balls.
 CIRCUITS, BALLS = ((1, 1.0), (1, 1.5), (2, 1.0), (1, 2.5), (2, 1.5), (3, 1.0), (2, 2.5)), 40
 
-#: Preloads of one nut, or none, or clearance.
+#: Kinds of preload of a single nut: preload, none, or clearance.
 PRELOADS = ("none", "oversize", "oversize", "force", "lead offset", "clearance")
 
-#: Standard deviations [um] of ball radius, pitch once a turn and roundness twice a turn, as of classes 1, 3 and 5.
+#: Standard deviations [um] of ball radius, pitch (once per turn) and roundness (twice per turn) for classes 1, 3 and 5.
 CLASSES = ((0.05, 0.5, 0.25), (0.1, 1.0, 0.5), (0.2, 2.0, 1.0))
 
 HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
 def scene_text(seed: int, number: int) -> str:
-    """TOML text of scene ``number`` of a survey; the same for the same seed and number, whatever was drawn before."""
+    """Return the TOML text of scene ``number`` of a survey, which depends only on seed and number."""
     rng = np.random.default_rng([seed, number])
     outer = int(rng.choice(list(SIZES)))
     lead = int(rng.choice(SIZES[outer]))
@@ -126,7 +126,7 @@ def scene_text(seed: int, number: int) -> str:
 
 
 def _flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
-    """A flange for a nut of a length and an outer diameter [mm], and the annulus of its face, which the nut is held by."""
+    """Return a flange for a nut of a length and an outer diameter [mm], with the annulus of its face that is fixed."""
     wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
     room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
     low, high = wall + room * rng.uniform(0.0, 0.3), wide - room * rng.uniform(0.0, 0.3)
@@ -153,7 +153,7 @@ def _conformity(rng: np.random.Generator) -> float:
 def _balls(
     rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
-    """Keys of the balls and how many there are; halved: in an even number of circuits, none in the middle."""
+    """Return the keys of the balls and their number; ``halved``: in an even number of circuits, none in the middle."""
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
     def count(circuits: int, turns: float) -> int:
@@ -166,7 +166,7 @@ def _balls(
 
 
 def _preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
-    """Keys of a preload or clearance for balls of a diameter [mm] and a usual axial load [N]."""
+    """Return the keys of a preload or clearance for balls of a diameter [mm] and a typical axial load [N]."""
     size = 1e3 * OVERSIZE * ball * _log(rng, 0.3, 2.5)
     if kind == "force":
         return {"force": f"{force * _log(rng, 0.1, 0.6):.3g} N"}
@@ -176,7 +176,7 @@ def _preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> 
 
 
 def _errors(rng: np.random.Generator) -> dict[str, Any]:
-    """Random errors of a tolerance class, or none."""
+    """Return random errors of a tolerance class, or none."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
         return {}
@@ -186,7 +186,7 @@ def _errors(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
-    """Fixed bearing on the left; on the right a floating or a clamped one, offset or tilted or not, or none."""
+    """Return a fixed bearing on the left; on the right a floating or clamped one, offset or tilted or not, or none."""
     left = {"at": "0 mm", "fix": ["ux", "uy", "rx", "ry", "rz"]}
     right = str(rng.choice(["floating", "floating", "clamped", "none"]))
     offset, tilt = rng.random() < 0.35, rng.random() < 0.25
@@ -208,7 +208,7 @@ def _supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
 
 
 def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
-    """Axial load at the left end, about a usual one [N]; at the nut a moment or a radial force or none."""
+    """Return an axial load at the left end, around a typical one [N]; at the nut a moment, a radial force or none."""
     axial = force * _log(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
     moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
     radial, turn = force * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
@@ -221,14 +221,14 @@ def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> li
 
 
 def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
-    """Length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, whole micrometres."""
+    """Return the length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, in whole micrometres."""
     read = scene_file.loads(_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _log(rng, 1.0, 6.0)) + 5e-4, 3)
 
 
 def _toml(scene: Mapping[str, Any]) -> str:
-    """A scene's keys as TOML: plain values and lists, then tables and lists of tables."""
+    """Return keys of a scene as TOML: plain values and lists, then tables and lists of tables."""
     plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _tables(v)}
     lines = [f"{k} = {show(v)}" for k, v in plain.items()]
     for name, value in scene.items():
@@ -247,19 +247,31 @@ def _tables(value: Any) -> bool:
 #: Models that are compared, and the mesh level.
 MODELS, LEVEL = ("refined", "lin"), 1
 
-#: Element size of the shafts that say what a cut does, over the level's: half of the time, for 0.02 % of the mean load.
+#: Cell size for cut ends of the shaft, over that of the level: half of the time, for 0.02 % of the mean load.
 CUT_CELLS = 2.0
 
-#: By how much the loads are raised for the tangent rigidity.
+#: Factor on the loads for the tangent rigidity.
 RAISED = 1.05
 
 Record = dict[str, Any]
 
 
 def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
-    """Draw a scene, solve it and compare: JSON-ready; whatever becomes of it is a record, never an exception.
+    """Draw a scene, solve it and compare; any failure is part of the record, never an exception.
 
-    runs: folder that keeps the runs of the reference; those it has are not solved again.
+    Parameters
+    ----------
+    seed
+        Seed of the survey.
+    number
+        Number of the scene.
+    runs
+        Folder that keeps runs of the reference, which are not computed again; None: none.
+
+    Returns
+    -------
+    dict
+        JSON values.
     """
     begin = process_time()
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
@@ -283,7 +295,7 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
 
 
 def kept(runs: Path | None, scene: Scene) -> Run | None:
-    """Run of a scene that a folder has; None without one."""
+    """Return the stored run of a scene in a folder; None without one."""
     paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
     return next((run for path in paths if (run := read(path, scene, LEVEL, "")) is not None), None)
 
@@ -294,7 +306,7 @@ def _raised(load: Any) -> Any:
 
 
 def described(scene: Scene) -> Record:
-    """Features that decide a model's error, known without a solution."""
+    """Return the features of a scene that determine a model's error and need no solution."""
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     given: dict[str, float] = {}
     for support in scene.supports:
@@ -324,7 +336,7 @@ def described(scene: Scene) -> Record:
 
 
 def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
-    """Status of the runs of a scene and of it with its loads raised; its loads and the models' errors, where it has any."""
+    """Return the status of the runs of a scene and of it under raised loads, its loads, and the models' errors."""
     run, raised_run = runs
     state = {
         "status": run.status,
@@ -363,7 +375,7 @@ def _rounded(value: float | None, factor: float = 1.0) -> float | None:
 
 
 def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Errors of a model in per cent, and what the other scenes compared so far expect of it."""
+    """Return the errors of a model in per cent, and those expected from the other compared scenes."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
     return {
@@ -385,7 +397,7 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 
 
 def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
-    """Solve a scene and append its record, as long as the folder is this run's."""
+    """Solve a scene and append its record, as long as the folder belongs to this run."""
     if not sample.current(folder, token):
         return None
     with sample.working(folder):
@@ -397,10 +409,32 @@ def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
 def run_survey(
     seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], kept: Path | None = None
 ) -> list[Record]:
-    """Records of the first ``count`` scenes of a survey by number; those that are answered already are not solved again:
-    by the folder, or by the record ``kept`` where it is of this seed, level and version.
+    """Return the records of the first ``count`` scenes of a survey; those already stored are not solved again.
 
-    step: hears of every scene. Raises InputError where the folder is another's, or another run is at work in it.
+    Parameters
+    ----------
+    seed
+        Seed of the survey.
+    count
+        Number of scenes.
+    folder
+        Folder of the records.
+    workers
+        Number of parallel processes.
+    step
+        Called for every scene.
+    kept
+        Record of an earlier survey, taken if its seed, level and version fit.
+
+    Returns
+    -------
+    list of dict
+        Records by number.
+
+    Raises
+    ------
+    InputError
+        If the folder belongs to another survey, or another process works in it.
     """
     sample.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
     with sample.taken_over(folder) as token:
@@ -418,7 +452,7 @@ def run_survey(
 
 
 def _answers(path: Path | None, seed: int) -> list[Record]:
-    """Scenes of a kept record; none where there is none, or where another version or level solved them."""
+    """Return the scenes of a stored record; empty if there is none or it is of another version or level."""
     if path is None or not path.exists():
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -427,12 +461,12 @@ def _answers(path: Path | None, seed: int) -> list[Record]:
 
 
 def unanswered(records: Sequence[Record]) -> list[Record]:
-    """Those without an answer, or whose loads did not settle."""
+    """Return the records without loads, or whose loads did not converge."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
 def text(seed: int, records: Sequence[Record]) -> str:
-    """The kept record: JSON with a scene a line; its head says how many were asked for, and how many of them are there."""
+    """Return the text of the record: JSON with a scene per line; its head has the number asked for and the number there."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -440,14 +474,14 @@ def text(seed: int, records: Sequence[Record]) -> str:
 
 
 def shipped() -> dict[str, Any]:
-    """The record that comes with the package; without scenes where there is none."""
+    """Return the shipped record; without scenes if there is none."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
 
 
 def summary(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Rows of the report's table: a model and an error, its median, 95th percentile and largest size over the scenes."""
+    """Return rows of the report's table: model, error, and its median, 95th percentile and maximum over the scenes."""
     rows = []
     for model in MODELS:
         for error in ERRORS:

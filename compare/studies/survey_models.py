@@ -1,7 +1,7 @@
-"""How wrong a model is on the drawn screws of the survey, a user's beside ours: loads against stored ones of the reference.
+"""Errors of models, users' included, on the drawn screws of the survey, by stored loads of the 3D reference.
 
-The loads of the survey's runs are kept beside its record (`keep_loads`), each with a digest of its screw: where that is not
-the screw that is drawn now, nothing is judged.
+The loads of the survey's runs are stored next to its record (`keep_loads`), each with a digest of its screw: if it differs
+from the screw that is drawn now, nothing is judged.
 """
 
 from __future__ import annotations
@@ -38,31 +38,33 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Series
 
-#: File of the loads, beside the survey's record.
+#: File of the loads, next to the survey's record.
 LOADS = "survey-loads.json"
-#: Errors that are summed up, as the survey's record names them, and their words; those of loads of the mean load.
+#: Errors that are summarised, by their names in the survey's record, with descriptions; of loads in % of the mean load.
 ERRORS = {"largest_percent": "worst load", "rms_percent": "loads, RMS", "pressure_percent": "largest pressure"}
-#: Screws that are tried first: where a model fails on each, it is not asked about the others.
+#: Number of screws that are tried first; a model that fails on each of them is not tried on the others.
 FIRST = 5
-#: Most screws that are named as the worst.
+#: Largest number of worst screws that are listed.
 WORST = 5
 
 Row = dict[str, Any]
 
 
 def drawn(number: int) -> Scene:
-    """Screw ``number`` of the survey."""
+    """Return screw ``number`` of the survey."""
     return scene_file.loads(survey.scene_text(survey.SEED, number), f"{name_of(number)}.toml")
 
 
 def name_of(number: int) -> str:
-    """Name of a drawn screw, and of its files."""
+    """Return the name of a drawn screw, and of its files."""
     return f"survey-{survey.SEED}-{number}"
 
 
 def keep_loads(path: Path, runs: Path, count: int) -> int:
-    """Write the loads of the first ``count`` screws to a file, from runs in a folder and what the file has; how many it
-    has then. Raises InputError where it cannot be written."""
+    """Write the loads of the first ``count`` screws to a file, from runs in a folder and from the file's contents.
+
+    Returns the number of screws in the file. InputError if it cannot be written.
+    """
     before = _read(path)
     for number in range(count):
         run = survey.kept(runs, scene := drawn(number))
@@ -80,7 +82,7 @@ def _digest(scene: Scene) -> str:
 
 
 def _read(path: Path) -> dict[int, Row]:
-    """Rows of a file of loads; none where there is none, or where it is of another seed or level."""
+    """Return the rows of a file of loads; empty if it is missing or of another seed or level."""
     if not path.exists():
         return {}
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -90,13 +92,15 @@ def _read(path: Path) -> dict[int, Row]:
 
 @cache
 def stored() -> dict[int, Row]:
-    """Loads that come with the package, by the screw's number."""
+    """Return the shipped loads, by the number of the screw."""
     return _read(place(f"references/{LOADS}"))
 
 
 def reference(scene: Scene, number: int) -> Reference | None:
-    """The reference of a drawn screw by its stored loads, with the uncertainty that its level has by experience; None where
-    none are stored for this screw."""
+    """Return the reference of a drawn screw from its stored loads, with the uncertainty of its level from experience.
+
+    None if none are stored for this screw.
+    """
     row = stored().get(number)
     if row is None or row["of"] != _digest(scene):
         return None
@@ -106,8 +110,24 @@ def reference(scene: Scene, number: int) -> Reference | None:
 
 
 def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
-    """What a model finds for a screw, JSON-ready: its errors in per cent and the gate's verdict at a limit [%], or why
-    there is no answer; the error where it raised one."""
+    """Solve a screw with a model and judge it.
+
+    Parameters
+    ----------
+    model
+        Name of the model.
+    number
+        Number of the screw.
+    limit
+        Limit of the gate [%].
+    engine
+        Kernels: interpreted or compiled.
+
+    Returns
+    -------
+    dict
+        Errors in per cent and the verdict, or the reason why there is none, with the exception if one was raised.
+    """
     scene = drawn(number)
     row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
     found = reference(scene, number)
@@ -143,9 +163,30 @@ def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpr
 def run_models(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Judge models on the first ``count`` screws, JSON-ready; ours beside them by the survey's record.
+    """Judge models on the first ``count`` screws of the survey, next to refined and lin from its record.
 
-    Raises InputError for a model or numbers that cannot be, and that of a model that fails on each of the first screws.
+    Parameters
+    ----------
+    models
+        Names of the models.
+    count
+        Number of screws.
+    workers
+        Number of parallel processes.
+    limit
+        Limit of the gate [%].
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    dict
+        JSON values.
+
+    Raises
+    ------
+    InputError
+        If a model or number is not valid, or a model fails on each of the first screws.
     """
     if not 1 <= count <= survey.SCENES:
         raise ArgumentError("count", str(count), f"1 to {survey.SCENES}", "choose a number in that range")
@@ -182,7 +223,7 @@ def run_models(
 
 
 def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]) -> list[Row]:
-    """Rows of a model by the screw's number. Raises the first error of a model that fails on each of the first screws."""
+    """Return the rows of a model by the number of the screw; raises its error if it fails on each of the first screws."""
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
     first = [judged(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
@@ -199,7 +240,7 @@ def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float,
 
 
 def summary(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Of every error its median, 95th percentile and largest size over the screws with an answer."""
+    """Return median, 95th percentile and maximum of every error over the solved screws."""
     out = []
     for error, words in ERRORS.items():
         sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
@@ -209,7 +250,7 @@ def summary(model: str, rows: Sequence[Row]) -> list[Row]:
     return out
 
 
-#: Features of a screw after which it is asked where a model is wrong, by words of its title and values of its record.
+#: Kinds of screws for which errors are summarised, by words of the title and values of the record.
 WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
     "preload: none": lambda r: r["title"].endswith((", none", ", none, flange")),
     "preload: oversize, force": lambda r: ", oversize" in r["title"] or ", force" in r["title"],
@@ -222,7 +263,7 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def where(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Median of the worst load error [% of the mean load] of the models on screws of one kind, kind by kind."""
+    """Return the median of the worst load error of each model [% of the mean load], by kind of screw."""
     known = {r["number"]: r for r in survey.shipped()["scenes"]}
     out = []
     for words, fits in WHERE.items():
@@ -238,7 +279,7 @@ def where(models: Mapping[str, Sequence[Row]]) -> list[Row]:
 
 
 def figure(data: Mapping[str, Any]) -> Figure:
-    """Share of the screws within an error, and every screw in the order of the first model's error; ours beside it."""
+    """Draw the share of screws within an error, and every screw in the order of the first model's error."""
     models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
     lines, points = [], []
     main = next(iter(models))
@@ -269,8 +310,10 @@ def figure(data: Mapping[str, Any]) -> Figure:
 
 
 def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
-    """Write a drawn screw as a scene file, and its stored loads as a reference that `check` and `compare` take; both paths.
-    Raises InputError for a screw without stored reference, and where a file cannot be written."""
+    """Write a drawn screw as a scene file, and its stored loads as a reference file for `check` and `compare`.
+
+    InputError for a screw without stored reference, and if a file cannot be written.
+    """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
     if not 0 <= number < survey.SCENES or (found := reference(scene := drawn(number), number)) is None:
         raise ArgumentError("screw", str(number), allowed, "choose another one")

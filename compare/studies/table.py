@@ -1,7 +1,7 @@
-"""A scene at places of its keys: the full tangent stiffness, preload, pressure, life, and the error to expect at each.
+"""Table of a scene over given values of its keys: stiffness, preload, pressure, life, and the error to expect.
 
-Keys are read as those of a sweep; ``load`` stands for the axial part of the scene's one axial load. A place that the scene
-or the model refuses, or that has no equilibrium, is a row whose status says why.
+Keys are read like those of a sweep; ``load`` stands for the axial component of the scene's only axial load. A combination
+that the scene or the model refuses, or that has no equilibrium, is a row whose status says why.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, Scene
 from rollbench.meshes.units import number_and_unit
 
-#: What may be asked for: words for it, and the fields of a row.
+#: Quantities of a table, with descriptions and the fields of a row.
 QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
     "stiffness": ("6 x 6 tangent stiffness and axial rigidity", ("stiffness", "axial_rigidity_N_per_um")),
     "displacement": ("displacement at the load", ("displacement_um",)),
@@ -44,35 +44,65 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 USUAL = ("stiffness", "preload", "pressure", "life")
 
-#: Most places of a table, and the number from which on kernels are compiled for it.
+#: Largest number of rows, and the number from which on kernels are compiled.
 MOST, COMPILE_FROM = 100_000, 4
 
-#: Key that stands for the axial load.
+#: Key that stands for the scene's axial load.
 LOAD = "load"
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What a table is made of: text of the scene and the name that errors give it, keys, model, quantities, station [m] of
-    the stiffness or name of the set whose stiffness is asked for (None: the nut's centre, of several sets the place that
-    the scene names), and words for what it is the stiffness of."""
+    """Request for a table."""
 
+    #: Text of the scene file.
     text: str
+    #: Name for errors.
     origin: str
+    #: Name of the scene.
     scene: str
+    #: Keys with their values.
     keys: tuple[Vary, ...]
+    #: The same as columns.
     over: tuple[Over, ...]
+    #: Name of the model.
     model: str
+    #: Quantities of each row.
     quantities: tuple[str, ...]
+    #: Station [m] of the stiffness, or name of a set; None: nut's centre, or where a scene with several sets says.
     station: float | str | None
+    #: Description of the body whose stiffness it is.
     stiffness_of: str
 
 
 def asked_for(
     scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
 ) -> Asked:
-    """What the command line or the library asks for, checked as far as it can be before anything is solved. Raises
-    InputError for an unknown scene, key, unit, quantity or model."""
+    """Check a request for a table, before anything is solved.
+
+    Parameters
+    ----------
+    scene
+        Name or file of the scene.
+    over
+        Keys with their values.
+    quantities
+        Quantities of each row; empty: the default.
+    model
+        Name of the model; empty: the default.
+    stiffness_at
+        Station of the stiffness [m], or text with a unit, or name of a set.
+
+    Returns
+    -------
+    Asked
+        The request.
+
+    Raises
+    ------
+    InputError
+        If scene, key, unit, quantity or model is unknown.
+    """
     described = scene_file.solvable(catalogue.any_scene(scene), scene)
     shipped = scene in catalogue.scene_names()
     text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
@@ -108,7 +138,7 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
 
 
 def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Where the stiffness is asked for, and of what it is."""
+    """Return the station of the stiffness, and a description of the body."""
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
         return given, f"set {given}, its inner part moved and its outer one held"
@@ -128,8 +158,7 @@ def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float 
 
 
 def axial_key(raw: dict[str, Any], origin: str) -> str:
-    """The key of the axial part of the one axial load of a scene's tables. Raises ArgumentError where there are several or
-    none."""
+    """Return the key of the axial component of a scene's only axial load; ArgumentError if there are several or none."""
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
     axial = [key for key, force in forces.items() if len(force) == 3 and _number(force[2])] or list(forces)
@@ -140,13 +169,13 @@ def axial_key(raw: dict[str, Any], origin: str) -> str:
 
 
 def _number(text: Any) -> float:
-    """The number of a quantity; zero where there is none."""
+    """Return the number of a quantity; zero if there is none."""
     found = number_and_unit(str(text))
     return 0.0 if found is None else float(found[0])
 
 
 def _over(vary: Vary) -> Over:
-    """The column of a key. Numbers are in the unit that all values have; others stay words."""
+    """Return the column of a key: numbers in the common unit of its values; other values as text."""
     split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
     spelt = {x[1] for x in split if x is not None}
     if None in split or len(spelt) > 1:
@@ -156,7 +185,7 @@ def _over(vary: Vary) -> Over:
 
 
 def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
-    """The row of a place; what scene or model refuse is its status."""
+    """Solve one combination of values; what scene or model refuse is the status of the row."""
     try:
         raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
         scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
@@ -207,7 +236,7 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
 
 
 def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
-    """The largest pressure [Pa] of each loaded set."""
+    """Yield the largest pressure of each loaded set [Pa]."""
     if isinstance(result, StaticResult):
         sets: list[Any] = [(scene, result, None)]
     else:
@@ -222,7 +251,7 @@ def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> It
 
 
 def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Errors to expect of a row, by its fields."""
+    """Return the errors to expect of a row, by its fields."""
     form = estimate(scene, result)
     return {
         "load_error": form.percent,
@@ -235,7 +264,27 @@ def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
 
 
 def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Table:
-    """All rows, side by side where asked. step: hears of the progress. Raises InputError where workers are lost."""
+    """Solve all rows, in parallel if asked for.
+
+    Parameters
+    ----------
+    asked
+        The request.
+    engine
+        Where they are computed.
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    Table
+        All rows.
+
+    Raises
+    ------
+    InputError
+        If workers of a cluster are lost.
+    """
     raw = scene_file.read_toml(asked.text, asked.origin)
     for path, other in displaced(raw, asked.keys):
         step(f"{path} takes the place of the scene's {other}")
@@ -249,7 +298,7 @@ def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Ta
 
 
 def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
-    """What the command prints. A quantity that nobody asked for has no key."""
+    """Return the JSON of the command; quantities that were not asked for have no key."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names
     places = product(*(x.values for x in asked.over))

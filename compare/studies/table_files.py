@@ -1,6 +1,7 @@
-"""A table of `rollbench.compare.studies.table` as files: CSV, JSON, Parquet, netCDF, figure, ROSS and Modelica.
+"""A table (`rollbench.compare.studies.table`) as files: CSV, JSON, Parquet, netCDF, figure, ROSS and Modelica.
 
-ROSS takes five of the 36 terms of the tangent, a CombiTable all of them. Both hold constants at each place: no damping.
+ROSS takes five of the 36 terms of the tangent stiffness, a CombiTable all of them. Both hold constants for each combination
+of values, without damping.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import json
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -23,10 +24,10 @@ from rollbench.meshes.libraries import fault, pip
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Files of a table by suffix, with the package that each needs.
+#: File formats by suffix, with the package that each needs.
 FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
 
-#: Terms of the tangent that a BearingElement of ROSS takes: its names, row and column.
+#: Terms of the tangent stiffness that a BearingElement of ROSS takes: name, row and column.
 ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
 ROSS_DROPS = (
     "A BearingElement of ROSS (2.3.0) takes 5 of the 36 terms, kxx, kxy, kyx, kyy and kzz, and drops 31: K_ux_uz, K_uy_uz, "
@@ -37,7 +38,7 @@ ROSS_DROPS = (
 
 
 def need_format(path: Path) -> None:
-    """Raise InputError for a file name of another format, or one whose package is missing."""
+    """Raise InputError for an unknown file format, or one whose package is missing."""
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
     package = FORMATS[path.suffix]
@@ -46,7 +47,7 @@ def need_format(path: Path) -> None:
 
 
 def write_table(path: Path, table: Table) -> None:
-    """Write all rows, in the format of the file's suffix. Raises InputError."""
+    """Write all rows, in the format of the file's suffix; InputError if it cannot be written."""
     columns = table.columns()
     if path.suffix == ".csv":
         rows = zip(*columns.values(), strict=True)
@@ -65,7 +66,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """The table on its grid: a dimension for every key, two more for the stiffness."""
+    """Return the table on its grid: a dimension for every key, two more for the stiffness."""
     import xarray
 
     dims = [x.column for x in table.over]
@@ -83,8 +84,10 @@ def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 
 
 def figure(table: Table) -> Figure | None:
-    """Each quantity over the key of numbers with most values, a curve for each value of the others; bars: the errors to
-    expect, if they are of that quantity itself. None without such a key."""
+    """Draw each quantity over the numeric key with most values, with a curve for each value of the others.
+
+    Error bars are the errors to expect, if they are of that quantity. None without such a key.
+    """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
     names = [name for name in ERROR_OF if any(x is not None for x in columns.get(name, ()))]
@@ -95,11 +98,11 @@ def figure(table: Table) -> Figure | None:
     curves: dict[str, list[int]] = {}
     for k, place in enumerate(table.places):
         curves.setdefault(place_words(rest, place) if rest else "", []).append(k)
-    x = columns[table.over[along].column]
+    x = cast("list[float]", columns[table.over[along].column])
     xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
     panels = []
     for name in names:
-        one, y = quantities(TableRow)[name], columns[name]
+        one, y = quantities(TableRow)[name], cast("list[float]", columns[name])
         series = []
         for label, at in curves.items():
             known = [k for k in at if y[k] is not None]
@@ -115,17 +118,17 @@ def figure(table: Table) -> Figure | None:
 
 
 def _bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
-    """Ends of the error bars of a quantity in some rows; None where its error is not known."""
+    """Return the ends of the error bars of a quantity in some rows; None if its error is not known."""
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
         return None
-    values = [table.columns()[name][k] for k in at]
+    values = [cast("float", table.columns()[name][k]) for k in at]
     low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
     return low, high
 
 
 def read_table(path: str) -> Table:
-    """The table of a JSON file that ``rollbench table`` wrote. Raises InputError for another file."""
+    """Read the table of a JSON file of ``rollbench table``; InputError for another file."""
     text = read_text(path)
     try:
         return table_of(json.loads(text))
@@ -135,8 +138,10 @@ def read_table(path: str) -> Table:
 
 
 def ross_text(table: Table) -> str:
-    """A Python module for ROSS: ``PLACES`` and ``bearing(n, place)``, a BearingElement. Raises InputError where no place
-    has a stiffness."""
+    """Return a Python module for ROSS with ``PLACES`` and ``bearing(n, place)``, a BearingElement.
+
+    InputError if no row has a stiffness.
+    """
     matrices = table.stiffness
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
     if not kept:
@@ -169,7 +174,7 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _left_out(table: Table) -> list[str]:
-    """Which places are left out, and why."""
+    """Return which rows are left out, and why."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
@@ -178,9 +183,12 @@ def _comments(lines: Iterable[str]) -> str:
 
 
 def modelica_text(table: Table) -> tuple[str, list[str]]:
-    """A file for Modelica.Blocks.Tables: one key gives ``table`` for CombiTable1Ds, its columns named in comments; two give
-    a table of each column for CombiTable2Ds. And what is left out of it, with the reasons: places without an answer, and
-    columns without a number at some place. Raises InputError for more keys, words as values, and a grid with gaps."""
+    """Return a file for Modelica.Blocks.Tables, and what is left out of it with the reasons.
+
+    One key gives ``table`` for CombiTable1Ds, its columns named in comments; two give a table of each column for
+    CombiTable2Ds. Left out are rows without equilibrium, and columns without a number in some row. InputError for more
+    keys, text as values, and a grid with gaps.
+    """
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table over one or two keys, each of two numbers or more"

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import escaped
+from rollbench.compare.running import clear
 
 if TYPE_CHECKING:
     from rich.table import Column as RichColumn
@@ -36,6 +37,7 @@ class Answer:
 
 def print_answer(answer: Answer, as_json: bool = False) -> int:
     """Print an answer on standard output; its exit code. Raises OutputLost."""
+    clear()
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
     else:
@@ -96,11 +98,6 @@ def _show_table(table: Any, terminal: bool) -> None:
 def text_width() -> int:
     """Width of running text: the terminal's, 100 where standard output is none."""
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
-
-
-def on_terminal(text: str) -> None:
-    """A line of progress, on standard error."""
-    print(text, file=sys.stderr, flush=True)
 
 
 def cell(value: Any, form: str) -> str:

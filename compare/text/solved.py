@@ -8,22 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
+from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, count_of, quantities, shown
+from rollbench.compare.results.base import as_text
 from rollbench.compare.results.load_curve import LoadCurve
-from rollbench.compare.results.scene_json import (
-    cases_json,
-    discretisation_percent,
-    life_json,
-    rollers,
-    set_balls,
-    sides_json,
-)
+from rollbench.compare.results.rows import expected_words, rows_of, set_rows, together_rows
+from rollbench.compare.results.scene_json import cases_json, discretisation_percent, rollers, set_balls, sides_json
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.entries import block, entry, life_words, load_error, modified_words
 from rollbench.compare.text.printing import Column, aligned, listed, plain, ruled, text_width
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -48,42 +42,40 @@ CURVE_COLUMNS: tuple[Column, ...] = (
     ("status", "status", "s"),
 )
 
-#: What the table of sets says of each: key of `_set_rows`, heading, format.
-SETS = (
-    *(("set", "set", "s"), ("name", "name", "s"), ("kind", "kind", "s"), ("z", "z mm", ".2f")),
-    *((f"F{x}", f"F{x} N", ".2f") for x in "xyz"),
-    *(("largest", "largest load N", ".2f"), ("loaded", "loaded", "s")),
-    *(("uz", "axial N/um", ".2f"), ("ux", "along x N/um", ".2f"), ("uy", "along y N/um", ".2f")),
-)
+
+#: Part of the largest component of a force below which another one is round-off.
+ROUND_OFF = 1e-9
 
 
-def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
-    """A solved scene for the terminal: warnings and the block of answers, tables; then balance and solver, assumptions and
-    what was left out, or where they are. balls: with the table of every ball; details: with what lies behind the answers
-    (always where there are none)."""
-    answers, result = block(one, text_width()), one.result
+def case_table(
+    one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
+) -> list[Any]:
+    """A solved scene for the terminal: status, warnings, the table of answers, tables of sets and balls, what errors are to
+    be expected and what to do; balls: with the table of every ball; details: with further quantities, balance and solver,
+    assumptions and what was left out (always where there are no answers)."""
+    result, title = one.result, []
     above_all, measured = above(result.warnings), ""
     behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
+    details = details or one.answers is None
     if isinstance(one, SolvedAxis):
-        sets = count_of(len(one.scene.sets), "set")
-        titles = [f"{one.scene.name}, {sets}, model {result.model}: {result.status}", one.scene.title]
-        tables = _set_tables(one.result, balls=balls)
+        drawn, title = f", {count_of(len(one.scene.sets), 'set')}", [one.scene.title]
+        tables = _set_tables(one, balls=balls, stiffness=details or stiffness)
     else:
         drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
-        titles = [f"{one.scene.name}{drawn}, model {title_of(result.model)}: {result.status}"]
         tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
         grid = discretisation_percent(one.scene, one.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
+    answers = rows_of(one, details=details)
+    if answers:
+        tables = ["", as_text(answers, text_width()), "", *tables, expected_words(one.expected)]
     behind += solver_lines(result.solver, measured)
     notes = [f"note: {line}" for line in result.solver.notes]
     return [
-        *titles,
-        *(["", above_all] if above_all else []),
-        *(["", answers, ""] if answers else []),
+        f"{one.scene.name}{drawn}, model {title_of(result.model)}: {result.status}",
+        *title,
+        *([above_all] if above_all else []),
         *tables,
-        *closing_lines(
-            result.warnings, behind, result.assumed, result.left_out, details=details or not answers, notes=notes
-        ),
+        *closing_lines(result.warnings, behind, result.assumed, result.left_out, details=details, notes=notes),
     ]
 
 
@@ -101,7 +93,7 @@ def closing_lines(
     warned = [f"warning: {line}" for line in warnings]
     if not details:
         counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
-        return [*warned, f"{counted}, balance and solver: --assumptions"]
+        return [*warned, f"--verbose: {counted}, balance, solver, further quantities"]
     headed = ("assumed", assumed), ("left out", left_out)
     return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
@@ -198,7 +190,8 @@ def _balance(e: Equilibrium, *, several: bool) -> list[str]:
 def _ball_tables(one: Solved) -> list[RenderableType]:
     """Every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
     result = one.result
-    error = load_error(mean_load(result.load, nominal_contacts(one.scene, result)), one.expected)
+    percent = None if one.expected is None else one.expected.percent
+    error = None if percent is None else mean_load(result.load, nominal_contacts(one.scene, result)) * percent / 100.0
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
     for i in range(result.z.size):
@@ -227,26 +220,18 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
     return ["", head, plain(("", *FREEDOMS), rows)]
 
 
-def _set_tables(result: AxisResult, *, balls: bool) -> list[RenderableType]:
-    """Sets, balls and rollers where asked for, housings, stiffness."""
-    out: list[RenderableType] = []
-    if result.sets and result.converged:
-        out += [listed("sets: force on the shaft, stiffness of the set alone", SETS, _set_rows(result))]
-        out += _element_tables(result) if balls else []
-    for h in result.housings if result.converged else ():
-        moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items())
-        force = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
-        out.append(f"{h.name}: {moved}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
-    return [*out, *_stiffness_lines(result)]
-
-
-def _set_rows(result: AxisResult) -> Iterator[dict[str, Any]]:
-    """Place, force on the shaft, loads and stiffness of each set."""
-    for k, s in enumerate(result.sets, 1):
-        head = {"set": k, "name": s.of.name, "kind": s.of.kind, "z": 1e3 * s.of.position}
-        loads = {"largest": s.loads.max(initial=0.0), "loaded": int((s.loads > 0.0).sum())}
-        forces = dict(zip(("Fx", "Fy", "Fz"), s.force, strict=True))
-        yield head | forces | loads | dict(zip(FREEDOMS[:3], 1e-6 * np.diag(s.stiffness), strict=False))
+def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
+    """Sets, balls and rollers where asked for, housings; with the stiffness where asked for."""
+    result, rows = one.result, set_rows(one)
+    if not rows:
+        return []
+    out: list[Any] = [plain([*rows[0]], [[*row.values()] for row in rows], ["set"], apart=2), ""]
+    out += _element_tables(result) if balls else []
+    for h in result.housings:
+        moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items() if x)
+        force = ", ".join(shown(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3])
+        out.append(f"{h.name}: {moved or 'does not move'}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
+    return [*out, *(_stiffness_lines(result) if stiffness else [])]
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
@@ -308,15 +293,20 @@ def cases_table(
     *,
     balls: bool = False,
     details: bool = False,
+    stiffness: bool = False,
 ) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
-    parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
+    parts += [as_text(together_rows(whole), text_width()), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
-        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in shown)]
+        lines = [
+            x
+            for x in case_table(one, balls=balls, details=details, stiffness=stiffness)
+            if not (isinstance(x, str) and x in shown)
+        ]
         shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
         parts += [f"case {case.name}, share {case.share:.4g}", *lines, *(stiffness_lines(tangent) if tangent else []), ""]
     return parts
@@ -330,41 +320,3 @@ def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         row |= {heading: None if group is None else group[key] for heading, key, group in groups}
         worth = one["model_form"]
         yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
-
-
-def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
-    """Labels and sentences of what the cases say together."""
-    p, s, e = whole.pressure, whole.safety, whole.error
-    lost = f"; not covered by comparisons: {', '.join(whole.uncovered)}" if whole.uncovered else ""
-    lives = (x for of_set in whole.lives for x in (("life", _life(of_set, whole.speed)), ("standard", _standard(of_set))))
-    return (
-        ("pressure", "none" if p is None else f"largest in case {p.case}: {1e-6 * p.value:.0f} MPa"),
-        ("static", "none" if s is None else f"least safety in case {s.case}: {s.value:.3g}"),
-        (
-            "error",
-            ("none" if e is None else f"largest to expect in case {e.case}: {e.value:.1f} % of the mean load") + lost,
-        ),
-        *lives,
-    )
-
-
-def _life(lives: Lives, speed: float | None) -> str:
-    """Life by the contact loads."""
-    rated, of = lives.life, f"{lives.set}: " if lives.set else ""
-    if rated is None:
-        return of + lives.life_words
-    return (
-        f"{of}L10 {life_words(life_json(rated, speed) or {})} of the duty cycle, by the contact loads, the nut at "
-        f"one position; rating {rated.rating:.0f} N as computed by {rated.standard}"
-        f"{modified_words(as_json(lives.modified))}"
-    )
-
-
-def _standard(lives: Lives) -> str:
-    """Life by the equivalent loads, and what the contact loads make of it."""
-    rated, off, of = lives.standard, lives.difference_percent, f"{lives.set}: " if lives.set else ""
-    if rated is None:
-        return f"{of}no life by equivalent loads: {lives.standard_words}"
-    loads = " and ".join(f"{load:.0f} N" for load in rated.loads if load > 0.0)
-    than = "" if off is None else f"; by the contact loads {abs(off):.2g} % {'more' if off > 0.0 else 'less'}"
-    return f"{of}L10 {rated.revolutions:.4g} million revolutions by {rated.standard}'s equivalent loads, {loads}{than}"

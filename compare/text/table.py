@@ -22,7 +22,7 @@ def table_parts(found: Table) -> list[Any]:
 def _rows(found: Table) -> list[dict[str, Any]]:
     named, rows = quantities(TableRow), []
     for row, place in zip(found.rows, found.places, strict=True):
-        shown = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
+        shown: dict[str, Any] = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
         for key, field in ERROR_OF.items():
             value = named[key].value(row)
             shown[f"{named[key].label} {named[key].unit}"] = value

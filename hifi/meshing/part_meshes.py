@@ -352,7 +352,13 @@ def placed(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
 
 
 def body_kind(settings: Settings) -> Literal["P1", "P2"]:
-    """Elements of the coarse bodies: of the order of the patches."""
+    """Elements of the coarse bodies: of the order of the patches.
+
+    Parameters
+    ----------
+    settings
+        Mesh settings.
+    """
     return "P2" if settings.element == "Q2" else "P1"
 
 

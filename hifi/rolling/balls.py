@@ -420,7 +420,13 @@ def _result(
 
 
 def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
-    """Copy of a scene whose balls cannot touch each other."""
+    """Copy of a scene whose balls cannot touch each other.
+
+    Parameters
+    ----------
+    scene
+        Rolling balls.
+    """
     return replace(scene, meetings=())
 
 

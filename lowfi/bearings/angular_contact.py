@@ -228,8 +228,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
     The stiffness includes the change of the contact angle and of the Hertz constants with it; for those,
     dC/d(curvature along a semi-axis) = (semi-axis constant)^2/6 exactly, because the approach is the derivative of the
-    least
-    energy of the contact by its force.
+    least energy of the contact by its force.
 
     Parameters
     ----------
@@ -242,8 +241,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     -------
     ThrustState
         The state. Valid for ellipses inside the raceways; there is no second shoulder that would stop balls pushed back
-        beyond
-        their clearance.
+        beyond their clearance.
 
     References
     ----------
@@ -338,6 +336,13 @@ class BallRow:
 
 def displacement(bearing: BallBearing, load: float) -> float:
     """Return the axial displacement u of the inner ring [m] under a thrust [N], to round-off.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    load
+        Thrust [N].
 
     Raises
     ------

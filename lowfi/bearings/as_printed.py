@@ -40,8 +40,7 @@ def fitted(difference: float, quantity: str) -> float:
     References
     ----------
     Smith (1994), 2.18, 2.25 and 2.26. In print 2.25 squares its first power and 2.18 raises its first brace to -148.46:
-    powers
-    1 to 5 are meant.
+    powers 1 to 5 are meant.
     """
     x = (-np.log10(difference)) ** (2.0 / 3.0)
     value = float(np.polyval(FITS[quantity][::-1], x))
@@ -110,8 +109,7 @@ def spreadsheet(
         Groove radii and raceway diameters (inner, outer) [mm].
     outer_difference
         Curvature difference of the outer race, where the spreadsheet's cell does not follow from its geometry; None
-        computes
-        it.
+        computes it.
     """
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
@@ -143,6 +141,15 @@ def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float
 
     The loads then balance twice the force. For the stretch, which the source halves over two ends, the two errors cancel.
 
+    Parameters
+    ----------
+    loads
+        Loads of the rows before [N].
+    directions
+        Sense of each row's thrust, 1 or -1.
+    force
+        External force [N].
+
     References
     ----------
     Smith (1994), 2.1.2 and the table of 4.2.
@@ -153,7 +160,17 @@ def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float
 
 
 def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
-    """Return the stiffness of both supports, whole screw and nut in series (Smith 4.6), in the unit of the arguments."""
+    """Return the stiffness of both supports, whole screw and nut in series (Smith 4.6), in the unit of the arguments.
+
+    Parameters
+    ----------
+    supports
+        Stiffness of both supports.
+    screw
+        Stiffness of the whole screw.
+    nut
+        Stiffness of the nut.
+    """
     return 1.0 / (sum(1.0 / k for k in supports) + 1.0 / screw + 1.0 / nut)
 
 

@@ -269,8 +269,7 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
     """Return the moment of inertia of a whole shaft [kg m^2], without rings and nuts.
 
     Plain segments by Smith's 4.14, the rest with the diameter whose cylinder has the volume of the thread of the shaft's
-    first
-    nut (Lin C.8). Smith takes the root diameter instead: less, by the fourth power of root over mean diameter.
+    first nut (Lin C.8). Smith takes the root diameter instead: less, by the fourth power of root over mean diameter.
 
     Parameters
     ----------
@@ -542,6 +541,11 @@ def lift_off_force(bearings: BearingSet) -> float:
     """Return the external thrust along + at which the rows that face the other way have all become loose [N].
 
     2^n times the preload for two equal opposed rows of load ~ deflection^n: 2.83 for balls with a constant contact angle.
+
+    Parameters
+    ----------
+    bearings
+        Bearings with their preload.
 
     Raises
     ------

@@ -233,8 +233,7 @@ def by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneSt
     """Return displacements and largest load by Smith's load-zone method, with exact integrals and exact line contact.
 
     A power law distributes the load, the line contact of the most loaded roller gives its compression: exact for pure
-    thrust,
-    otherwise as accurate as the exponent and the continuum of rollers. Arguments and errors as for `combined`.
+    thrust, otherwise as accurate as the exponent and the continuum of rollers. Arguments and errors as for `combined`.
 
     References
     ----------

@@ -74,8 +74,7 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
     ------
     ValueError
         A sphere that does not reach the rib or fits it without gap: R_s must lie above the end's radius and below its
-        distance
-        from the apex. The text completes a sentence "must be ...".
+        distance from the apex. The text completes a sentence "must be ...".
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
@@ -91,7 +90,13 @@ def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
 
 
 def rib_height(row: RollerRow) -> float:
-    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it."""
+    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it.
+
+    Parameters
+    ----------
+    row
+        Row of tapered rollers.
+    """
     return USUAL_HEIGHT * row.diameter if row.rib_height is None else row.rib_height
 
 
@@ -103,13 +108,18 @@ class RibContact:
     roller: int = quantity("roller", "roller of the largest load on the rib")
     #: Force of the rib on the roller [N].
     load: float = quantity(
-        "load_N", "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller", error="that of the load"
+        "load_N",
+        "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller",
+        error="that of the load",
+        heading="load on the rib",
+        note="roller {roller}",
     )
     #: Largest pressure [Pa]; None where the radius of the end is not given.
     pressure: float | None = quantity(
         "pressure_MPa",
         "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
+        heading="pressure on the rib",
     )
     #: Semi-axis along the rim [m]; None likewise.
     a: float | None = quantity("semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's")
@@ -125,8 +135,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     """Return the contact of the most loaded roller of a row with its rib.
 
     Range: straight or crowned rollers seated on their ribs, ellipse small against the end; the ellipse is truncated where
-    its
-    semi-axis b is larger than the height.
+    its semi-axis b is larger than the height.
 
     Parameters
     ----------

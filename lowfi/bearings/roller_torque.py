@@ -80,15 +80,21 @@ class RollerTorque:
         "torque_Nmm",
         "friction torque of the row by work in its contacts, the sum of film, hysteresis and rib",
         error="`low_Nmm` to `high_Nmm`",
-        heading="friction torque",
-        form=".4g",
+        heading="friction torque of the row",
+        form="g3",
     )
     def torque(self) -> float:
         """Friction torque of the running row [N m]."""
         return (self.film or 0.0) + self.start
 
     @property
-    @Stated("starting_torque_Nmm", "the same at rest, without the film", error="that of the coefficient of friction")
+    @Stated(
+        "starting_torque_Nmm",
+        "the same at rest, without the film",
+        error="that of the coefficient of friction",
+        heading="friction torque from rest",
+        form="g3",
+    )
     def start(self) -> float:
         """Friction torque at rest, without the film [N m]."""
         return self.hysteresis + self.rib

@@ -105,11 +105,24 @@ class BallTorque:
     )
     #: Torque that starts the row from rest.
     starting: Band = quantity(
-        "starting_Nmm", "torque that starts it from rest: twice the part of the load", error="empirical", parts="[]"
+        "starting_Nmm",
+        "torque that starts it from rest: twice the part of the load",
+        error="empirical",
+        parts="[]",
+        heading="friction torque from rest",
+        form="g3",
+        note="lowest to highest coefficients (Palmgren)",
     )
 
     @property
-    @Stated("running_Nmm", "torque while it runs: M0 + M1, without seals", error="empirical", parts="[]")
+    @Stated(
+        "running_Nmm",
+        "torque while it runs: M0 + M1, without seals",
+        error="empirical",
+        parts="[]",
+        heading="friction torque, running",
+        form="g3",
+    )
     def running(self) -> Band | None:
         """Torque of the running row M_0 + M_1, as (low, high) [N m]; None without lubricant or speed."""
         return None if self.viscous is None else (self.load[0] + self.viscous[0], self.load[1] + self.viscous[1])
@@ -263,5 +276,16 @@ def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) 
     """Return the factor G_1 that a running torque [N m] implies, for a manufacturer's curve or a test.
 
     The inverse of `taper_torque`, with the same arguments.
+
+    Parameters
+    ----------
+    torque
+        Running torque [N m].
+    viscosity
+        Kinematic viscosity, as `taper_torque` takes it.
+    speed
+        Speed of the shaft, as `taper_torque` takes it.
+    axial
+        Thrust [N].
     """
     return torque / taper_torque(1.0, viscosity, speed, axial)

@@ -209,8 +209,8 @@ def both_ways(waves: Array) -> Array:
     """Return the motions ``(n, 2, f)`` far from any face as the mean with their mirror image.
 
     Flank a moves by a load on flank b of the groove behind as, seen from the other end, the flank opposite b does by a load
-    on
-    that opposite a. A body that ends as far before its groove as behind it is no mirror image about the land between two.
+    on that opposite a. A body that ends as far before its groove as behind it is no mirror image about the land between
+    two.
     """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)

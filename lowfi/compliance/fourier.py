@@ -89,8 +89,7 @@ class Layer:
     """Grooved layer of a body as a smooth anisotropic one.
 
     The lands between grooves are rings: around the axis they are as stiff as their solid share, along it they hang on what
-    is
-    under them.
+    is under them.
     """
 
     #: Radii ``(k,)`` [m].
@@ -373,15 +372,13 @@ def line_compliance(
         First, and last + 1, of the lines in z that are loaded and observed.
     springs
         Shift, tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1
-        have
-        two more rows and columns: the mean motions of the high end (`end_motions`).
+        have two more rows and columns: the mean motions of the high end (`end_motions`).
 
     Returns
     -------
     list[BlockSum]
         ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W node by node; that of waves is made of blocks about as long as
-        these
-        reach.
+        these reach.
 
     Raises
     ------

@@ -164,8 +164,7 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
     """Return the motions ``(k,)`` [m/N] of one flank's patch by its own load in harmonics ``n``.
 
     Half a lead with the other flank unloaded; load: forces on the grid ``(rows, columns, 3)`` for equal loads on both
-    flanks
-    and for opposite ones.
+    flanks and for opposite ones.
     """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last

@@ -449,8 +449,7 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
     Spreading a force around the axis lessens what it does to harmonic n by exp(-(n width / radius)^2 / 2), but for 0 and 1:
     there a patch must have the resultant of its force, to which a beam responds too (``resultant``; else they are lessened
-    like
-    the others, as a true patch is).
+    like the others, as a true patch is).
 
     A load at azimuth s makes cos(n (t - s)) of radial and axial motion and sin(n (t - s)) of the other (the reverse if it
     acts around the axis), so that only the angle between two contacts counts.

@@ -107,8 +107,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> Settled:
     -------
     Settled
         Loads ``(4,)``, contact angles from the radial line ``(4,)``, position of the ball along x, y ``(2,)`` and of the
-        ring
-        along x ``(1,)``.
+        ring along x ``(1,)``.
 
     References
     ----------
@@ -146,20 +145,48 @@ def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
 
 
 def ball_contacts(bearing: Bearing, load: Settled) -> Contacts:
-    """Return the friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse."""
+    """Return the friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    load
+        Contact loads and angles of the ball.
+    """
     h = bearing.constants
     cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
     return contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
 def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
-    """Return the problem of motion at given loads and angles of two to four contacts; omega_z is zero by symmetry."""
+    """Return the problem of motion at given loads and angles of two to four contacts; omega_z is zero by symmetry.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    load
+        Contact loads and angles of the ball.
+    at
+        Friction contacts of the ball, by `ball_contacts`.
+    """
     maps, drives = contact_maps(bearing, load.angle)
     return Problem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
 
 
 def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
-    """Return the torque [N m] about the axis that keeps the inner ring turning, by friction's moment on the ball."""
+    """Return the torque [N m] about the axis that keeps the inner ring turning, by friction's moment on the ball.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    load
+        Contact loads and angles of the ball.
+    motion
+        Motion and friction of the ball.
+    """
     radius = bearing.pitch_radius + RADIAL * bearing.ball_radius * np.cos(load.angle)
     along = -AXIAL * np.sin(load.angle)  # of each contact's y on the axis
     moments = radius * motion.friction.force[:, 1] + along * motion.friction.moment
@@ -195,8 +222,20 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
     """Return loads and motion by Lin's method with its errors.
 
     Hertz constants of Table B.1, sigmoid, root of 3.19, torque 3.21. The root is searched from the motion of least
-    dissipation,
-    then if need be with a sigmoid that grows ever sharper.
+    dissipation, then if need be with a sigmoid that grows ever sharper.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    force_x
+        Axial force [N].
+    u_y
+        Radial displacement [m].
+    law
+        Lin's sigmoid.
+    fast
+        Whether kernels are compiled.
     """
     least = solve_ball(replace(bearing, hertz="as printed"), force_x, u_y, fast)
     motion = balance_by_root(least.problem, law, least.motion.q, fast)
@@ -208,7 +247,16 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> list[Solution]:
     """Return solutions over radial displacements u_y ``(n,)`` [m] (Lin Figure 3.7), each solved separately.
 
-    law: friction law of `solve_ball_as_printed`; without it, least dissipation.
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    force_x
+        Axial force [N].
+    u_y
+        Radial displacements, ``(n,)`` [m].
+    law
+        Lin's sigmoid; None: least dissipation.
     """
     if law is None:
         return [solve_ball(bearing, force_x, float(u), fast=True) for u in u_y]
@@ -311,6 +359,13 @@ def free_motion(case: BearingCase, angle: float) -> str:
 
     A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear
     equilibrium of contact forces and load has a solution, but for signs of the contact forces.
+
+    Parameters
+    ----------
+    case
+        Bearing under a force.
+    angle
+        Angle of the force from the axis [rad].
     """
     cell, beta = bearing_cell(case, angle), case.groove.contact_angle
     normal = np.stack([SIGN_X * np.cos(beta), SIGN_Z * np.sin(beta)], axis=1)[ON_SCREW]
@@ -380,7 +435,15 @@ class TorqueCurve:
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """Return states with the force at angles ``(n,)`` [rad] from the axis, each the start of the next."""
+    """Return states with the force at angles ``(n,)`` [rad] from the axis, each the start of the next.
+
+    Parameters
+    ----------
+    case
+        Bearing under a force.
+    angle
+        Angles of the force from the axis, ``(n,)`` [rad].
+    """
     states: list[BearingState] = []
     for a in angle:
         states.append(solve_bearing(case, float(a), states[-1] if states else None))
@@ -388,7 +451,15 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
 
 
 def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
-    """Return the friction torque over angles of the force from the axis ``(n,)`` [rad] (Lin Figure 4.7)."""
+    """Return the friction torque over angles of the force from the axis ``(n,)`` [rad] (Lin Figure 4.7).
+
+    Parameters
+    ----------
+    case
+        Bearing under a force.
+    angle
+        Angles of the force from the axis, ``(n,)`` [rad].
+    """
     states = bearing_states(case, angle)
     return TorqueCurve(
         angle=np.asarray(angle, dtype=float),

@@ -204,7 +204,15 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
 
 
 def end_ratio(chain: Chain, load: float) -> float:
-    """Return the contact load of the last ball over that of the first under a load [N], without errors."""
+    """Return the contact load of the last ball over that of the first under a load [N], without errors.
+
+    Parameters
+    ----------
+    chain
+        The chain of balls.
+    load
+        Total load [N].
+    """
     q = solve_chain(chain, np.zeros(chain.balls), load).load
     return float(q[-1] / q[0])
 

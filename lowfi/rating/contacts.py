@@ -58,16 +58,14 @@ class Contact:
         "approach_um",
         "local Hertz approach of ball and groove, delta = (F/C)^(2/3)",
         error="two thirds of the load's",
-        heading="approach of its contact",
-        form=".3f",
+        expected=("pressure_percent", 2.0),
     )
     #: Larger semi-axis [m], across the groove.
     a: float = quantity(
         "semi_axis_a_mm",
         "larger semi-axis of the contact ellipse, along the groove's profile",
         error="a third of the load's",
-        heading="larger semi-axis",
-        form=".4f",
+        expected=("pressure_percent", 1.0),
     )
     #: Smaller semi-axis [m], along the track.
     b: float = quantity("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
@@ -78,7 +76,8 @@ class Contact:
         "3 F/(2 pi a b) of a ball, 2 q/(pi b) = sqrt(q E*/(pi R)) of a roller",
         error="of balls a third of the load's, `model_form.pressure_percent`; of rollers half the line load's",
         heading="peak pressure",
-        form=".0f",
+        expected=("pressure_percent", 1.0),
+        note="ball {ball} {side}",
     )
 
 
@@ -92,7 +91,9 @@ class StaticSafety:
         "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
         error="that of the load",
         heading="static safety",
-        form=".2f",
+        form="g3",
+        expected=("pressure_percent", 3.0),
+        note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Allowed pressure [Pa].
     allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
@@ -132,10 +133,11 @@ class Truncation:
         "margin_deg",
         "edge angle less contact angle and half width; negative: the ellipse is cut",
         heading="ellipse to edge of groove",
-        form=".2f",
+        form="g3",
+        note="ball {ball} {side}, {edge}",
     )
     #: Number of contacts whose ellipse passes an edge.
-    cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge")
+    cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
 
 
 def worst_contact(
@@ -193,9 +195,8 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
     """Return the static safety of a ball's contact between parts of hardened bearing steel.
 
     By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: the permanent
-    deformation
-    of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near the elastic
-    limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
+    deformation of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near
+    the elastic limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
 
     Parameters
     ----------
@@ -288,7 +289,7 @@ class RollerContact:
         "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
     )
     #: Largest pressure there [Pa].
-    pressure: float = quantity("pressure_MPa", heading="peak pressure", form=".0f")
+    pressure: float = quantity("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
     #: Largest pressure of the same roller on its other race [Pa].
     other: float = quantity(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
@@ -355,6 +356,11 @@ def roller_safety(worst: RollerContact) -> StaticSafety:
     """Return the static safety of a roller's line contact between parts of hardened bearing steel.
 
     ISO 76 rates the contacts of roller bearings at the load of 4000 MPa, and the pressure grows with the root of the load.
+
+    Parameters
+    ----------
+    worst
+        Line contact with the highest pressure.
     """
     return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
@@ -375,6 +381,11 @@ def contact_rating(scene: Scene) -> float:
 
 def static_rating(scene: Scene) -> float:
     """Return the basic static load rating C_0 of a screw or bearing by (2).
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
 
     Returns
     -------
@@ -399,9 +410,19 @@ class Ratings:
     """Basic load ratings as computed."""
 
     #: Dynamic load rating C [N].
-    dynamic: float = quantity("dynamic_N", "basic dynamic load rating C")
+    dynamic: float = quantity(
+        "dynamic_N",
+        "basic dynamic load rating C",
+        heading="dynamic load rating C",
+        note="{direction}, as computed ({dynamic_standard})",
+    )
     #: Static load rating C_0 [N].
-    static: float = quantity("static_N", "basic static load rating C0")
+    static: float = quantity(
+        "static_N",
+        "basic static load rating C0",
+        heading="static load rating C0",
+        note="{direction}, as computed ({static_standard})",
+    )
     #: Whether they are axial loads; otherwise radial.
     axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
     #: Standard of the dynamic rating.
@@ -412,6 +433,11 @@ class Ratings:
 
 def ratings(scene: Scene) -> Ratings:
     """Return the dynamic and static load ratings of a screw or bearing.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
 
     Raises
     ------

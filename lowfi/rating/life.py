@@ -101,7 +101,7 @@ class Life:
         "life that 90 % reach under this load distribution",
         error="some three times that of the loads, and the scatter of fatigue itself",
         heading="life L10",
-        form=".1f",
+        expected=("rms_percent", 3.0),
     )
     #: Life of each loaded raceway in 10^6 revolutions, by its name.
     raceways: dict[str, float] = quantity(
@@ -128,6 +128,8 @@ class Life:
         "L10_km",
         "the same as the distance that the nut travels, L10 times the lead; null for bearings",
         error="as in revolutions",
+        heading="life L10",
+        expected=("rms_percent", 3.0),
     )
     def distance(self) -> float | None:
         """Life as the distance that the nut travels [m]; None for bearings."""
@@ -136,6 +138,8 @@ class Life:
     @Stated(
         "L10_hours",
         "the same in hours, where the scene states a speed; of a duty cycle at its mean speed",
+        heading="life L10",
+        expected=("rms_percent", 3.0),
         error="as in revolutions",
     )
     def hours(self, speed: float) -> float:
@@ -157,6 +161,8 @@ class SystemLife:
         "revolutions of the shaft that 90 % of equal axes reach without a failure of any set: product of the sets' "
         "probabilities of survival, each a Weibull distribution",
         error="that of the lives",
+        heading="life L10 of all sets",
+        note="{shortest_set} lives shortest",
     )
     #: Name of the set with the shortest life.
     shortest: str = quantity("shortest_set", "set that lives shortest")
@@ -166,13 +172,20 @@ class SystemLife:
     speed: float | None = None
 
     @property
-    @Stated("L10_km", "the same as travel of the nut; null without one", error="as in revolutions")
+    @Stated(
+        "L10_km",
+        "the same as travel of the nut; null without one",
+        error="as in revolutions",
+        heading="life L10 of all sets",
+    )
     def distance(self) -> float | None:
         """Travel of the nut [m]; None without a nut."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
     @property
-    @Stated("L10_hours", "the same in hours, where a speed is stated", error="as in revolutions")
+    @Stated(
+        "L10_hours", "the same in hours, where a speed is stated", error="as in revolutions", heading="life L10 of all sets"
+    )
     def hours(self) -> float | None:
         """Life in hours; None without a speed."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
@@ -221,9 +234,13 @@ def filled_turns(scene: Scene) -> float:
     """Return the number of turns that the balls of all starts fill, without the gaps between circuits.
 
     Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. Exact for equal
-    spacing
-    within circuits of two balls or more, whatever their gaps; where spacings are unequal, a longer one counts as the
-    median.
+    spacing within circuits of two balls or more, whatever their gaps; where spacings are unequal, a longer one counts as
+    the median.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
     """
     azimuths = np.sort(scene.balls.azimuths)
     angle = float(np.median(np.diff(azimuths))) if azimuths.size > 1 else 2.0 * pi
@@ -279,6 +296,11 @@ def _turn_rating(scene: Scene) -> Array:
 
 def rating(scene: Scene) -> float:
     """Return the basic dynamic load rating C of one pair of opposite raceways.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
 
     Returns
     -------
@@ -413,6 +435,8 @@ class EquivalentLife:
     revolutions: float = quantity(
         "L10_million_revolutions",
         "life by the standard's equivalent loads, (C/F_m)^3, of both directions or halves together",
+        heading="life L10 by equivalent loads",
+        note="{standard}",
     )
     #: Equivalent loads [N]: of a screw those of both directions or halves, first that of a force on the nut along +z; of a
     #: bearing the one load P.

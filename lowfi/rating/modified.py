@@ -51,6 +51,8 @@ class ModifiedLife:
         "Lnm_million_revolutions",
         "modified life a_1 a_ISO L10",
         error="as in L10, and a_ISO: by the contamination, which is an estimate",
+        heading="modified life",
+        note="for {reliability_percent} %",
     )
     #: Reliability [%].
     reliability: float = quantity("reliability_percent", "share of screws or bearings that reach it")
@@ -128,6 +130,13 @@ def fatigue_limit(scene: Scene) -> float:
 
 def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     """Return the life modified by the reliability, lubricant and contamination of a scene's operation.
+
+    Parameters
+    ----------
+    scene
+        Scene that states reliability, lubricant and contamination.
+    life
+        Basic rating life by the contact loads; None: not known.
 
     Returns
     -------

@@ -44,7 +44,15 @@ def efficiency(track: Track, coefficient: float) -> float:
 
 
 def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
-    """Return a warning where a scene's coefficient of sliding is as small as an overall coefficient of catalogues."""
+    """Return a warning where a scene's coefficient of sliding is as small as an overall coefficient of catalogues.
+
+    Parameters
+    ----------
+    track
+        Path of the balls, whose lead angle decides.
+    friction
+        Coefficients of friction of the scene.
+    """
     mu = max(friction.screw, friction.nut)
     if not 0.0 < mu <= OVERALL:
         return []

@@ -77,6 +77,8 @@ class Rigidities:
         "rigidities_N_per_um.makers_practice",
         "what makers advise to take of a computed rigidity (THK): 0.8 `with_bodies`; null for rings",
         error="see the report's outside values",
+        heading="rigidity by formula x 0.8",
+        note="as makers advise",
     )
     def practice(self) -> float | None:
         """Rigidity that manufacturers advise to use [N/m], four fifths of contacts with bodies; None for bearings."""
@@ -84,7 +86,13 @@ class Rigidities:
 
 
 def slope_of(scene: Scene) -> float:
-    """Return the approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi)."""
+    """Return the approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi).
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    """
     return sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
 
 
@@ -129,6 +137,11 @@ def contacts_displacement(scene: Scene, force: float) -> float:
 def body_compliance(scene: Scene) -> float | None:
     """Return the axial displacement per load of nut and screw as thick tubes [m/N], (2).
 
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+
     Returns
     -------
     float | None
@@ -159,12 +172,26 @@ def body_compliance(scene: Scene) -> float | None:
 
 
 def axial_displacement(scene: Scene, result: StaticResult) -> float:
-    """Return the axial displacement of the screw's section at the nut's centre [m]."""
+    """Return the axial displacement of the screw's section at the nut's centre [m].
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    result
+        Its result.
+    """
     return float(np.interp(scene.nut.position, result.centreline_z, result.centreline[:, 2]))
 
 
 def axial_force(result: StaticResult) -> float:
-    """Return the axial force of the screw on the nut [N]; zero where it is round-off of the contact loads."""
+    """Return the axial force of the screw on the nut [N]; zero where it is round-off of the contact loads.
+
+    Parameters
+    ----------
+    result
+        Result of a screw or bearing.
+    """
     balance = result.equilibrium
     force = 0.0 if balance is None else -float(balance.contact_force[2])
     return force if abs(force) > ROUND_OFF * float(result.load.sum()) else 0.0

@@ -128,7 +128,13 @@ def static_rating(row: RollerRow) -> float:
 
 
 def ratings(row: RollerRow) -> Ratings:
-    """Return the dynamic and static load ratings of a row of rollers."""
+    """Return the dynamic and static load ratings of a row of rollers.
+
+    Parameters
+    ----------
+    row
+        Row of rollers.
+    """
     return Ratings(dynamic_rating(row), static_rating(row), is_thrust(row), "ISO 281", "ISO 76")
 
 

@@ -67,9 +67,19 @@ class ShaftLimits:
     #: Largest DN value allowed [m rad/s].
     dn_limit: float = quantity("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
     #: Half of the buckling load [N].
-    allowed_load: float = quantity("allowed_compression_N", "half the buckling load, as makers have it")
+    allowed_load: float = quantity(
+        "allowed_compression_N",
+        "half the buckling load, as makers have it",
+        heading="allowed compression",
+        note="buckles under {buckling_N} N",
+    )
     #: Least of four fifths of the critical speed and the speed at the DN limit [rad/s].
-    allowed_speed: float = quantity("allowed_speed_rpm", "least of four fifths of the critical speed and the DN limit")
+    allowed_speed: float = quantity(
+        "allowed_speed_rpm",
+        "least of four fifths of the critical speed and the DN limit",
+        heading="allowed speed",
+        note="whirls at {critical_speed_rpm} rpm",
+    )
 
     @property
     def warnings(self) -> list[Warned]:
@@ -99,15 +109,13 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
     """Return the free lengths of a shaft with the supports at their ends.
 
     A bearing that fixes both lateral displacements supports the shaft; one at the shaft's end that also fixes both
-    rotations
-    counts as fixed.
+    rotations counts as fixed.
 
     Returns
     -------
     list[tuple[float, tuple[str, str]]]
         Lengths [m] between neighbouring bearings, or from a single bearing to the farther end, each with the kinds of its
-        two
-        ends, the stiffer first.
+        two ends, the stiffer first.
     """
     bearings = sorted((s for s in scene.supports if _holds(s, "ux", "uy")), key=lambda s: s.at)
     held = ["fixed" if _holds(s, "rx", "ry") else "supported" for s in bearings]
@@ -173,12 +181,18 @@ def compression(scene: Scene, result: StaticResult) -> float:
 def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
     """Return the limits of a screw's shaft under the loads of a solved scene.
 
+    Parameters
+    ----------
+    scene
+        Screw with supports.
+    result
+        Its result.
+
     Returns
     -------
     ShaftLimits | None
         The limits of the weakest free length; None for bearings, and where no bearing fixes the shaft laterally or it
-        rotates
-        freely about its only bearing.
+        rotates freely about its only bearing.
     """
     spans = [(x, ends) for x, ends in free_lengths(scene) if ends in FACTORS and x > 0.0]
     if scene.track.lead == 0.0 or not spans:

@@ -89,6 +89,11 @@ def error_free_hertz(scene: Scene) -> HertzConstants:
     """Return the Hertz constants ``(4,)`` of the error-free parts at the nominal contact angle.
 
     Cached for all solutions of a scene: not to be written to.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
     """
     return _hertz_of(_parts_alone(scene))
 
@@ -97,6 +102,11 @@ def nominal_curvatures(scene: Scene) -> Array:
     """Return the relative principal curvatures ``(4, 2)`` [1/m] of the error-free parts, across the groove first.
 
     At the nominal contact angle; cached for all scenes of the same parts: not to be written to.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
     """
     return _curvatures_of(_parts_alone(scene))
 
@@ -224,7 +234,13 @@ def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
 
 
 def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
-    """Return the Hertz constants of a flank of screw and nut with the errors of Lin's Table B.1."""
+    """Return the Hertz constants of a flank of screw and nut with the errors of Lin's Table B.1.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    """
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
@@ -244,7 +260,13 @@ def _as_printed(scene: Scene) -> Array:
 
 
 def error_free(scene: Scene) -> Scene:
-    """Return the scene with Hertz constants of error-free parts, as the publications' models use them, or as printed."""
+    """Return the scene with Hertz constants of error-free parts, as the publications' models use them, or as printed.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    """
     if scene.ingredients.hertz == "as printed":
         return scene
     return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))

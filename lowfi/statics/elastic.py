@@ -302,8 +302,7 @@ class ElasticMembers:
         -------
         tuple[Array, Array, Array]
             Loads ``(count, N, 4)`` [N], relative residuals ``(count,)``, and works ``(count,)`` [J], the loads times the
-            motions
-            of their stations; nan for members that need a separate solve.
+            motions of their stations; nan for members that need a separate solve.
         """
         drawn = specimens(self.scene, self.layout, first, count)
         offset, closure = distances(self.scene, drawn)
@@ -349,7 +348,13 @@ class ElasticMembers:
 
 
 def shared(scene: Scene) -> bool:
-    """Return whether members of a scene differ only in radii of their balls, and one pass of the solver finishes each."""
+    """Return whether members of a scene differ only in radii of their balls, and one pass of the solver finishes each.
+
+    Parameters
+    ----------
+    scene
+        Scene with random errors.
+    """
     alike = alike_in_shape(scene) and len(specimens(scene, ball_layout(scene), 0, 2).centre) == 1
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 
@@ -384,8 +389,7 @@ class _System:
         -------
         tuple[Array, float, float] | None
             Loads ``(N, 4)`` [N], relative residual and work [J]; None where it does not converge, or a flank that was left
-            out may
-            be touched.
+            out may be touched.
         """
         self._place(radii, offset, closure, C)
         for array, first in zip(self.elastic.state, start or self.start, strict=True):

@@ -79,7 +79,13 @@ def drives(work: Array, load: Array, arm: float) -> bool:
 
 
 def free_motions(problem: Problem) -> Mechanism:
-    """Return the motions of the screw that no contact and no support resists, and whether the loads drive them."""
+    """Return the motions of the screw that no contact and no support resists, and whether the loads drive them.
+
+    Parameters
+    ----------
+    problem
+        The static problem.
+    """
     track = problem.scene.track
     twist = float(np.abs(problem.load[:, 5]).sum()) if problem.basis is None else 0.0
     no_torsion = track.lead == 0.0 and twist == 0.0 and problem.nodes.size > 1

@@ -69,8 +69,7 @@ class Row:
         """Return the axial stiffness at the load [N/m].
 
         The tangent at the loaded end, or with a step of load [N] as Liu's (19) to (22), by the approach of the first loaded
-        ball.
-        None without load.
+        ball. None without load.
         """
         if self.force == 0.0:
             return None
@@ -142,7 +141,13 @@ def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
 
 
 def describes(scene: Scene) -> bool:
-    """Return whether Liu's model covers a scene and only axial loads act on its screw."""
+    """Return whether Liu's model covers a scene and only axial loads act on its screw.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    """
     try:
         _loaded_end(scene, ball_layout(scene).z)
     except UnfitKey:
@@ -154,9 +159,8 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     """Compute contact loads by Liu's self-adjusting model.
 
     Range: approaches small against the distance of the groove centres, balls evenly spread along bars, so that no wall of
-    the
-    nut widens. Motions are of the screw, with the nut at rest at its loaded end; without load the screw is at its nominal
-    position.
+    the nut widens. Motions are of the screw, with the nut at rest at its loaded end; without load the screw is at its
+    nominal position.
 
     Parameters
     ----------

@@ -81,7 +81,13 @@ def _loads(solved: Solution | Unheld) -> ContactLoads:
 
 
 def nominal(scene: Scene) -> Scene:
-    """Return the scene with its preload but without other errors, and without names, on which no number depends."""
+    """Return the scene with its preload but without other errors, and without names, on which no number depends.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    """
     errors = Errors(balls=BallErrors(scene.errors.balls.oversize), lead_offset=scene.errors.lead_offset)
     return replace(scene, name="", title="", assumed=(), errors=errors)
 

@@ -216,7 +216,15 @@ def wrench_rows(layout: BallLayout, r: Array) -> Array:
 
 
 def lever_arms(problem: Problem, centre: Array) -> Array:
-    """Return ``Problem.B`` of k specimens ``(k, N, 2, 2, m)`` from the centres of their grooves ``(k, N, 4, 2)`` [m]."""
+    """Return ``Problem.B`` of k specimens ``(k, N, 2, 2, m)`` from the centres of their grooves ``(k, N, 4, 2)`` [m].
+
+    Parameters
+    ----------
+    problem
+        The static problem of N balls.
+    centre
+        Centres of the grooves' arcs, ``(k, N, 4, 2)`` [m].
+    """
     parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
     B = np.zeros((len(centre), *problem.B.shape))
     stations = contact_stations(problem.scene, problem.layout)
@@ -407,7 +415,13 @@ def _station(scene: Scene, held: Held) -> str:
 
 
 def show(held: Held) -> str:
-    """Return the value of a fixed freedom as text with its unit, um or mrad."""
+    """Return the value of a fixed freedom as text with its unit, um or mrad.
+
+    Parameters
+    ----------
+    held
+        A fixed freedom with its value.
+    """
     return f"{1e6 * held.value:.6g} um" if held.freedom in FREEDOMS[:3] else f"{1e3 * held.value:.6g} mrad"
 
 
@@ -418,8 +432,7 @@ def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
     -------
     tuple[Array, Array, list[Held]]
         Rows ``(k, 6)`` on its motion at the nut's centre, values ``(k,)``, and the fixed freedoms. Rotations count as
-        lengths
-        at the pitch radius in rows and values [m].
+        lengths at the pitch radius in rows and values [m].
     """
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -433,7 +446,13 @@ def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
 
 
 def contradiction(scene: Scene) -> Contradiction | None:
-    """Return the first fixed freedom that earlier ones fix at another value if the screw is rigid; None where all agree."""
+    """Return the first fixed freedom that earlier ones fix at another value if the screw is rigid; None where all agree.
+
+    Parameters
+    ----------
+    scene
+        Screw with supports.
+    """
     rows, values, held = rigid_rows(scene)
     size = float(np.abs(values).max(initial=0.0))
     if size == 0.0:

@@ -82,8 +82,7 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
     -------
     tuple[Array, Array, float]
         G without negative eigenvalues, what was added along the contacts' normals to that end ``(n,)`` [m/N], and the
-        largest
-        negative eigenvalue that was removed nonetheless [m/N].
+        largest negative eigenvalue that was removed nonetheless [m/N].
     """
     mended, lent, cut = Compliance(G, normals).positive(tangent)
     return mended.G, lent, cut

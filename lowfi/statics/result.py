@@ -23,7 +23,13 @@ MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry
 
 
 def by_freedoms(motion: Array) -> dict[str, float]:
-    """Return a motion ``(6,)`` [m, rad] by the names of its freedoms, in um and mrad."""
+    """Return a motion ``(6,)`` [m, rad] by the names of its freedoms, in um and mrad.
+
+    Parameters
+    ----------
+    motion
+        Displacements and rotations, ``(6,)`` [m, rad].
+    """
     return {name: factor * x for (name, factor), x in zip(MOTION, motion, strict=True)}
 
 
@@ -62,10 +68,8 @@ class Equilibrium:
     """Global balance of the screw: forces [N] and moments about the origin [N m] on it.
 
     The contact forces are summed at their contact points and the reactions come from the beam, so that the balance checks
-    the
-    solution independently. A free motion that nothing drives is prevented by a pin; what the pin carries, because the
-    model's
-    sections are planar, is no reaction of the scene. The residuals include the pin.
+    the solution independently. A free motion that nothing drives is prevented by a pin; what the pin carries, because the
+    model's sections are planar, is no reaction of the scene. The residuals include the pin.
     """
 
     #: Sum of the loads ``(3,)`` [N].

@@ -21,7 +21,13 @@ from rollbench.meshes.section import MERGE, contact_stations
 
 
 def all_sides(scene: Scene) -> Mask:
-    """Return the flanks that a scene has ``(4,)``: all, or one on either body for grooves of one arc."""
+    """Return the flanks that a scene has ``(4,)``: all, or one on either body for grooves of one arc.
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    """
     return np.isin(np.arange(4), sides_of_arc(scene) or range(4))
 
 

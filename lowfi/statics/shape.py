@@ -79,6 +79,11 @@ def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[A
 def rigid_transport(reach: float | Array) -> Array:
     """Return the matrix of the rigid motion of a station that is ``reach`` [m] beyond another, u + theta x reach e_z.
 
+    Parameters
+    ----------
+    reach
+        Distance between the stations [m], any shape.
+
     Returns
     -------
     Array

@@ -81,8 +81,12 @@ def scale_of(problem: Problem) -> Scale:
     """Return the scales of forces and stiffnesses of a problem.
 
     A contact that counts as unloaded has the round-off of a typical force. Where only motions are prescribed, which may
-    meet no
-    resistance in the end, the typical force says little, and forces that tend to zero must be followed there.
+    meet no resistance in the end, the typical force says little, and forces that tend to zero must be followed there.
+
+    Parameters
+    ----------
+    problem
+        The static problem.
     """
     arm, load = problem.scene.track.pitch_radius, np.abs(problem.load)
     pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
@@ -172,7 +176,19 @@ class Beam(OneSet):
 
 
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: Build | None = None) -> Beam:
-    """Return a problem ready for the kernels, with a start that has the prescribed displacements."""
+    """Return a problem ready for the kernels, with a start that has the prescribed displacements.
+
+    Parameters
+    ----------
+    problem
+        The static problem.
+    engine
+        Kernels, plain or compiled.
+    tolerance
+        Largest relative residual.
+    build
+        Function that packs the problem for the kernels; None: the beam's.
+    """
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
     count, scale, drawn = problem.C.shape[0], scale_of(problem), problem.drawn
@@ -310,8 +326,7 @@ def solve_static(
     """Compute contact loads, contact angles and shaft motion of a scene in static equilibrium, by Lin's model.
 
     The screw is a Timoshenko beam, or rigid, the nut rigid; every contact follows Hertz. The equilibrium is the minimum of
-    a
-    convex energy.
+    a convex energy.
 
     Parameters
     ----------
@@ -425,6 +440,15 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
     Torsion is fixed too where no contact can twist the shaft. other: pin the freedoms that the mechanism names as
     alternative.
+
+    Parameters
+    ----------
+    problem
+        The static problem.
+    mechanism
+        Motions that nothing resists.
+    other
+        Whether the alternative freedoms of the mechanism are fixed.
     """
     chosen = mechanism.others if other else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:

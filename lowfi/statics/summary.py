@@ -160,12 +160,26 @@ def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> A
 
 
 def about_origin(stations: Array, wrenches: Array) -> Array:
-    """Return sum about origin ``(6,)`` of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis."""
+    """Return sum about origin ``(6,)`` of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis.
+
+    Parameters
+    ----------
+    stations
+        Axial positions, ``(n,)`` [m].
+    wrenches
+        Forces and moments there, ``(n, 6)`` [N, N m].
+    """
     return np.asarray(np.einsum("nij,ni->j", rigid_transport(stations), wrenches))
 
 
 def wrench_of(loads: Sequence[Load]) -> Array:
-    """Return the sum of loads about the origin ``(6,)`` [N, N m]."""
+    """Return the sum of loads about the origin ``(6,)`` [N, N m].
+
+    Parameters
+    ----------
+    loads
+        Loads of a scene.
+    """
     wrenches = np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6)
     return about_origin(np.array([x.at for x in loads]), wrenches)
 

@@ -207,8 +207,8 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
 
     The profile's centre of curvature lies off the groove's centre by its slope rho' [m]: where that is of the size of the
     distance of the ball's centre from there, there may be several contact positions. The profile is a polynomial of the
-    angle
-    from -180 to 180 deg: where it ends it jumps, and a ball that is pressed onto the jump balances on neither side of it.
+    angle from -180 to 180 deg: where it ends it jumps, and a ball that is pressed onto the jump balances on neither side of
+    it.
     """
     profile = solved.problem.drawn.profile
     if not profile.shape[1] or solved.shifts is None:

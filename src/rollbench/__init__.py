@@ -105,7 +105,7 @@ _FORMER = {"Solution": "Result", "Judged": "Verdict"}
 
 
 def __getattr__(name: str) -> object:
-    """A name of the library, loaded when it is first used; AttributeError for others."""
+    """Import a name of the library when it is first used; AttributeError for others."""
     if name == "compare":
         return import_module("rollbench.compare")
     if name in _FORMER:

@@ -17,7 +17,7 @@ class _Renamed(MetaPathFinder, Loader):
     def find_spec(
         self, name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The spec of a module below the former name."""
+        """Return the spec of a module below the former name."""
         return ModuleSpec(name, self, is_package=True) if name.startswith(f"{_OLD}.") else None
 
     def exec_module(self, module: ModuleType) -> None:

@@ -171,7 +171,7 @@ def test_scenes_go_through_the_command_line_too():
 
         return scenes.judge(7, right, "lin", say)
 
-    other = (": converged", ": done"), (" N;", " nan;"), ('"converged"', '"held"'), ('"max_N": ', '"max_N": NaN, "x": ')
+    other = (": converged", ": done"), (" N ", " nan "), ('"converged"', '"held"'), ('"max_N": ', '"max_N": NaN, "x": ')
     for words in other:
         assert changed(words).verdict == scenes.MISSTATED, words
     assert "exit codes 1" in scenes.judge(7, right, "lin", lambda tokens: (1, command(tokens)[1])).words

@@ -15,17 +15,17 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 #: Entries by class and verdict.
 COUNTS = {
-    ("hard", "reproduced"): {"external": 45, "lin": 31, "liu": 14, "smith": 98},
-    ("hard", "identity"): {"external": 11, "lin": 13, "liu": 4, "smith": 35},
-    ("as-printed", "only as printed"): {"external": 2, "lin": 65, "liu": 1, "smith": 57},
+    ("hard", "reproduced"): {"external": 48, "lin": 32, "liu": 14, "smith": 98},
+    ("hard", "identity"): {"external": 11, "lin": 14, "liu": 4, "smith": 35},
+    ("as-printed", "only as printed"): {"external": 2, "lin": 63, "liu": 1, "smith": 57},
     ("as-printed", "identity"): {"lin": 4},
     ("input", "input"): {"lin": 97, "liu": 18, "smith": 78},
-    ("band", "band"): {"external": 78, "lin": 11, "liu": 34, "smith": 1},
+    ("band", "band"): {"external": 79, "lin": 11, "liu": 34, "smith": 1},
     ("open", "not identifiable"): {"external": 13, "lin": 40, "liu": 20, "smith": 50},
     ("open", "contradicted"): {"lin": 10, "liu": 12, "smith": 43},
 }
 #: Entries that are judged by a value or a claim.
-SHIFTED = {"external": 136, "kalker": 36, "lin": 218, "liu": 71, "smith": 269}
+SHIFTED = {"external": 140, "kalker": 36, "lin": 218, "liu": 71, "smith": 269}
 
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])

@@ -21,7 +21,8 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, load_table
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, curvatures, of_angle, thrust_state
@@ -29,7 +30,7 @@ from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_forc
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, mean_force, rating
+from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, life, mean_force, rating
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -42,22 +43,28 @@ PREFIX = "external-"
 
 
 def inputs() -> dict[str, Any]:
-    """The tables of ``cases.toml`` as they stand, quantities as texts."""
+    """Return the tables of ``cases.toml`` as they stand, quantities as texts."""
     return files.table("cases/external/cases.toml")
 
 
 def given(case: str, key: str, quantity: str) -> float:
-    """An input of a case in SI. Raises KeyError for one that is not there."""
+    """Return an input of a case in SI.
+
+    Raises KeyError for one that is not there.
+    """
     return parse(inputs()[case][key], quantity)
 
 
 def assumptions() -> dict[str, tuple[str, ...]]:
-    """What was inferred or chosen to run each case without a scene of its own, by case."""
+    """Return the assumptions of each case that has no separate scene, by case."""
     return {name: tuple(table["assumed"]) for name, table in inputs().items() if "assumed" in table}
 
 
 def assembly(name: str) -> Assembly:
-    """A shipped scene ``external-NAME`` with sets on a shaft. Raises AssertionError where it is another kind."""
+    """Return a shipped scene ``external-NAME`` with sets on a shaft.
+
+    Raises AssertionError where it is another kind.
+    """
     found = catalogue.shipped(PREFIX + name)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{PREFIX}{name} has sets on a shaft")
@@ -65,7 +72,10 @@ def assembly(name: str) -> Assembly:
 
 
 def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
-    """Result of a shipped scene ``external-NAME`` with one rolling set between rigid rings, and that of its set."""
+    """Solve a shipped scene ``external-NAME`` with one rolling set between rigid rings.
+
+    Returns the result, and that of its set.
+    """
     result = study.once(_solved, name)
     return result, result.sets[0]
 
@@ -84,13 +94,17 @@ ANY = (0.53, 0.56)
 
 
 def _motion(found: AxisResult, station: float, freedom: str) -> float:
-    """Motion of the shaft at a station [m] in a freedom [m, rad]."""
+    """Return the motion of the shaft at a station [m] in a freedom [m, rad]."""
     place = int(np.abs(found.centreline_z - station).argmin())
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
 def masta(sheet: Sheet, study: Study) -> None:
-    """Deep-groove bearing between rigid rings, the inner one free only along each load."""
+    """Compute the entries of a deep-groove bearing between rigid rings, the inner one free only along each load.
+
+    Displacement and life, which is proportional to the cube of the rating that MASTA is given.
+    """
+    rated = given("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
@@ -98,10 +112,15 @@ def masta(sheet: Sheet, study: Study) -> None:
     ):
         result, ring = solved(study, name)
         sheet.number(key, unit * _motion(result, ring.of.position, freedom))
+        assert ring.balls is not None
+        assert isinstance(ring.of.parts, Scene)
+        found = life(ring.of.parts, ring.balls.load)
+        assert found is not None
+        sheet.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
 
 def harris(sheet: Sheet, study: Study) -> None:
-    """218 bearing under thrust."""
+    """Compute the entries of the 218 bearing under thrust."""
     result, ring = solved(study, "harris-218")
     assert ring.balls is not None
     angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _motion(result, ring.of.position, "uz")
@@ -113,7 +132,7 @@ def harris(sheet: Sheet, study: Study) -> None:
 
 
 def half_zone(sheet: Sheet, study: Study) -> None:
-    """Load zone of half the circumference, by a row of many balls and by the integrals."""
+    """Compute the load zone of half the circumference, by a row of many balls and by the integrals."""
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solved(study, name)[1]
         assert ring.balls is not None
@@ -129,7 +148,7 @@ def half_zone(sheet: Sheet, study: Study) -> None:
 
 
 def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
-    """Bearing of a catalogue row (pitch diameter mm, ball diameter mm, number of balls)."""
+    """Return the bearing of a catalogue row (pitch diameter mm, ball diameter mm, number of balls)."""
     d_m, d_w, balls = row[:3]
     angle, young = given(case, "contact_angle", "angle"), given(case, "youngs_modulus", "pressure")
     poisson = float(inputs()[case]["poissons_ratio"])
@@ -137,20 +156,23 @@ def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
 
 
 def _pair(bearing: BallBearing, preload: float) -> BearingSet:
-    """Two bearings against each other under a preload [N]."""
+    """Return two bearings against each other under a preload [N]."""
     return preloaded(BallRow(bearing), (1, -1), preload)
 
 
 @cache
 def gmn_rigidity(name: str, which: str, conformity: float) -> float:
-    """Rigidity [N/um] of a pair of the catalogue at its preload, both rows side by side, at a conformity of the series."""
+    """Return the rigidity of a pair of the catalogue at its preload [N/um], both rows next to each other.
+
+    ``conformity``: of the series.
+    """
     row = inputs()["gmn"]["rows"][name]
     one = BallRow(_spindle("gmn", row, conformity))
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
 
 
 def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Strong over light rigidity of every row, over that printed."""
+    """Return the strong over light rigidity of every row, over that printed."""
     out = []
     for name in inputs()["gmn"]["rows"]:
         printed = [entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
@@ -160,7 +182,7 @@ def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.flo
 
 
 def gmn(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Preloaded pairs of a series of spindle bearings."""
+    """Compute the entries of preloaded pairs of a series of spindle bearings."""
     inferred = float(inputs()["gmn"]["conformity"])
     for name in inputs()["gmn"]["rows"]:
         for which in CLASSES:
@@ -171,7 +193,7 @@ def gmn(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes
 
 
 def gmn_rms_percent() -> float:
-    """RMS [%] of the rigidities of the series against those printed, without the slip."""
+    """Return the RMS error [%] of the rigidities of the series against those printed, without the slip."""
     inferred = float(inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
     off = [float(error_percent(gmn_rigidity(name, which, inferred), value)) for (name, which), value in rows]
@@ -179,7 +201,10 @@ def gmn_rms_percent() -> float:
 
 
 def snfa(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """A catalogue whose contact angles stand still: as printed with rigid balls scaled back, right with turning angles."""
+    """Compute the entries of a catalogue with constant contact angles.
+
+    As printed with rigid balls scaled back, right with contact angles that change under load.
+    """
     case = inputs()["snfa"]
     row = [1e3 * given("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _spindle("snfa", [*row, case["balls"]], float(case["conformity"]))
@@ -197,7 +222,7 @@ def snfa(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table take
 
 
 def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
-    """Rigidity [N/m] of a pair at its preload [N] if the contact angle stood still: 3 F/u, as F ~ u^(3/2) in either row."""
+    """Return the rigidity [N/m] of a pair at its preload [N] with a constant contact angle: 3 F/u, as F ~ u^(3/2)."""
     rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
     u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
@@ -205,7 +230,7 @@ def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
 
 
 def frozen_lift_off() -> float:
-    """Load over preload at which a row of a pair becomes loose if the contact angle stood still: 2^(3/2)."""
+    """Return the load over preload at which a row of a pair becomes loose if the contact angle stood still: 2^(3/2)."""
     return float(2.0**1.5)
 
 
@@ -219,17 +244,29 @@ ROUNDED, WITHIN = 3.0, 5.0
 SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
+def mean_speed(case: str) -> float:
+    """Mean speed [rpm] of a scene whose load cases have the speeds and times of the phases."""
+    given = inputs()[case]
+    phases = zip(given["speeds"], given["time"], strict=True)
+    cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
+    cycle = scene_file.read("\n".join([catalogue.scene_text(SCENE), *cases]), SCENE)
+    assert isinstance(cycle, DutyCycle)
+    assert cycle.speed is not None
+    return cycle.speed * 30.0 / pi
+
+
 def mean_of_phases(case: str) -> float:
-    """Mean force of phases with forces, speeds and shares of the time, in the unit of the forces."""
+    """Return the mean force of phases with forces, speeds and shares of the time, in the unit of the forces."""
     given = inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
     return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
 def loads(sheet: Sheet, study: Study) -> None:
-    """Mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
+    """Compute mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
     for key, case in EXAMPLES.items():
         sheet.number(key, mean_of_phases(case))
+    sheet.number("speed_rexroth", mean_speed("rexroth"))
     sheet.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = halves(force, 1.0)
@@ -262,7 +299,7 @@ ONSET_STEPS = 20
 
 
 def ball_of_bearing(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """One ball of NSK's screw-support bearing at the quoted load and contact angle."""
+    """Compute the entries of one ball of NSK's screw-support bearing at the quoted load and contact angle."""
     parts = assembly("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
@@ -281,7 +318,7 @@ def ball_of_bearing(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def sphere(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Elastic sphere on a rigid plane."""
+    """Compute the entries of an elastic sphere on a rigid plane."""
     radius = given("vm63", "radius", "length")
     modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
@@ -289,14 +326,14 @@ def sphere(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table ta
 
 
 def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
-    """Load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
+    """Return the load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
     poisson, shear = inputs()[case]["poissons_ratio"], given(case, "shear_modulus", "pressure")
     radii = (given(case, "along", "length"), given(case, "across", "length"))
     return given(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
 def _hertz(case: str) -> tuple[float, HertzConstants]:
-    """Load [N] and Hertz's constants of an example."""
+    """Return the load [N] and Hertz's constants of an example."""
     load, radii, young, poisson = _example(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
@@ -304,19 +341,23 @@ def _hertz(case: str) -> tuple[float, HertzConstants]:
 
 @dataclass(frozen=True)
 class Example:
-    """CONTACT's example as computed: lateral force over mu P and moment [N mm]; cells in contact, and of them those that
-    stick; power of friction at 1 m/s [W]."""
+    """Results of CONTACT's example."""
 
+    #: Lateral force over mu P.
     lateral: float
+    #: Moment [N mm].
     moment: float
+    #: Number of cells in contact.
     cells: int
+    #: Number of cells that stick.
     sticking: int
+    #: Power of friction at 1 m/s [W].
     power: float
 
 
 @lru_cache(maxsize=8)
 def example(cells: int, *, by_cells: bool = False) -> Example:
-    """CONTACT's example on a grid of so many cells along each axis; by_cells: discretised as by CONTACT."""
+    """Solve CONTACT's example on a grid with some cells along each axis; ``by_cells``: discretised as by CONTACT."""
     case, touch = inputs()["contact"], _example("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
@@ -328,7 +369,10 @@ def example(cells: int, *, by_cells: bool = False) -> Example:
 
 
 def rolling(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
+    """Compute CONTACT's example with lateral creepage and spin.
+
+    Hertz's part, and force and moment of exact half spaces.
+    """
     load, hertz = _hertz("contact")
     cube = float(np.cbrt(load))
     sheet.number("a", 1e3 * float(hertz.C_a) * cube)
@@ -344,7 +388,10 @@ def rolling(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def _wheel(sheet: Sheet) -> None:
-    """Creep-force curve of a locomotive wheel by CONTACT's differences, where most of the contact slips: that is quick."""
+    """Compute the creep-force curve of a locomotive wheel with CONTACT's difference scheme.
+
+    It is quick because most of the contact slips.
+    """
     load, hertz = _hertz("wheel")
     cube, mu = float(np.cbrt(load)), float(inputs()["wheel"]["friction"])
     sheet.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
@@ -359,7 +406,7 @@ def _wheel(sheet: Sheet) -> None:
 
 @lru_cache(maxsize=4)
 def transient(case: str, steps: int) -> list[Onset]:
-    """CONTACT's example of a ball that is pushed aside, and then rolls by so many cells under that force."""
+    """Solve CONTACT's example of a ball that is pushed aside, and then rolls by some cells under that force."""
     numbers, (load, circle) = inputs()[case], _hertz(case)
     margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
@@ -367,7 +414,7 @@ def transient(case: str, steps: int) -> list[Onset]:
 
 
 def _transients(sheet: Sheet) -> None:
-    """A push aside, and the way from there to steady rolling, cell by cell as CONTACT takes it."""
+    """Compute a push aside, and the path from there to steady rolling, cell by cell as CONTACT takes it."""
     found = {"cattaneo": transient("cattaneo", 0), "onset": transient("onset", ONSET_STEPS)}
     for row in load_table(sheet.table):
         case, _, rest = row.key.partition("_")
@@ -399,20 +446,23 @@ def scene_name(size: str) -> str:
 
 
 def stages(scene: Scene, force: float) -> tuple[float, float]:
-    """Rigidity [N/m] of the contacts alone and with the bodies at an axial load [N]. Raises ValueError without a wall."""
+    """Return the rigidity [N/m] of the contacts alone and with the bodies at an axial load [N].
+
+    Raises ValueError without a wall.
+    """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None
     return force / alone, force / (alone + body * force)
 
 
 def unequal(study: Study, name: str, model: str) -> float:
-    """Rigidity [N/m] with unequal loads by a model; zero where it did not converge."""
+    """Return the rigidity [N/m] with unequal loads by a model; zero where it did not converge."""
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
 
 
 def nuts(sheet: Sheet, study: Study) -> None:
-    """Rigidities at 0.3 times the rating, their growth with the turns, the double nut, drag torque."""
+    """Compute the rigidities at 0.3 times the rating, their growth with the turns, the double nut, and the drag torque."""
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = study.scene(scene_name(size))
@@ -432,10 +482,10 @@ def nuts(sheet: Sheet, study: Study) -> None:
 
 
 def double_over_single(study: Study) -> float:
-    """Rigidity of a double nut preloaded to a third of the single nut's load, up to the load that unloads one nut, over
-    that of the single nut, both with their bodies.
+    """Return the rigidity of a double nut over that of the single nut, both with their bodies.
 
-    Either nut moves by its own deflection under the preload before the other one is loose, and then carries all.
+    The preload is a third of the single nut's load, and the load goes up to that which unloads one nut. Each nut moves by
+    its deflection under the preload before the other one is loose, and then carries all.
     """
     scene = study.scene(scene_name(DOUBLE))
     full = scene.loads[0].force[2]
@@ -451,7 +501,7 @@ def double_over_single(study: Study) -> float:
 
 
 def _drag(study: Study, sheet: Sheet) -> None:
-    """Preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
+    """Compute the preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
     case = inputs()["thk"]
     preload, lead, mu = given("thk", "preload", "force"), given("thk", "lead", "length"), float(case["friction"])
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
@@ -466,7 +516,7 @@ def _drag(study: Study, sheet: Sheet) -> None:
 
 
 def drag_torque(study: Study, preload: float, mu: float) -> float:
-    """Friction torque [N m] of both nuts of a double nut under a preload [N], each as a single nut under that load."""
+    """Return the friction torque of both nuts of a double nut under a preload [N m], each as a single nut under it."""
     scene = study.scene(scene_name(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
     found = run_model(nut, "lin", Options(discretisation=False))

@@ -1,4 +1,4 @@
-"""Section of the report: what the way in which a nut is held does to loads, life and rigidity, on catalogue sizes."""
+"""Section on the effect of the nut's fixation on loads, life and rigidity, for catalogue sizes."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: Sizes of two makers, by the names of their printed rigidities.
 SIZES = ("bnf-3205-2p5", "bnf-3205-5", "bnf-4010-5", "hiwin-63-10k5")
-#: What was found in 3D, written by ``tests/nut_holding.py``.
+#: File with the 3D results, written by ``tests/nut_holding.py``.
 FILE = "nut_holding.json"
 THREE = "3D"
-#: Bolts in place of the whole annulus, and the names of both ways.
+#: Number of bolts instead of the whole annulus, and the names of both fixations.
 BOLTS = 6
 WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
 #: Length of the centring fit over that of the nut beyond its flange.
@@ -56,7 +56,7 @@ COLUMNS = (
 
 
 def ways(scene: Scene) -> dict[str, Scene]:
-    """The scene with its nut held in several ways, by name; its left face first."""
+    """Return copies of the scene with its nut fixed at different surfaces, by name; its left face first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
     seat = 0.5 * outer, 0.5 * RIM * outer
@@ -79,44 +79,60 @@ def ways(scene: Scene) -> dict[str, Scene]:
 
 @cache
 def stored(store: Path) -> list[dict[str, Any]]:
-    """Ways of holding that a store has in 3D: scene, held, level, status, rigidity [N/m], load [N] of each ball by side."""
+    """Return the 3D results of a store by fixation: scene, held, level, status, rigidity [N/m], ball loads by side [N]."""
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
 
 def loads_of(row: dict[str, Any]) -> Array:
-    """Contact loads ``(n, 4)`` [N] of a stored way."""
+    """Return the contact loads ``(n, 4)`` [N] of a stored row."""
     by_side = row["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
 
 class Solved(NamedTuple):
-    """A way of holding, solved: by what, the way, contact loads ``(n, 4)`` [N], rigidity [N/m], what its mesh leaves
-    uncertain in any load [% of the mean load]."""
+    """Results for one fixation of the nut."""
 
+    #: Model, or 3D reference.
     by: str
+    #: Name of the fixation.
     way: str
+    #: Contact loads, (n, 4) [N].
     load: Array
+    #: Axial rigidity [N/m].
     rigidity: float
+    #: Uncertainty of the loads by the mesh [% of the mean load].
     mesh: float | None = None
 
 
 def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
-    """What is stored of a scene, held so, by mesh level from coarse to fine."""
+    """Return the stored runs of a scene with one fixation of its nut, by mesh level from coarse to fine."""
     runs = [x for x in stored(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")]
     return {x["level"]: x for x in sorted(runs, key=lambda x: int(x["level"]))}
 
 
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
-    """What the finest mesh leaves uncertain in any contact load at most [% of the mean load], from loads ``(n, 4)`` [N] by
-    level: 95 % by `grid_parts`, with one level by experience, and what contacts beside a free face add."""
+    """Return the largest uncertainty of a contact load by the mesh [% of the mean load].
+
+    95 % by `grid_parts`, with one level by experience, plus the part of contacts near a free face.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    loads
+        Contact loads (n, 4) [N] by level.
+    """
     level, mean = max(loads), mean_load(loads[max(loads)])
     bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read(shipped_store())).bars(loads)
     return float(error_percent((bars + left_out(scene, loads[level], level)).max(), 0.0, mean))
 
 
 def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
-    """One row for every way in which the nut of a catalogue size is held, by the default model (none for bolts, as it holds
-    the whole annulus of a flange); then one for every way and level that is stored of the 3D reference."""
+    """Return a row for each fixation of the nut of a catalogue size.
+
+    First by the default model (none for bolts, as it fixes the whole annulus of a flange), then for every fixation and
+    level of the 3D reference that is stored.
+    """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
     held = ways(study.scene(name))
@@ -159,7 +175,7 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
 
 
 def bolted_words() -> str:
-    """What single bolts instead of the whole annulus change in 3D, on the finest level of every size that is stored."""
+    """Return a sentence on the effect in 3D of single bolts instead of the whole annulus, on the finest stored level."""
     words = []
     for size in SIZES:
         scene = scene_name(size)
@@ -179,7 +195,7 @@ def bolted_words() -> str:
 
 
 def mesh_words(rows: list[dict[str, Cell]]) -> str:
-    """What the meshes leave uncertain, and how far a finer one moves what the table says of each way."""
+    """Return a sentence on the uncertainty of the meshes, and on the change of the table by a finer one."""
     bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
     if not bars:
         return f"Nothing was solved in {THREE}."
@@ -205,13 +221,13 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
 
 
 def between(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
-    """Least and largest value of a column by the default model, of the ways that begin with ``held``, in words."""
+    """Return smallest and largest value of a column by the default model, of fixations that begin with ``held``."""
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
 def flanged_words() -> str:
-    """What was found of the default model on drawn nuts held by flanges."""
+    """Return a sentence on the errors of the default model for drawn nuts fixed at flanges."""
     nuts = [p for p in surveyed_points() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
         return "No drawn nut held by a flange was compared with the 3D reference."
@@ -223,7 +239,7 @@ def flanged_words() -> str:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("ways of holding a nut")
     rows = [row for size in SIZES for row in rows_of(study, size)]
     shares = {held: between(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}

@@ -1,4 +1,4 @@
-"""External evidence in the report: other programs, makers' catalogues and textbooks, computed beside published values."""
+"""Page on external evidence: other programs, makers' catalogues and textbooks, computed and published values."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ STARTS = 0.01
 
 
 def summary(found: Sequence[Evidence]) -> str:
-    """How many entries come out, in one sentence."""
+    """Return how many entries come out, in one sentence."""
     judged = [e for e in found if e.printed.cls != "open"]
     good = sum(e.agrees is True for e in judged)
     of = Counter(e.verdict for e in judged)
@@ -69,7 +69,7 @@ def summary(found: Sequence[Evidence]) -> str:
 
 
 def assumed_table(study: Study) -> Table:
-    """What was inferred or chosen to run each case."""
+    """Return the assumptions of each case."""
     rows: list[dict[str, Cell]] = []
     for name, thing in study.used.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
@@ -81,7 +81,7 @@ def assumed_table(study: Study) -> Table:
 
 
 def agreement_figure(found: Sequence[Evidence]) -> Figure:
-    """Error of every number of class hard and band against the published one, by source."""
+    """Draw the error of every number of class hard and band against the published one, by source."""
     errors: dict[str, list[float]] = {}
     for e in found:
         if e.printed.cls in ("hard", "band") and e.error_percent is not None:
@@ -94,7 +94,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Catalogue sizes: name, axial load [N], rigidities [N/um] by what they count, the catalogue's among them."""
+    """Return the catalogue sizes: name, axial load [N], rigidities [N/um] by what they include, and printed."""
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
         name = external.scene_name(size)
@@ -113,14 +113,17 @@ def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | Non
 
 
 def displacement_3d(scene: Scene, found: Reference) -> float:
-    """Axial displacement [m] of the screw's section at the nut's centre in the finest run of the 3D reference."""
+    """Return the axial displacement of the screw at the nut's centre in the finest run of the 3D reference [m]."""
     line = found.best.centreline
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 
 
 def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
-    """Rigidities [N/um] of a scene with a stored 3D reference; None without one, without axial load, or where the screw is
-    displaced without loads, from where nothing of the reference counts."""
+    """Return rigidities [N/um] of a scene with a stored 3D reference.
+
+    None without one, without axial load, or where the screw is displaced without loads, from where nothing of the reference
+    counts.
+    """
     scene, found = study.scene(name), study.reference(name)
     if found is None:
         return None
@@ -148,7 +151,7 @@ def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
 def stages_table(
     study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], names: Sequence[str]
 ) -> Table:
-    """Catalogue sizes with the printed rigidity, then scenes with a 3D reference."""
+    """Return the catalogue sizes with the printed rigidity, then scenes with a 3D reference."""
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
         row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **stages, "reference": None}
@@ -183,7 +186,7 @@ def stages_table(
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("values of other programs, makers and textbooks")
     tables = [name for name in by_table() if name.startswith(PREFIX)]
     found = evidence(study, *tables)

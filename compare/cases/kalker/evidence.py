@@ -32,18 +32,21 @@ NAMES = ("C11", "C22", "C23", "C33")
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A coefficient: its key, values by grid, and the answer: extrapolated where the grids come to it from one side in
-    falling steps, in the first order of the cells, otherwise the finest grid's."""
+    """One creep coefficient on several grids."""
 
+    #: Key of the coefficient.
     key: str
+    #: Values by grid.
     values: tuple[float, ...]
+    #: Extrapolated to first order in the cell size if the values converge monotonically, else that of the finest grid.
     answer: float
+    #: Whether it is extrapolated.
     extrapolated: bool
 
 
 @lru_cache(maxsize=1)
 def coefficients() -> tuple[Coefficient, ...]:
-    """All 36 coefficients."""
+    """Return all 36 coefficients."""
     return tuple(_solved())
 
 
@@ -61,7 +64,7 @@ def _solved() -> Iterator[Coefficient]:
 
 
 def table_e3(sheet: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Kalker's coefficients for a/b of 0.2, 1, 5 and nu of 0, 0.25, 0.5."""
+    """Compute the entries of Kalker's coefficients for a/b of 0.2, 1, 5 and nu of 0, 0.25, 0.5."""
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)
         how = "extrapolated" if one.extrapolated else "the finest grid's"
@@ -103,9 +106,11 @@ RUB_REACH = 0.01
 
 @dataclass(frozen=True)
 class Proof:
-    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach; the answer, of the
-    finest grid where not said otherwise; cells of the finest grid over those of the coarsest along an axis (None: the
-    grids' errors have no order)."""
+    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach.
+
+    The answer, of the finest grid where not said otherwise; cells of the finest grid over those of the coarsest along an
+    axis (None: the grids' errors have no order).
+    """
 
     case: str
     quantity: str
@@ -127,8 +132,10 @@ class Proof:
 
     @property
     def order(self) -> float | None:
-        """Observed order of the errors from the first grid to the last; None where the last is round-off, or one is no
-        smaller than on the grid before: such errors follow where cells lie."""
+        """Observed order of the errors from the first grid to the last.
+
+        None where the last is round-off, or one is no smaller than on the grid before: such errors follow where cells lie.
+        """
         errors = np.abs(np.array(self.values) - self.exact)
         if self.finer is None or not errors[-1] > 1e-12 * abs(self.exact) or (np.diff(errors) >= 0.0).any():
             return None
@@ -137,13 +144,13 @@ class Proof:
 
 @lru_cache(maxsize=2)
 def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
-    """All known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
+    """Return all known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
     parts = (_elements, _carter, _mindlin, _full_slip, _rubbing, _kalker, _contact)
     return tuple(proof for proof_of in ((_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
-    """``AT_REST`` of the most loaded contact of two balls of a screw by the static reference with so many cells."""
+    """Return ``AT_REST`` of the most loaded contact of two balls of a screw by the static reference with so many cells."""
     at, load, material = _most_loaded()
     return _read(verification.static_reference(at, load, *material, cells))
 
@@ -242,7 +249,7 @@ def _stiff(patch: Patch, creep: verification.Creep, share: float) -> tuple[float
 
 
 def _differenced(patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]) -> tuple[float, float]:
-    """What elasticity changes on a grid, on top of the mean of the rigid limit's quadratures, as runs are put together."""
+    """Return the change by elasticity on a grid, plus the mean of the rigid limit's quadratures, as runs are combined."""
     limit, elastic, near = np.mean(limits, axis=0), _stiff(patch, creep, STIFF), _stiff(patch, creep, STIFF * NEARLY_RIGID)
     force, moment = limit + np.subtract(elastic, near)
     return float(force), float(moment)
@@ -264,8 +271,11 @@ def _kalker() -> Iterator[Proof]:
 
 
 def _contact() -> Iterator[Proof]:
-    """By its own differences to the digits printed, and by ours to the error of these: of first order, that is about what
-    half as many cells change."""
+    """Yield the comparison with CONTACT's example.
+
+    By its difference scheme to the printed digits, and by ours to the error of these: of first order, about the effect of
+    half as many cells.
+    """
     theirs = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
     ours = [example(n) for n in (16, 24, 32)]
     for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):

@@ -1,5 +1,4 @@
-"""Rolling in 3D in the report: verification, Tables 3.5 and 3.7 beside low-order and 3D, the rotary ball, runs from
-rest."""
+"""Page on rolling in 3D: verification, Tables 3.5 and 3.7 by low-order model and 3D, the rotary ball, runs from rest."""
 
 from __future__ import annotations
 
@@ -52,20 +51,25 @@ SHAPE = LEVELS[1]
 
 @dataclass(frozen=True)
 class PatchField:
-    """A contact: title, centres of cells across and along ``(n, 2)`` [m], slip over the rolling speed ``(n, 2)`` (across,
-    along), tangential traction ``(n, 2)`` [Pa], which cells stick, semi-axes across and along [m]."""
+    """Slip and traction of one contact."""
 
+    #: Title.
     title: str
+    #: Centres of cells across and along, (n, 2) [m].
     at: Array
+    #: Slip over the rolling speed across and along, (n, 2).
     slip: Array
+    #: Tangential traction across and along, (n, 2) [Pa].
     traction: Array
+    #: Whether each cell sticks.
     stick: NDArray[np.bool_]
+    #: Semi-axes across and along [m].
     semi: tuple[float, float]
 
 
 @lru_cache(maxsize=1)
 def fields() -> tuple[PatchField, ...]:
-    """The contacts of `SHOWN`, balls in touch, on half spaces."""
+    """Return the contacts of `SHOWN`, balls in touch, on half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
@@ -90,7 +94,10 @@ def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report. Runs of scenes come from the stores; the report says which are missing."""
+    """Return the section of the report.
+
+    Runs of scenes come from the stores; the report says which are missing.
+    """
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
     meshing = not gmsh_fault()
@@ -150,7 +157,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
-    """What finite bodies change, and how far that depends on the choices behind them."""
+    """Return what finite bodies change, and how far that depends on the choices behind them."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
@@ -214,7 +221,7 @@ def _beside(row: RollingRow) -> Row:
 
 
 def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
-    """Slip, and traction with the cells that stick."""
+    """Return the slip, and traction with the cells that stick."""
 
     def panel(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
         size = np.linalg.norm(what, axis=1)
@@ -261,7 +268,7 @@ def _conclusion(found: dict[str, list[RollingRow]]) -> str:
 
 
 def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[str]:
-    """The tables in words."""
+    """Return the tables in words."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]
@@ -284,7 +291,7 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
 
 
 def _pole(proof: Sequence[Proof]) -> str:
-    """What a spin pole inside a cell does, and what takes it out; nothing where that was not computed."""
+    """Return what a spin pole inside a cell does, and what takes it out; nothing where that was not computed."""
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -403,7 +410,7 @@ def _figure(series: Sequence[Series]) -> Figure:
 
 
 def _times(stores: Sequence[Path]) -> Figure | None:
-    """Error of a grid against the finest one, over its processor time."""
+    """Return the error of a grid against the finest one, over its processor time."""
     curves = []
     found = {name: [r for r in _runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
     common = most_of(r.measured for runs in found.values() for r in runs)

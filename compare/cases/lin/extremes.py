@@ -1,9 +1,9 @@
 """Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
 
 Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases. Every case is
-solved here from the solver's own start and from random ones; it must converge, balance power in and dissipation, and give
-the same answer each time. The source's method is a root of the force balance under its sigmoid from random starts: for one
-ball at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
+solved here from the solver's start and from random ones; it must converge, balance power in and dissipation, and give the
+same result each time. The source's method is a root of the force balance under its sigmoid from random starts: for one ball
+at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
 """
 
 from __future__ import annotations
@@ -62,23 +62,27 @@ OTHER = 1e-3
 
 @dataclass(frozen=True)
 class Record:
-    """One group of cases.
+    """Results of one group of cases."""
 
-    ours, tries: solutions of the solvers here that converged, and all that were tried; energy: largest relative excess of
-    power in over dissipation; spread: largest difference of the answers from several starts, relative (loss of one ball,
-    ball-to-ball forces of more); source, source_tries: roots found by the source's method and tried, None where it has no
-    such model.
-    """
-
+    #: Name of the group.
     group: str
+    #: Model.
     model: str
+    #: Number of cases.
     cases: int
+    #: Number of solutions of the solvers here that converged.
     ours: int
+    #: Number of solutions that were tried.
     tries: int
+    #: Largest relative excess of power in over dissipation.
     energy: float
+    #: Largest relative difference of the results from several starts (loss of one ball, ball-to-ball forces of several).
     spread: float
+    #: Number of roots found by the source's method; None if it has no such model.
     source: int | None = None
+    #: Number of its searches.
     source_tries: int | None = None
+    #: Remark.
     note: str = ""
 
 
@@ -99,8 +103,9 @@ class Tally:
     other: int = 0
 
     def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
-        """Count one run of the source's method (None: it found no loads) against the ball-to-ball forces found here [N];
-        bound [N].
+        """Count one run of the source's method (None: it found no loads) against the ball-to-ball forces found here [N].
+
+        Bound [N].
 
         Solved: a root whose balls neither overlap nor pull. ``other`` counts those that are not our answer.
         """
@@ -120,7 +125,7 @@ class Tally:
         self.spread = max(self.spread, apart)
 
     def record(self, group: str, model: str, note: str = "") -> Record:
-        """The group's record."""
+        """Return the group's record."""
         tried = self.source_tries or None
         if self.restarts:
             led = f"{self.direct} of {self.restarts} random starts led there by themselves"
@@ -153,13 +158,13 @@ class OneBall:
 
 
 def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
-    """Rotary bearing at an axial load [N] and a radial displacement [m]."""
+    """Return the rotary bearing at an axial load [N] and a radial displacement [m]."""
     s = solve_ball(bearing, axial, u_y, fast=True)
     return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
 def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
-    """Second ball of a pair without contact, or with contact forces (4,) [N] at the nominal angles."""
+    """Return the second ball of a pair without contact, or with contact forces (4,) [N] at the nominal angles."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:
@@ -171,7 +176,7 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPN
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
-    """Power [W] of the driven surfaces against friction (m, 3) on the ball: what drives the contacts."""
+    """Return the power [W] of the driven surfaces against friction (m, 3) on the ball: what drives the contacts."""
     return -float(np.sum(wrench * problem.drives))
 
 
@@ -194,7 +199,7 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
 
 
 def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
-    """A group of single balls; off: how far random starts are off, relative."""
+    """Return a group of single balls; off: how far random starts are off, relative."""
     rng, tally = np.random.default_rng(1), Tally()
     for ball in balls:
         try_ball(tally, ball, rng, off)
@@ -202,12 +207,12 @@ def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "",
 
 
 def screw_share(share: float) -> OneBall:
-    """Screw ball whose second diagonal bears a share of the first's load."""
+    """Return the screw ball whose second diagonal bears a share of the first's load."""
     return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
 def ball_rows() -> list[Record]:
-    """One ball at given loads."""
+    """Return one ball at given loads."""
     two, rest = radians(2.0), table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
@@ -271,7 +276,7 @@ class LinearCase:
     loads: Array
 
     def chain(self) -> Chain:
-        """Prepared for the chain solver."""
+        """Return the balls prepared for the chain solver."""
         return prepare(self.bearing, self.angles, self.loads)
 
 
@@ -283,8 +288,9 @@ def chain_group(
     most: int = 200,
     note: str = "",
 ) -> Record:
-    """Chains of the linear bearing from their own start and random ones; the source's method from starts at the same
-    distance.
+    """Return chains of the linear bearing from their own start and random ones.
+
+    The source's method from starts at the same distance.
 
     starts: random ones; most: balls up to which the source's method is tried.
     """
@@ -307,37 +313,37 @@ def chain_group(
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearCase:
-    """Linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
+    """Return a linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
 def chain_state(count: int) -> tuple[Array, Array]:
-    """Contact angles [rad] and loads [N], (N, 4), of a linear chain with deviations and side forces at random."""
+    """Return random contact angles [rad] and loads [N] of a linear chain, (N, 4), with deviations and side forces."""
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
 def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
-    """Linear chain with deviations and side forces at random, every neighbour in reach; mu of grooves and balls."""
+    """Return a linear chain with random deviations and side forces, all neighbours in reach; ``mu``: of all parts."""
     return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *chain_state(count))
 
 
 def patchy_chain(count: int, mu: float) -> LinearCase:
-    """The same with loads out of balance, none at some of the contacts: given loads, not those of a carriage."""
+    """Return the same with loads out of balance, none at some of the contacts: given loads, not those of a carriage."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
 def relieved_pair(share: float) -> LinearCase:
-    """Linear pair whose balls nearly lose a diagonal: side force ratio 1 - share."""
+    """Return a linear pair whose balls nearly lose a diagonal: side force ratio 1 - share."""
     return linear_pair(2.0, -1.0 + share)
 
 
 def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
-    """Pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
+    """Return pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
     rng, tally = np.random.default_rng(3), Tally()
     for p in pairs:
         tally.cases += 1
@@ -354,7 +360,7 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
 
 
 def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
-    """The chain of a screw from motions off by up to ``off`` and any forces, against what was found before."""
+    """Solve the chain of a screw from motions off by up to ``off`` and random forces, and compare with a known solution."""
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
     size = np.maximum(first.ball_force, NO_FORCE * bound)
     for _ in range(CHAIN_STARTS):
@@ -367,7 +373,7 @@ def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.
 
 
 def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
-    """Loads [N] and contact angles [rad], (N, 4), and slack (N,) [rad/s] at random; the chain is open at its end."""
+    """Return loads [N] and contact angles [rad], (N, 4), and slack (N,) [rad/s] at random; the chain is open at its end."""
     g, rng = table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
@@ -376,13 +382,13 @@ def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_chain(count: int) -> ScrewChain:
-    """Chain of a screw with loads, angles and gaps at random, cut open at its end."""
+    """Return the chain of a screw with loads, angles and gaps at random, cut open at its end."""
     g, (force, angle, slack) = table_3_6(), screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
 def screw_chains() -> Record:
-    """Chains of a screw of several sizes."""
+    """Return chains of a screw of several sizes."""
     rng, tally = np.random.default_rng(4), Tally()
     for count in BALLS:
         tally.cases += 1
@@ -397,7 +403,7 @@ def screw_chains() -> Record:
 
 
 def bearing_clearance() -> Record:
-    """Whole four-point bearing of Table 4.2 with clearance: loads and motions."""
+    """Return the whole four-point bearing of Table 4.2 with clearance: loads and motions."""
     tally = Tally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
@@ -407,7 +413,7 @@ def bearing_clearance() -> Record:
 
 
 def chain_rows() -> list[Record]:
-    """Pairs and chains."""
+    """Return pairs and chains."""
     two = radians(2.0)
     base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
@@ -468,7 +474,7 @@ ROOT_STARTS = 8
 
 
 def pair_extremes() -> list[tuple[str, list[Chain]]]:
-    """Groups of extreme linear pairs, each a chain ready to solve."""
+    """Return groups of extreme linear pairs, each a chain ready to solve."""
 
     def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
@@ -488,7 +494,7 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
 
 
 def pair_rows() -> list[Row]:
-    """Extreme pairs from the nominal start and from two random ones: solved, energy balance, spread of the answers."""
+    """Solve extreme pairs from the nominal start and two random ones: status, energy balance, scatter of the results."""
     rng, rows = np.random.default_rng(3), list[Row]()
     for group, chains in pair_extremes():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
@@ -513,7 +519,7 @@ def pair_rows() -> list[Row]:
 
 
 def root_rows() -> list[Row]:
-    """The source's root finding on cases I to III and least dissipation, from the same random starts."""
+    """Return the source's root finding on cases I to III and least dissipation, from the same random starts."""
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: right(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
@@ -532,7 +538,7 @@ def root_rows() -> list[Row]:
 
 
 def rows() -> list[Record]:
-    """The whole table."""
+    """Return the whole table."""
     return [*ball_rows(), *chain_rows()]
 
 
@@ -549,7 +555,7 @@ COLUMNS = (
 
 
 def by_model(tried: Sequence[Record]) -> str:
-    """How many starts the source's root finding solves, model by model, the worst first."""
+    """Return how many starts the source's root finding solves, model by model, the worst first."""
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))
@@ -559,7 +565,7 @@ def by_model(tried: Sequence[Record]) -> str:
 
 
 def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
-    """The table and what it says, for a section of the report; ``found``: rows made before."""
+    """Return the table and what it says, for a section of the report; ``found``: rows made before."""
     found = rows() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:

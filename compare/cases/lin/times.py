@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 from rollbench.compare.models.registry import MODELS, Options
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.store import here
+from rollbench.compare.reference.store import here, shipped_store
+from rollbench.compare.scenes.catalogue import case
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.reference_time import warm_seconds
-from rollbench.compare.studies.rolling.runs import LEVELS
+from rollbench.compare.studies.rolling.runs import LEVELS, load
 from rollbench.compare.studies.run_times import (
     ColdLevel,
     Kept,
@@ -47,7 +49,7 @@ CALLS = {
 
 
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
-    """All times of the page, measured now: five minutes on two quiet cores."""
+    """Return all times of the page, measured now: five minutes on two quiet cores."""
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevel] = []
     for name in STATIC.values():
@@ -78,7 +80,7 @@ class Seconds:
 
 
 def seconds(study: Study, name: str, way: str) -> Seconds:
-    """Seconds of a scene: ``lin``, ``numerical``, ``formula``, or ``3D``, from the measuring run that is kept."""
+    """Return seconds of a scene: ``lin``, ``numerical``, ``formula``, or ``3D``, from the measuring run that is kept."""
     kept = study.once(times_of, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:
@@ -88,4 +90,11 @@ def seconds(study: Study, name: str, way: str) -> Seconds:
         run = found.best
         return Seconds(older=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}")
     known = None if kept is None else kept.times.get((name, way))
-    return Seconds() if known is None else Seconds(known.cold, known.warm)
+    if known is not None:
+        return Seconds(known.cold, known.warm)
+    if way != "3D":
+        return Seconds()
+    two = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    return (
+        Seconds() if two is None else Seconds(older=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
+    )

@@ -43,14 +43,14 @@ class Compared:
     refined: Array
 
     def off(self, model: Array) -> tuple[float, float, int]:
-        """RMS and largest difference of a model from the chain, per cent of the mean load, and the ball of the largest."""
+        """Return RMS and largest difference of a model from the chain [% of the mean load], and the ball of the largest."""
         change = error_percent(model, self.axial, float(model.mean()))
         ball = int(np.abs(change).argmax())
         return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
 
 
 def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
-    """The scene with balls whose diameter is off by errors (78,) [m], under an axial load [N]."""
+    """Return the scene with balls whose diameter is off by errors (78,) [m], under an axial load [N]."""
     listed = tuple((i + 1, 0.5 * float(e)) for i, e in enumerate(errors) if e != 0.0)
     balls = replace(scene.errors.balls, listed=listed)
     force = replace(scene.loads[0], force=(0.0, 0.0, load))
@@ -58,13 +58,13 @@ def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
 
 
 def same_screw(scene: Scene) -> Row:
-    """The chain of a scene with its nut rigid, and exact contact angles."""
+    """Return the chain of a scene with its nut rigid, and exact contact angles."""
     row = row_of(scene, law="exact")
     return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
 
 
 def compare_models(study: Study) -> tuple[Compared, ...]:
-    """No errors, one ball too small or too large, and drawn screws, under both loads."""
+    """Compare the models without errors, with one ball too small or too large, and drawn screws, under both loads."""
     scene = study.scene(SCENE)
     chain = same_screw(scene).chain
     drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.balls(), HALF_RANGE)
@@ -85,22 +85,30 @@ def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array
 
 @dataclass(frozen=True)
 class Solid:
-    """One scene of the screw against its 3D reference, in per cent of the mean load: RMS and largest difference of a model,
-    with the ball of the largest, and the reference's grid uncertainty; balls that carry load in the model and in 3D."""
+    """One scene of the screw against its 3D reference, by one model."""
 
+    #: Name of the scene.
     scene: str
+    #: Title of the scene.
     title: str
+    #: Name of the model.
     model: str
+    #: RMS difference [% of the mean load].
     rms: float
+    #: Largest difference [% of the mean load].
     largest: float
+    #: Ball with the largest difference.
     ball: int
+    #: Grid uncertainty of the reference [% of the mean load].
     uncertainty: float | None
+    #: Number of loaded balls in the model.
     loaded: int
+    #: Number of loaded balls in 3D.
     loaded_in_3d: int
 
 
 def compare_solid(study: Study) -> tuple[Solid, ...]:
-    """The chain, the beam model and the refined one against 3D, on the scenes that have a stored reference."""
+    """Return the chain, the beam model and the refined one against 3D, on the scenes that have a stored reference."""
     rows = []
     for name, found in study.references(SOLID).items():
         scene, bar = study.scene(name), uncertainty_percent(found)
@@ -113,14 +121,16 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
 
 
 def axial_loads(scene: Scene) -> Array:
-    """Loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
+    """Return loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
     row, load = same_screw(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Scenes and levels of the 3D reference that a report computes afresh; they are not shipped, because they take longer
-    than the rest of a first report."""
+    """Yield scenes and levels of the 3D reference that a report computes afresh.
+
+    They are not shipped, because they take longer than the rest of a first report.
+    """
     if fresh:
         yield SOLID, SOLID_LEVELS

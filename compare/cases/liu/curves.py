@@ -1,6 +1,6 @@
-"""The figures of Liu et al. (2025) in the order of the source: its curves as computed here, and on them the
-numbers that its text prints. Of the curves themselves nothing is printed; drawn errors are others than the source's,
-which are not printed.
+"""Figures of Liu et al. (2025) in the order of the source: computed curves, with the numbers that its text prints.
+
+The curves are not printed as numbers; drawn errors differ from the source's, which are not printed.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ NO_VALUES = "The text prints no value of this figure: ours alone."
 
 
 def _errors(half_range: int, number: int = 0) -> Array:
-    """Errors [m] of one drawn screw."""
+    """Return errors [m] of one drawn screw."""
     return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.balls(), 1e-6 * half_range)[0])
 
 
@@ -61,7 +61,7 @@ def _ensemble(half_range: int) -> Ensemble:
 
 
 def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
-    """Median and central 99 % of the drawn screws over the load, in a unit."""
+    """Return the median and central 99 % of the drawn screws over the load, in a unit."""
     of = [_ensemble(half_range).of(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
@@ -75,13 +75,13 @@ def _without(value: Callable[[float], float], loads: Sequence[float] = LOADS) ->
 
 
 def _free_of_errors(force: float) -> tuple[float, float]:
-    """Displacement [um] and stiffness [1e8 N/m] without errors."""
+    """Return the displacement [um] and stiffness [1e8 N/m] without errors."""
     state = solve_chain(liu.screw(), np.zeros(liu.balls()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
 def deformation() -> Figure:
-    """Figure 11: approach of every ball with errors of +-2 um under three loads."""
+    """Draw Figure 11: approach of every ball with errors of +-2 um under three loads."""
     errors, panels = _errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _load(errors, force)
@@ -97,12 +97,12 @@ def deformation() -> Figure:
 
 
 def elongation(force: float) -> float:
-    """Stretch [um] of the screw outside the nut under a force [N]; its section is that of scene liu-screw."""
+    """Return the stretch [um] of the screw outside the nut under a force [N]; its section is that of scene liu-screw."""
     return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
 
 
 def test_curve() -> Figure:
-    """Figure 13: displacement in the test, as the model predicts it."""
+    """Draw Figure 13: displacement in the test, as the model predicts it."""
     found = _spread(3, "displacement_first_loaded", 1e-6, TEST_LOADS)
     free = [float(v) + elongation(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
     series = (
@@ -124,7 +124,7 @@ def test_curve() -> Figure:
 
 
 def test_table() -> Table:
-    """The same as numbers."""
+    """Return the values of this figure as a table."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
         moved = 1e6 * _ensemble(3).of("displacement_first_loaded", force)
@@ -149,7 +149,7 @@ def test_table() -> Table:
 
 
 def against_mei() -> Figure:
-    """Figure 14: loads of the balls by the source's model and by Mei's at 5000 N, without errors and with +-2 um."""
+    """Draw Figure 14: ball loads by the source's model and by Mei's at 5000 N, without errors and with +-2 um."""
     force, panels = liu.calibration_load(), []
     for title, errors in (("no errors", np.zeros(liu.balls())), ("±2 µm, one draw", _errors(2))):
         ours, mei = (_load(errors, force, chain) for chain in (liu.screw(), liu.mei()))
@@ -163,7 +163,7 @@ def against_mei() -> Figure:
 
 
 def one_ball() -> Figure:
-    """Figure 15: loads of the balls with one too small or too large."""
+    """Draw Figure 15: loads of the balls with one too small or too large."""
     panels = []
     for sign, words in (("minus", "a: −2 µm"), ("plus", "b: +2 µm")):
         errors, series, at, printed = liu.one_error(-2e-6 if sign == "minus" else 2e-6), [], [], []
@@ -182,7 +182,7 @@ def one_ball() -> Figure:
 
 
 def _ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Loads of the balls of one drawn screw, and the printed smallest and largest ones as lines."""
+    """Return loads of the balls of one drawn screw, and the printed smallest and largest ones as lines."""
     series = []
     for force in loads:
         series.append(_over_balls(_load(_errors(half_range), force), f"ours, {force:g} N"))
@@ -193,7 +193,7 @@ def _ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
 
 
 def loads_2() -> Figure:
-    """Figure 16: loads of the balls with errors of +-2 um."""
+    """Draw Figure 16: loads of the balls with errors of +-2 um."""
     panel = Panel("±2 µm", BALLS, "normal load / N", _ranges(2, (500.0, 1000.0, 5000.0)), zero=True)
     caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
     return Figure(
@@ -202,7 +202,7 @@ def loads_2() -> Figure:
 
 
 def loads_by_range() -> Figure:
-    """Figure 17: the same with errors of 0 to 3 um."""
+    """Draw Figure 17: the same with errors of 0 to 3 um."""
     panels = []
     for half_range, letter in enumerate("abcd"):
         title = f"{letter}: " + (f"±{half_range} µm" if half_range else "no errors")
@@ -213,7 +213,7 @@ def loads_by_range() -> Figure:
 
 
 def loaded_balls(found: dict[str, float], words: str) -> Figure:
-    """Figure 18: loaded balls over the load, with the printed counts of 4.3; words: how these compare."""
+    """Draw Figure 18: loaded balls over the load, with the printed counts of 4.3; words: how these compare."""
     panels = []
     for h in liu.RANGES:
         keys = [k for k in found if k.startswith((f"loaded_{h}_", f"unloaded_{h}_"))]
@@ -227,7 +227,7 @@ def loaded_balls(found: dict[str, float], words: str) -> Figure:
 
 
 def displacement() -> Figure:
-    """Figure 19: displacement of the nut over the load."""
+    """Draw Figure 19: displacement of the nut over the load."""
     free = _without(lambda f: _free_of_errors(f)[0])
     panels = [
         Panel(
@@ -249,7 +249,7 @@ def _printed_stiffness(found: dict[str, float], which: int | str, label: str) ->
 
 
 def stiffness(found: dict[str, float], words: str) -> Figure:
-    """Figure 20: stiffness over the load, with the printed values of 4.4; words: how these compare."""
+    """Draw Figure 20: stiffness over the load, with the printed values of 4.4; words: how these compare."""
     free, panels = _without(lambda f: _free_of_errors(f)[1]), []
     for h in liu.RANGES:
         marks = [_printed_stiffness(found, h, "printed"), _printed_stiffness(found, 0, "printed, none")]
@@ -264,7 +264,7 @@ def stiffness(found: dict[str, float], words: str) -> Figure:
 
 
 def three_sets(found: dict[str, float]) -> Figure:
-    """Figure 21: stiffness of three draws of +-2 um, and how far three draws differ."""
+    """Draw Figure 21: stiffness of three draws of +-2 um, and how far three draws differ."""
     curves = []
     for i, name in enumerate(liu.SETS):
         values = [1e-8 * solve_chain(liu.screw(), _errors(2, i), f).stiffness for f in LOADS]

@@ -64,41 +64,41 @@ UNLIKELY = 0.005
 
 
 def liu_screw() -> Scene:
-    """The screw of Table 2 and section 3.2.1; its load is that of section 4.1."""
+    """Return the screw of Table 2 and section 3.2.1; its load is that of section 4.1."""
     return catalogue.scene("liu-screw")
 
 
 @cache
 def balls() -> int:
-    """Number of its balls."""
+    """Return the number of its balls."""
     return liu_screw().ball_count
 
 
 @cache
 def printed_ratio() -> float:
-    """Q78/Q1 without errors of section 4.1: the input that the chain's compliance is calibrated to."""
+    """Return Q78/Q1 without errors (section 4.1), the input to which the chain's compliance is calibrated."""
     return value_of("liu-4.1", "ratio")
 
 
 def calibration_load() -> float:
-    """Load [N] of that ratio, section 4.1's and the scene's."""
+    """Return the load [N] of that ratio, section 4.1's and the scene's."""
     return liu_screw().loads[0].force[2]
 
 
 @cache
 def screw(law: Law = "implicit") -> Chain:
-    """The calibrated chain by a reading of the contact angle; the source's is "implicit"."""
+    """Return the calibrated chain by a reading of the contact angle; the source's is "implicit"."""
     return calibrated(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
-    """Area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that the calibration implies."""
+    """Return the area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that the calibration implies."""
     scene = liu_screw()
     return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * screw().compliance)
 
 
 def one_error(error: float) -> Array:
-    """Errors [m] with that of ball 33 only."""
+    """Return errors [m] with that of ball 33 only."""
     errors = np.zeros(balls())
     errors[32] = error
     return errors
@@ -106,23 +106,23 @@ def one_error(error: float) -> Array:
 
 @cache
 def single(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
-    """State with one error [um] at ball 33 under a load [N]."""
+    """Return the state with one error [um] at ball 33 under a load [N]."""
     return solve_chain(chain or screw(), one_error(1e-6 * error_um), load)
 
 
 @cache
 def drawn(half_range_um: int) -> Ensemble:
-    """Screws with errors within +-half_range [um], other draws for each range."""
+    """Return screws with errors within +-half_range [um], other draws for each range."""
     return solve_ensemble(screw(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um)
 
 
 def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
-    """One quantity of the drawn screws (n,)."""
+    """Return one quantity of the drawn screws (n,)."""
     return drawn(half_range_um).of(quantity, load)
 
 
 def place_in(values: Array, printed: float, half_digit: float) -> tuple[Percentile, str]:
-    """Percentile of a printed number in a sample, and the sentence that states it."""
+    """Return the percentile of a printed number in a sample, and the sentence that states it."""
     p = percentile(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = f"percentile {p.middle:.1f} ± {p.error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
@@ -138,7 +138,7 @@ LIGHT, HEAVY = 1000.0, 5000.0
 
 
 def section_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Section 2.1 and Table 2."""
+    """Compute the entries of section 2.1 and Table 2."""
     scene = liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
     mm = {"R": track.pitch_radius, "D": 2.0 * balls.radius, "P_h": track.lead, "r": scene.screw.groove_radius}
@@ -155,8 +155,10 @@ def section_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table tak
 
 
 def loosest_agreement() -> tuple[int, int, float]:
-    """Of ``FEW`` screws of +-2 um at 500 N: those with the same active set by both algorithms; most rounds of the
-    elimination; largest difference of a load over the largest load."""
+    """Return, of ``FEW`` screws of +-2 um at 500 N, those with the same active set by both algorithms.
+
+    Most rounds of the elimination; largest difference of a load over the largest load.
+    """
     errors = draw_errors(SEED, 0, FEW, balls(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
@@ -168,7 +170,7 @@ def loosest_agreement() -> tuple[int, int, float]:
 
 
 def section_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Section 3."""
+    """Compute the entries of section 3."""
     steps = max(solve_chain(screw(), x, 500.0).iterations for x in draw_errors(SEED, 0, FEW, balls(), 2e-6))
     same, rounds, worst = loosest_agreement()
     e.claim(
@@ -195,19 +197,19 @@ def section_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table tak
 
 
 def mei() -> Chain:
-    """Mei's model as the source uses it: 45 deg, the compliance of the source's own model."""
+    """Return Mei's model as the source uses it: 45 deg, the compliance of the source's own model."""
     return replace(screw(), law="constant")
 
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
+    """Return the largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
     load = solve_chain(chain, errors, calibration_load()).load
     mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
 def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Section 4.1."""
+    """Compute the entries of section 4.1."""
     load = calibration_load()
     area = 1e6 * implied_area(26.0)
     words = f"compliance of a segment {screw().compliance:.4g} m/N"
@@ -226,36 +228,36 @@ def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def ratio(error_um: float, load: float) -> float:
-    """Q78/Q1."""
+    """Return the load ratio Q78/Q1."""
     q = single(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def readings(error_um: float, load: float) -> str:
-    """Q33 by the other contact angles, each calibrated in the same way."""
+    """Describe Q33 by the other contact angles, each calibrated in the same way."""
     found = {law: single(error_um, load, screw(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def others_change(error_um: float) -> list[float]:
-    """Smallest and largest change of another ball's load against that without the error, over both loads [N]."""
+    """Return the smallest and largest change of another ball's load against that without the error, over both loads [N]."""
     change = [np.delete(single(error_um, f).load - single(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
 
 
 def error_of_load(load: float) -> float:
-    """Error of ball 33 [um] with which it carries the load [N] at 5000 N."""
+    """Return the error of ball 33 [um] with which it carries the load [N] at 5000 N."""
     return float(brentq(lambda e: single(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
 
 
 def loads_of_others() -> tuple[float, float]:
-    """Loads [N] from which another ball than 33 carries, and all do, at +2 um."""
+    """Return loads [N] from which another ball than 33 carries, and all do, at +2 um."""
     errors = one_error(2e-6)
     return (first_carrying_load(screw(), errors, 0, LIGHT), first_carrying_load(screw(), errors, balls() - 1, LIGHT))
 
 
 def section_4_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Section 4.2."""
+    """Compute the entries of section 4.2."""
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
             q = float(single(error, load).load[32])
@@ -299,7 +301,7 @@ SETS = "abc"
 
 
 def sample_of(key: str) -> Array:
-    """Sample behind an entry named quantity_range_load, in its printed unit."""
+    """Return the sample behind an entry named quantity_range_load, in its printed unit."""
     name, which, load = key.removesuffix("_again").split("_")
     values = drawn_sample(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
@@ -308,7 +310,7 @@ def sample_of(key: str) -> Array:
 
 
 def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
-    """How many balls are loaded at 1000 N where about as many as printed are at 500 N, in words."""
+    """Return how many balls are loaded at 1000 N where about as many as printed are at 500 N, in words."""
     first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
@@ -325,19 +327,19 @@ def placed(e: Sheet, key: str, *remarks: str) -> None:
 
 
 def share(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Whether an event is likely enough, and its probability in words."""
+    """Return whether an event is likely enough, and its probability in words."""
     p = float(np.mean(mask))
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 
 
 def falling(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether a quantity falls from range to range, screw i of each range beside the others'."""
+    """Return whether a quantity falls from range to range of the errors, screw by screw."""
     a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
 def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Section 4.3."""
+    """Compute the entries of section 4.3."""
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
             placed(e, row.key)
@@ -365,7 +367,7 @@ def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def _curves(e: Sheet) -> None:
-    """Claims on the curves of displacement over load, on medians."""
+    """Compute the claims on the curves of displacement over load, on medians."""
     loads = np.array(LOADS[1])
     curve = np.array([[np.median(drawn_sample(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
@@ -378,20 +380,20 @@ def _curves(e: Sheet) -> None:
 
 
 def spreads(load: float) -> Array:
-    """Range of the stiffness of three drawn screws of +-2 um [1e8 N/m]."""
+    """Return the range of the stiffness of three drawn screws of +-2 um [1e8 N/m]."""
     values = 1e-8 * drawn_sample(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
 def relative_to_none(key: str, printed: float, reference: float) -> str:
-    """Percentile of a stiffness over that without errors: an offset of the contact stiffness drops out."""
+    """Return the percentile of a stiffness over that without errors: an offset of the contact stiffness drops out."""
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = drawn_sample(h, "stiffness", load) / solve_chain(screw(), np.zeros(balls()), load).stiffness
     return "over the value without errors: " + place_in(ratio, printed / reference, 0.0)[1]
 
 
 def secant(load: float, step: float) -> float:
-    """Stiffness (22) without errors [1e8 N/m] from a load on, by a step of load [N]; 0: the tangent."""
+    """Return the stiffness (22) without errors [1e8 N/m] from a load on, by a step of load [N]; 0: the tangent."""
     chain, zero = screw(), np.zeros(balls())
     if step == 0.0:
         return 1e-8 * solve_chain(chain, zero, load).stiffness
@@ -401,7 +403,7 @@ def secant(load: float, step: float) -> float:
 
 @cache
 def secants(half_range_um: int, load: float, share: float) -> Array:
-    """The same of drawn screws, by a step that is a share of the load."""
+    """Return the same of drawn screws, by a step that is a share of the load."""
     if share == 0.0:
         return 1e-8 * drawn_sample(half_range_um, "stiffness", load)
     ends = [load, (1.0 + share) * load]
@@ -411,8 +413,10 @@ def secants(half_range_um: int, load: float, share: float) -> Array:
 
 
 def stiffness_comes_out(row: Printed, share: float) -> bool:
-    """Whether a printed stiffness is among those of the drawn screws by a step that is a share of the load; without errors:
-    within the per cent to which the model has the source's other results."""
+    """Return whether a printed stiffness is among those of the drawn screws by a step that is a share of the load.
+
+    Without errors: within the per cent to which the model has the source's other results.
+    """
     _, which, load = row.key.split("_")
     assert row.value is not None
     if which == "0":
@@ -422,7 +426,7 @@ def stiffness_comes_out(row: Printed, share: float) -> bool:
 
 
 def by_step(rows: Sequence[Printed]) -> str:
-    """How many printed stiffnesses come out with the tangent, and by a step of load, in words."""
+    """Return how many printed stiffnesses come out with the tangent, and by a step of load, in words."""
     counts = [sum(stiffness_comes_out(row, share) for row in rows) for share in (0.0, STEP)]
     return (
         f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "
@@ -431,7 +435,7 @@ def by_step(rows: Sequence[Printed]) -> str:
 
 
 def section_4_4(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Section 4.4."""
+    """Compute the entries of section 4.4."""
     bare, printed_K = e.printed("K_0_3000"), [f.printed for f in e.evidence() if f.printed.key.startswith("K_")]
     for row in printed_K:
         if row.value is not None and row.key != "K_0_3000":
@@ -453,7 +457,7 @@ def section_4_4(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def _claims(e: Sheet) -> None:
-    """Claims of section 4.4."""
+    """Compute the claims of section 4.4."""
     s = {load: spreads(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *share((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
     percent = 100.0 * s[100.0] / (1e-8 * np.median(drawn_sample(2, "stiffness", 100.0)))

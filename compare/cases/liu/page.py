@@ -42,7 +42,7 @@ ABOUT = (
 
 
 def counts_in_words(found: dict[str, float]) -> str:
-    """How many printed counts of loaded balls lie within what most draws span, and which do not."""
+    """Return how many printed counts of loaded balls lie within what most draws span, and which do not."""
     total, out = 0, []
     for key, value in found.items():
         parts = re.fullmatch(r"(un)?loaded_(\d)_(\d+)(_again)?", key)
@@ -60,7 +60,7 @@ def counts_in_words(found: dict[str, float]) -> str:
 
 
 def stiffness_in_words(found: dict[str, float]) -> str:
-    """How far printed stiffness lies from the median of the draws where all balls of most draws carry load."""
+    """Return how far a printed stiffness lies from the median of the draws where all balls of most draws carry load."""
     off = []
     for key, value in found.items():
         parts = re.fullmatch(r"K_(\d)_(\d+)", key)
@@ -73,7 +73,7 @@ def stiffness_in_words(found: dict[str, float]) -> str:
 
 
 def bodies_table(study: Study) -> Table:
-    """The same screws and errors by the chain, the beam model and the refined one."""
+    """Return the same screws and errors by the chain, the beam model and the refined one."""
     rows: list[Row] = []
     for c in study.once(bodies.compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
@@ -98,7 +98,7 @@ def bodies_table(study: Study) -> Table:
 
 
 def solid_table(study: Study) -> Table:
-    """The same screw in 3D, the low-order models beside it."""
+    """Return the same screw in 3D and by the low-order models."""
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {
@@ -124,7 +124,7 @@ def solid_table(study: Study) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Sections of the report."""
+    """Return the sections of the report."""
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}

@@ -34,8 +34,10 @@ TORQUE = 4.0 / 3.0
 
 @cache
 def over_pair(name: str) -> tuple[float, float, float]:
-    """Preload, tangent rigidity and starting torque of a set over those of a pair of the same bearings, ground to the same
-    gaps, at a constant contact angle."""
+    """Return preload, tangent rigidity and starting torque of a set over those of a pair of the same bearings.
+
+    Ground to the same gaps, at a constant contact angle.
+    """
     one = PointRow()
 
     def of(name: str) -> Array:
@@ -57,7 +59,10 @@ OF_SETS = (
 
 
 def sets() -> Iterator[Outside]:
-    """Every set from the pair of the same bearings and preload class; the pair of one class from that of the other."""
+    """Yield every set from the pair of the same bearings and preload class.
+
+    The pair of one class from that of the other.
+    """
     for source in tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
@@ -96,7 +101,7 @@ def _ring() -> Scene:
 
 
 def ring(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
-    """One row of balls as a scene: diameters of ball and pitch circle [m], contact angle [rad], groove radius over ball."""
+    """Return a row of balls as a scene, from diameters of ball and pitch circle [m], contact angle [rad] and conformity."""
     one = _ring()
     groove = conformity * ball
     return replace(
@@ -115,7 +120,7 @@ FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
 
 @cache
 def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
-    """C over Z^(2/3) D^1.8 and C_0 over Z D^2 [N, m] by ISO 281 and ISO 76 at a contact angle [rad], over D/d_m."""
+    """Return C over Z^(2/3) D^1.8 and C_0 over Z D^2 [N, m] by ISO 281 and ISO 76, over D/d_m."""
     rings = [ring(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
     dynamic = [rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
@@ -124,8 +129,10 @@ def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
 
 
 def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
-    """Number and diameter [m] of the balls of a row whose ratings are C and C_0 [N] by ISO 281 and ISO 76, pitch diameter
-    [m], contact angle [rad]; the number is left a fraction."""
+    """Return number (a fraction) and diameter [m] of the balls of a row whose ratings are C and C_0 [N].
+
+    By ISO 281 and ISO 76, with pitch diameter [m] and contact angle [rad].
+    """
     of_dynamic, of_static = factors(angle)
 
     def count(ball: float) -> float:
@@ -145,11 +152,10 @@ def _middle(row: Mapping[str, str]) -> float:
 
 
 def ball_bearings() -> Iterator[Outside]:
-    """Axial clearance of a preloaded pair under a known load, 2 (u(measuring load) - u(preload)) of bearings whose contact
-    angle turns; rigidity at the lighter preloads; factor f_0.
+    """Yield clearance, rigidity at lighter preloads, and factor f_0 of ball bearings.
 
-    Balls from the ratings; the conformity of each bearing from its rigidity at the heavy preload, so that neither its other
-    rigidities nor its clearances have been used. The band: that rigidity, preload and clearance rounded.
+    The axial clearance of a preloaded pair under a known load is 2 (u(measuring load) - u(preload)), with contact angles
+    that change.
     """
     source = table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
@@ -184,9 +190,11 @@ def ball_bearings() -> Iterator[Outside]:
 def _of_bearing(
     source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
-    """Clearances and rigidities of a bearing; forces (p,) [N]; moved (3, p + 1) [um]: at these and under the measuring
-    load,
-    rigid (3, p) [N/um]: for the rigidity at the heavy preload as printed and at the ends of its rounding."""
+    """Yield clearances and rigidities of a bearing; forces (p,) [N].
+
+    moved (3, p + 1) [um]: at these and under the measuring load, rigid (3, p) [N/um]: for the rigidity at the heavy preload
+    as printed and at the ends of its rounding.
+    """
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(rows):
         share = half_step(row["preload_N"]) / forces[i]
@@ -213,15 +221,17 @@ def _of_bearing(
 
 
 def _factor(source: Table, row: Mapping[str, str], factor: float) -> Outside:
-    """Factor f_0, which is printed beside C and C_0; both ratings rounded."""
+    """Return the factor f_0, which is printed with C and C_0; both ratings rounded."""
     off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
     return of_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
 
 
 def frozen_pairs() -> Iterator[Outside]:
-    """Rigidity of pairs whose balls are printed, tangent at the preload, from Hertz contacts whose angle turns. What is
-    printed is the catalogue's own formula, and not judged."""
+    """Yield the rigidity of pairs whose balls are printed, tangent at the preload, from Hertz contacts whose angle turns.
+
+    What is printed is the catalogue's own formula, and not judged.
+    """
     source = table("snfa-angular")
 
     def read(key: str, factor: float = 1.0) -> Array:
@@ -238,7 +248,7 @@ def frozen_pairs() -> Iterator[Outside]:
 
 
 def printed_balls() -> Iterator[Outside]:
-    """C and C_0 of bearings whose balls are printed.
+    """Yield C and C_0 of bearings whose balls are printed.
 
     Band of ratings: pitch diameter within 2 % of the middle of bore and outside diameter, ball diameter rounded.
     """

@@ -51,8 +51,7 @@ def _base() -> Scene:
 
 @dataclass(frozen=True)
 class Nut:
-    """A nut of a catalogue, lengths in m: ball, pitch diameter, lead, turns of all circuits, whether they are of one
-    turn."""
+    """A nut of a catalogue, lengths in m."""
 
     ball: float
     pitch: float
@@ -72,7 +71,7 @@ class Nut:
 
 
 def one_turn(nut: Nut, conformity: float) -> Scene:
-    """One turn of a nut's balls, as many as touch."""
+    """Return one turn of a nut's balls, as many as touch."""
     one, groove = _base(), conformity * nut.ball
     balls = max(1, round(nut.touching))
     outside = nut.pitch + (1.0 + 2.0 * WALL) * nut.ball
@@ -86,14 +85,14 @@ def one_turn(nut: Nut, conformity: float) -> Scene:
 
 
 def of_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, float]:
-    """C and C_0 [N] by ISO 3408-5: of one turn, with the balls and turns that there are."""
+    """Return C and C_0 [N] by ISO 3408-5: of one turn, with the balls and turns that there are."""
     one = one_turn(nut, conformity)
     share = filling * nut.touching / one.ball_count
     return rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
 
 def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
-    """Axial displacement [m] of a nut without preload: equal balls, and the widening of nut and screw as thick tubes."""
+    """Return the axial displacement of a nut without preload [m]: equal balls, nut and screw as thick tubes."""
     one = one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, slope_of(one)
     each = load / (filling * nut.touching * nut.turns * slope)
@@ -105,8 +104,10 @@ def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bo
 
 
 def turns_printed(row: Mapping[str, str]) -> tuple[float, bool]:
-    """Turns of all circuits of a row, and whether each circuit is of one turn: ``4`` of ``T4`` or ``K4``, ``2x2.5`` whose
-    sign may be lost, circuits and turns apart, ``1,2x4`` of several starts."""
+    """Return the turns of all circuits of a row, and whether each circuit has one turn.
+
+    ``4`` of ``T4`` or ``K4``, ``2x2.5`` whose sign may be lost, circuits and turns separately, ``1,2x4`` of several starts.
+    """
     circuits, turns = row["circuits"], row["turns"].replace(",", ".")
     if "of the name" in turns:
         return float(circuits), turns.startswith("T")
@@ -121,8 +122,11 @@ def turns_printed(row: Mapping[str, str]) -> tuple[float, bool]:
 
 
 def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
-    """The nut of a row; a ball that is not printed is the one in stock that fits pitch and root diameter, a pitch circle
-    that is not printed lies as usual beyond the nominal diameter."""
+    """Return the nut of a row.
+
+    A ball that is not printed is the one in stock that fits pitch and root diameter, a pitch circle that is not printed
+    lies as usual beyond the nominal diameter.
+    """
     pitch = source.number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
     if row["ball_mm"]:
         ball = source.number(row["ball_mm"])
@@ -135,7 +139,7 @@ def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
 
 
 def family(source: Table, row: Mapping[str, str]) -> str:
-    """Maker, with what tells apart nuts that he rates by different rules."""
+    """Return the maker, with what tells apart nuts that he rates by different rules."""
     maker = source.head["maker"]
     if maker == "HIWIN":
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
@@ -148,7 +152,7 @@ def family(source: Table, row: Mapping[str, str]) -> str:
 
 
 def nut_ratings() -> Iterator[Outside]:
-    """C and C_0 of nuts whose balls are printed; band: usual conformities and fillings."""
+    """Yield C and C_0 of nuts whose balls are printed; band: usual conformities and fillings."""
     for source in tables("nuts-"):
         for row in source.rows:
             if not row["ball_mm"]:
@@ -162,13 +166,16 @@ def nut_ratings() -> Iterator[Outside]:
 
 
 def share_of_balls(nut: Nut, static: float) -> float:
-    """Share of the balls that touch on which a maker's C_0 [N] rests, by ISO 3408-5 at the middle conformity."""
+    """Return the share of the balls that touch on which a maker's C_0 [N] rests, by ISO 3408-5 at the middle conformity."""
     return static / of_ratings(nut, CONFORMITY, 1.0)[1]
 
 
 def nut_rigidity() -> Iterator[Outside]:
-    """Rigidity of nuts under 0.3 C: secants without preload, and from the preload of 0.1 C on. Contacts and tubes; as many
-    balls as the maker's own C_0 rests on, so that nothing is free but the band of conformities and 5 % of the balls."""
+    """Yield the rigidity of nuts under 0.3 C: secants without preload, and from the preload of 0.1 C on.
+
+    Contacts and tubes; as many balls as the maker's own C_0 rests on, so that nothing is free but the band of conformities
+    and 5 % of the balls.
+    """
     for source in tables("nuts-"):
         for row in source.rows:
             if not row.get("rigidity"):
@@ -193,8 +200,10 @@ def nut_rigidity() -> Iterator[Outside]:
 
 
 def preloaded_nuts() -> Iterator[Outside]:
-    """Rigidity of preloaded nuts at several preloads: that at the highest from contacts, the others by the cube root of the
-    preload from it."""
+    """Yield the rigidity of preloaded nuts at several preloads.
+
+    At the highest from contacts, at the others from it by the cube root of the preload.
+    """
     source = table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
     for row in source.rows:
@@ -235,7 +244,7 @@ FEW = 8
 
 
 def _few(nut: Nut) -> Scene:
-    """A turn of a nut with few balls, held at its ends."""
+    """Return a turn of a nut with few balls, held at its ends."""
     one = one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
@@ -250,8 +259,10 @@ def _few(nut: Nut) -> Scene:
 
 @cache
 def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) -> float:
-    """Drag torque [N m] of one ball whose share of the axial preload is ``share`` [N]: pressed on four flanks by its size,
-    or twice that of a ball on two flanks, as the two nuts of a double nut have it."""
+    """Return the drag torque of one ball with a ``share`` [N] of the axial preload [N m].
+
+    Pressed on four flanks by its size, or twice that of a ball on two flanks, as in a double nut.
+    """
     scene = _few(nut)
     if double:
         loaded = replace(scene, loads=(Load(0.0, (0.0, 0.0, share * FEW)),))
@@ -264,7 +275,10 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
 
 
 def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
-    """Drag torque [N m] of a nut under a preload [N], of each nut of a double nut; all its turns filled with balls."""
+    """Return the drag torque [N m] of a nut under a preload [N], of each nut of a double nut.
+
+    All its turns filled with balls.
+    """
     balls = nut.touching * nut.turns
     return balls * torque_of_ball(nut, preload / balls, coefficient, double=double)
 
@@ -273,17 +287,17 @@ def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, doubl
 
 
 def by_diameter(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """T = 0.0100 F d_0 [N m], what Rexroth's table of single nuts obeys."""
+    """Return T = 0.0100 F d_0 [N m], what Rexroth's table of single nuts obeys."""
     return 0.01 * preload * diameter
 
 
 def by_slope(preload: float, diameter: float, lead: float) -> float:
-    """T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] (THK; JIS B 1192), beta the lead angle."""
+    """Return T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] (THK; JIS B 1192), beta the lead angle."""
     return 0.05 / sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
 
 
 def by_lead(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """T = K_p F P/(2 pi) [N m], K_p of 0.2 in the middle of what HIWIN states."""
+    """Return T = K_p F P/(2 pi) [N m], K_p of 0.2 in the middle of what HIWIN states."""
     return 0.2 * preload * lead / (2.0 * pi)
 
 
@@ -296,8 +310,7 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class Drag:
-    """Drag torque over preload times nominal diameter of a size: of a single and of a double nut by the sliding of the
-    balls, of both at the least coefficient, and by the formulas."""
+    """Drag torque over preload times nominal diameter, of one size."""
 
     diameter: float
     lead: float
@@ -313,12 +326,12 @@ SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 
 def size(lead: float) -> Nut:
-    """One turn of the nut that is swept, at a lead [m]."""
+    """Return one turn of the nut that is swept, at a lead [m]."""
     return Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
 
 
 def sweep() -> list[Drag]:
-    """The same balls under the same preload over the lead."""
+    """Return the same balls under the same preload over the lead."""
     rows = []
     for lead in SWEPT[1]:
         nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]
@@ -329,12 +342,12 @@ def sweep() -> list[Drag]:
 
 
 def order(values: list[float], over: list[float]) -> float:
-    """Exponent of a power law through values."""
+    """Return the exponent of a power law through values."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
 
 def printed_torques() -> Iterator[Outside]:
-    """Rexroth's ranges of drag torque: their middle is a formula, so that none is judged."""
+    """Yield Rexroth's ranges of drag torque: their middle is a formula, so that none is judged."""
     source = table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
@@ -356,8 +369,11 @@ MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0
 
 
 def measured_band() -> Band:
-    """Drag torque [N m] of the measured screws at the default coefficient: the middle size as a double nut, and the least
-    and largest of all sizes, single and double; turns from C, the ball the largest in stock for the lead."""
+    """Return the drag torque of the measured screws at the default coefficient [N m].
+
+    The middle size as a double nut, and smallest and largest value of all sizes, single and double; turns from C, the ball
+    the largest in stock for the lead.
+    """
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
     found = {}
     for outer in DIAMETERS:
@@ -369,7 +385,10 @@ def measured_band() -> Band:
 
 
 def measured() -> Iterator[Outside]:
-    """Mean friction torque of two screws over their wear: new and at the end of the run; those between are one run."""
+    """Yield the mean friction torque of two screws over their wear: new and at the end of the run.
+
+    Those between are one run.
+    """
     source = table("xjtu-torque")
     band = measured_band()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}

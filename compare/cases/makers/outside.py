@@ -30,13 +30,13 @@ class Band(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
-        """The first of several, from the least to the greatest of them, each end further by a slack."""
+        """Return the first of several, from the least to the greatest of them, each end further by a slack."""
         every = [float(x) for x in values]
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
     def within(cls, value: float, share: float) -> Band:
-        """A value within a share of it."""
+        """Return a value within a share of it."""
         return cls.of((value,), abs(value) * share)
 
 
@@ -93,8 +93,11 @@ def of_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """The number in a column of a printed row, whose line stands in another; what: quantity, law, item and unit; others:
-    further fields of the record, also maker and rounding where they are not the table's. A known misprint is not judged."""
+    """Return the number in a column of a printed row, whose line stands in another; what: quantity, law, item and unit.
+
+    others: further fields of the record, also maker and rounding where they are not the table's. A known misprint is not
+    judged.
+    """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
     if source.misprinted(f"{item} {quantity}"):
@@ -115,8 +118,7 @@ def of_row(
 
 @dataclass(frozen=True)
 class Standing:
-    """Outside values of one kind: number that counts, mean and standard deviation of the errors [%], how many lie in their
-    bands, median width of the bands over the computed value [%], mean error [%] after the maker's practice."""
+    """Statistics of the computed values against those of one kind that others print or measure."""
 
     number: int
     bias: float
@@ -127,7 +129,7 @@ class Standing:
 
 
 def standing(found: Sequence[Outside]) -> Standing | None:
-    """Bias and scatter of those that count; None where none does."""
+    """Return bias and scatter of those that count; None where none does."""
     judged = [x for x in found if not x.left]
     if not judged:
         return None
@@ -140,7 +142,7 @@ def standing(found: Sequence[Outside]) -> Standing | None:
 
 
 def grouped(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Values by some of their fields, in the order of their first."""
+    """Return values by some of their fields, in the order of their first."""
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
         groups.setdefault(tuple(getattr(one, key) for key in keys), []).append(one)
@@ -155,13 +157,13 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
 def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Number of outside values, bias and scatter, by quantity."""
+    """Return the number of outside values, bias and scatter, by quantity."""
     rows = {key: standing(values) for (key,), values in grouped(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
 def summary(found: Sequence[Outside]) -> Table:
-    """One row for each quantity, law and maker."""
+    """Return one row for each quantity, law and maker."""
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in grouped(found, "quantity", "law", "group").items():
@@ -195,7 +197,7 @@ def summary(found: Sequence[Outside]) -> Table:
 
 
 def every(found: Sequence[Outside]) -> Table:
-    """All values, one a row."""
+    """Return all values, one a row."""
     rows: list[dict[Quantity | str, Cell]] = [
         {
             "quantity": x.quantity,
@@ -244,6 +246,7 @@ QUANTITIES = {
     "balls": "contact load",
     "N/um": "rigidity",
     "N mm": "contact patch",
+    "1e6 rev": "life",
 }
 
 #: Entries whose unit says something else.
@@ -251,7 +254,7 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 
 
 def printed_elsewhere(study: Study) -> Iterator[Outside]:
-    """Every number of the tables in `PRINTED` that is computed; open ones are not judged."""
+    """Yield every number of the tables in `PRINTED` that is computed; open ones are not judged."""
     for name, (maker, cls) in PRINTED.items():
         if name not in by_table():
             continue
@@ -278,8 +281,10 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
 
 
 def calculix(study: Study) -> Iterator[Outside]:
-    """Contact loads of the 3D reference beside those of CalculiX, extrapolated, both with their uncertainties; errors
-    in per cent of the mean load."""
+    """Yield the contact loads of the 3D reference and of CalculiX, extrapolated, with their uncertainties.
+
+    Errors in per cent of the mean load.
+    """
     from rollbench.compare.studies.crosscheck.results import contact_rows, load, path_of, shipped
     from rollbench.compare.studies.crosscheck.study import STUDIES
 

@@ -31,7 +31,7 @@ LAWS = (
 
 
 def outside_values(study: Study) -> tuple[outside.Outside, ...]:
-    """Every outside value, by quantity."""
+    """Return every outside value, by quantity."""
     return study.once(_computed)
 
 
@@ -42,7 +42,7 @@ def _computed(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Number of outside values, bias and scatter, by quantity: columns for the first page's table."""
+    """Return the number of outside values, bias and scatter, by quantity: columns for the first page's table."""
     return outside.by_quantity(outside_values(study))
 
 
@@ -54,13 +54,13 @@ def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: s
 
 
 def _clearances_off(found: Sequence[outside.Outside]) -> Array:
-    """Computed less printed clearances [um]."""
+    """Return the computed less printed clearances [um]."""
     clearances = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in clearances])
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """How many values there are, and how far the computed ones lie off where nothing is free."""
+    """Return how many values there are, and how far the computed ones lie off where nothing is free."""
     judged = [x for x in found if not x.left]
     clear = _of(found, "displacement", "bearing whose angle turns")
     off = _clearances_off(found)
@@ -78,7 +78,7 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
 
 
 def clearances(found: Sequence[outside.Outside]) -> str:
-    """How NSK's clearances and rigidities are defined, as far as computed values show."""
+    """Return how NSK's clearances and rigidities are defined, as far as computed values show."""
     stiff = _of(found, "rigidity", "bearing whose angle turns")
     off = _clearances_off(found)
     return (
@@ -90,7 +90,7 @@ def clearances(found: Sequence[outside.Outside]) -> str:
 
 
 def why_softer(found: Sequence[outside.Outside]) -> str:
-    """What explains that printed rigidities of nuts are below the computed ones, and what does not."""
+    """Return what explains that printed rigidities of nuts are below the computed ones, and what does not."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
     rest = outside.grouped(most, "maker")
@@ -113,7 +113,7 @@ def why_softer(found: Sequence[outside.Outside]) -> str:
 
 
 def balls_counted(found: Sequence[outside.Outside]) -> str:
-    """Number of loaded balls that the ratings imply."""
+    """Return the number of loaded balls that the ratings imply."""
     shares = dict[str, list[tuple[float, float]]]()
     for source in tables("nuts-"):
         for row in source.rows:
@@ -139,7 +139,7 @@ def balls_counted(found: Sequence[outside.Outside]) -> str:
 
 
 def drag(found: Sequence[outside.Outside]) -> str:
-    """Which of the makers' formulas agrees with sliding balls, and the measured screws."""
+    """Return which of the makers' formulas agrees with sliding balls, and the measured screws."""
     rows = nuts.sweep()
     leads = [r.lead for r in rows]
     sliding = [nuts.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
@@ -170,7 +170,7 @@ def drag(found: Sequence[outside.Outside]) -> str:
 
 
 def sweep_table() -> Table:
-    """Drag torque over preload times nominal diameter, over the lead."""
+    """Return the drag torque over preload times nominal diameter, over the lead."""
     rows: list[dict[Quantity | str, Cell]] = []
     for one in nuts.sweep():
         row: dict[Quantity | str, Cell] = {
@@ -189,7 +189,7 @@ def sweep_table() -> Table:
 
 
 def figure(found: Sequence[outside.Outside]) -> Figure:
-    """Computed over printed value, by maker, for what has no band of percents."""
+    """Draw the computed over printed value, by maker, for what has no band of percents."""
     series = []
     for (quantity,), values in outside.grouped([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:
@@ -200,7 +200,7 @@ def figure(found: Sequence[outside.Outside]) -> Figure:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("outside values")
     found = outside_values(study)
     items = (

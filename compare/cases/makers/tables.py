@@ -23,22 +23,22 @@ class Table:
     rows: tuple[Mapping[str, str], ...]
 
     def number(self, text: str) -> float:
-        """A printed number: blanks between thousands, and the table's signs for decimals and thousands."""
+        """Return a printed number: blanks between thousands, and the table's signs for decimals and thousands."""
         plain = re.sub(r"[\s\u00a0]", "", text).replace(self.head.get("thousands", " "), "")
         return float(plain.replace(self.head.get("decimal", "."), "."))
 
     def unit(self, key: str) -> float:
-        """Factor from the table's unit of load or rigidity to SI."""
+        """Return the factor from the table's unit of load or rigidity to SI."""
         return UNITS[self.head[key]]
 
     def misprinted(self, what: str) -> bool:
-        """Whether an entry, or its whole row, is among the known misprints."""
+        """Return whether an entry, or its whole row, is among the known misprints."""
         return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
 
 
 @cache
 def table(name: str) -> Table:
-    """The file ``tables/NAME.csv``, read once."""
+    """Return the file ``tables/NAME.csv``, read once."""
     lines = (FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
     remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
     body = csv.DictReader(line for line in lines if not line.startswith("#"))
@@ -46,12 +46,12 @@ def table(name: str) -> Table:
 
 
 def tables(prefix: str) -> list[Table]:
-    """All files whose name begins so, sorted."""
+    """Return all files whose name begins so, sorted."""
     return [table(path.stem) for path in sorted(FOLDER.glob(f"{prefix}*.csv"))]
 
 
 def half_step(text: str) -> float:
-    """Half a step of the last digit that is printed other than zero: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
+    """Return half a step of the last digit that is printed other than zero: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
     plain = "".join(text.split()).replace(",", ".").lstrip("+-")
     places = len(plain.partition(".")[2])
     zeros = 0 if places else len(plain) - len(plain.rstrip("0"))

@@ -43,7 +43,7 @@ ABOUT = (
 
 
 def parameters_figure() -> Figure:
-    """Table 2-1 as curves (the source's Figure 2-8), and how far it and the fits 2.18, 2.25 and 2.26 are off."""
+    """Draw Table 2-1 as curves (the source's Figure 2-8), and how far it and the fits 2.18, 2.25 and 2.26 are off."""
     at = np.linspace(0.0, 0.9999, 200)
     exact = np.array([contact_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
@@ -74,7 +74,7 @@ def parameters_figure() -> Figure:
 
 
 def stiffness_panel(found: Sequence[Evidence]) -> Panel:
-    """Stiffness of one bearing over its thrust: right, as printed, tested."""
+    """Return the stiffness of one bearing over its thrust: right, as printed, tested."""
     loads = np.linspace(100.0, 3000.0, 30)
     tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
@@ -94,7 +94,7 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def axis_panel(found: Sequence[Evidence]) -> Panel:
-    """Stiffness of the axis over the nut's position: fixed-fixed and fixed-supported, and the sum in series."""
+    """Return the stiffness of the axis over the nut's position: fixed-fixed and fixed-supported, and the sum in series."""
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
     unit = 1e6 * bearings.POUND_PER_INCH
@@ -111,7 +111,7 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def figure(found: Sequence[Evidence]) -> Figure:
-    """Stiffness of bearings and axis."""
+    """Draw the stiffness of bearings and axis."""
     sums = [f for kind in axis.KINDS for f in found if f.printed.key == f"total_{kind}"]
     stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
@@ -125,7 +125,7 @@ def figure(found: Sequence[Evidence]) -> Figure:
 
 
 def loads_figure(found: Sequence[Evidence]) -> Figure:
-    """Loads of the rows of 4.2 from end to end: printed, by equilibrium."""
+    """Draw loads of the rows of 4.2 from end to end: printed, by equilibrium."""
     panels = []
     for kind, words in (("ball", "ball bearings"), ("taper", "tapered roller bearings")):
         series, names = [], []
@@ -154,7 +154,7 @@ LAYOUT_NOTE = (
 
 
 def layout_table(study: Study) -> Table:
-    """Layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
+    """Return layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
     for layout, place, scene, closed in axis.every_place(study):
@@ -179,7 +179,7 @@ def layout_table(study: Study) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Sections of the report."""
+    """Return the sections of the report."""
     step("support bearings and axis")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}

@@ -1,1 +1,1 @@
-"""Keys and records of the scenes that only friction solves."""
+"""Keys and records of the kinds of scenes that only friction is computed for."""

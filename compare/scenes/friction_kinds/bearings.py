@@ -1,6 +1,6 @@
 """Kinds of scenes of bearings: "bearing ball", "bearing pair" (Lin 3.2, 4.3.1), "linear pair", "linear chain" (Lin 3.3).
 
-One ball; a four-point bearing against a double-row one; balls of a linear bearing in reach of each other.
+One ball of a bearing; a four-point and a double-row bearing; balls of a linear bearing that may touch.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class BearingBallScene(KindScene):
 
 
 def ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
-    """Contradictory choices and bodies that the model cannot treat."""
+    """Yield faults of contradictory keys, and of bodies that the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.body_faults(keys, ring=True)]
     yield from wrong
     if wrong:
@@ -106,7 +106,7 @@ def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
 
 
 def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
-    """The scene of faultless keys."""
+    """Return the scene of validated keys."""
     f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
@@ -201,7 +201,7 @@ class BearingPairScene(KindScene):
 
 
 def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
-    """Contradictory choices and bodies that the model cannot treat."""
+    """Yield faults of contradictory keys, and of bodies that the model does not cover."""
     wrong = list(common.material_faults(keys.material))
     yield from wrong
     if wrong:
@@ -244,7 +244,7 @@ def _bearing(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
 
 
 def pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
-    """The scene of faultless keys."""
+    """Return the scene of validated keys."""
     four, double = (_bearing(keys, b) for b in (keys.four_point, keys.double_row))
     return BearingPairScene(*head_of(keys, name), four, double, np.array(keys.load.angles))
 
@@ -343,7 +343,7 @@ class LinearScene(KindScene):
 
 @dataclass(frozen=True)
 class LinearPairScene(LinearScene):
-    """Two balls whose bottom contact angles are off by ``deviation`` [rad]."""
+    """Two balls whose bottom contact angles deviate by ``deviation`` [rad]."""
 
     kind: ClassVar[str] = "linear pair"
     deviation: float
@@ -360,7 +360,7 @@ class LinearChainScene(LinearScene):
 
 
 def faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
-    """Contradictory choices and bodies that the model cannot treat."""
+    """Yield faults of contradictory keys, and of bodies that the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.groove_faults(keys.grooves, keys.balls, "grooves")]
     yield from wrong or _linear_faults(keys)
 
@@ -387,7 +387,7 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
 
 
 def side_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
-    """Least and greatest side force ratio of a ball at contact angles (4,) without a contact that pulls."""
+    """Return the smallest and largest side force ratio of a ball at contact angles (4,) for which no contact pulls."""
     if distribution == "elastic":
         return -np.inf, np.inf
     if distribution == "diagonal":
@@ -400,7 +400,7 @@ def side_range(angles: Array, nominal: float, distribution: Loads) -> tuple[floa
 
 
 def _balls(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
-    """Contact angles (N, 4) [rad], side force ratios (N,), gaps after each ball (N,) [m]."""
+    """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps after each ball (N,) [m]."""
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
         turned, rho = deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
@@ -411,7 +411,7 @@ def _balls(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]
 
 
 def record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
-    """The scene of faultless keys."""
+    """Return the scene of validated keys."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,

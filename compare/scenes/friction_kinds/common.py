@@ -1,4 +1,4 @@
-"""What the kinds of scenes share that only friction solves: keys, records, and faults of grooves, material and path."""
+"""Shared parts of the kinds of scenes that only friction is computed for: keys, records, checks."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class KindScene:
     assumed: tuple[str, ...]
 
     def to_toml(self) -> str:
-        """Text of a scene file that is read as this scene."""
+        """Return the text of a scene file that is read as this scene."""
         from rollbench.compare.scenes.friction_kinds.table import tables
 
         return to_toml(tables(self))
@@ -56,7 +56,7 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 
 def head_of(keys: KindKeys, name: str) -> Head:
-    """The first fields of a record: name, title, source, assumptions."""
+    """Return the first fields of a record: name, title, source, assumptions."""
     return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
 
 
@@ -93,7 +93,7 @@ class HertzKeys(Table):
 
     @property
     def mode(self) -> Mode:
-        """The word of the modules of friction."""
+        """Name of the Hertz constants in the modules of friction."""
         return "right" if self.hertz == "nominal" else "as printed"
 
 
@@ -113,24 +113,24 @@ class SectionKeys(KindKeys):
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:
-    """A material without modulus or ratio."""
+    """Yield a fault of a material without modulus or Poisson's ratio."""
     for name, text in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
         if getattr(material, name) is None:
             yield Fault((f"material.{name}",), "a value", f"write {name} = {text} under [material]", "nothing")
 
 
 def elastic(material: MaterialKeys) -> tuple[float, float]:
-    """Young's modulus [Pa] and Poisson's ratio of a faultless material."""
+    """Return Young's modulus [Pa] and Poisson's ratio of a validated material."""
     return material.youngs_modulus or 0.0, material.poissons_ratio or 0.0
 
 
 def groove_radius(groove: GrooveKeys, balls: BallSizeKeys) -> float:
-    """Groove radius [m], as given or from the conformity."""
+    """Return the groove radius [m], as given or from the conformity."""
     return groove.groove_radius or 2.0 * (groove.conformity or 0.0) * balls.radius
 
 
 def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
-    """A groove given twice or not at all, or narrower than its ball."""
+    """Yield a fault of a groove that is given twice, not at all, or narrower than its ball."""
     wrong = list(groove_choice_faults(groove, table))
     yield from wrong
     if not wrong and groove_radius(groove, balls) <= balls.radius:
@@ -155,8 +155,17 @@ class Body(Protocol):
 
 
 def body_faults(body: Body, p: str = "", *, ring: bool) -> Iterator[Fault]:
-    """Faults of grooves and path; p: where their tables stand (``four_point.``); ring: whether the lead must be zero rather
-    than above it."""
+    """Yield faults of grooves and path.
+
+    Parameters
+    ----------
+    body
+        Tables of a ring or screw.
+    p
+        Prefix of its tables (``four_point.``).
+    ring
+        Whether the lead must be zero instead of positive.
+    """
     track, radius = body.track, groove_radius(body.screw, body.balls)
     for name, groove in (("screw", body.screw), ("nut", body.nut)):
         wrong = list(groove_faults(groove, body.balls, p + name))
@@ -177,14 +186,14 @@ def body_faults(body: Body, p: str = "", *, ring: bool) -> Iterator[Fault]:
 
 
 def play_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
-    """A play or displacement [m] that takes the ball's centre out of its groove's section, of ``reach`` [m]."""
+    """Yield a fault of a play or displacement [m] that moves the ball's centre out of its groove's section."""
     if abs(size) >= reach:
         advice = "the ball's centre would leave its groove's section: the models hold for small displacements"
         yield Fault((where,), f"between -{mm(reach)} and {mm(reach)}, groove radius less ball radius", advice)
 
 
 def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Grooves for which the Hertz constants asked for do not exist; prefix: where their tables stand."""
+    """Yield a fault of grooves without the Hertz constants asked for; ``prefix``: of their tables."""
     try:
         with np.errstate(invalid="ignore"):
             if np.all(np.isfinite(groove.constants.C)):

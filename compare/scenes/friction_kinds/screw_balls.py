@@ -1,4 +1,4 @@
-"""The kinds "screw pair" and "screw run": two balls of a ball screw, and a whole one in time (Lin 3.4)."""
+"""Kinds of scenes "screw pair" and "screw run": two balls of a ball screw, and a whole one in time (Lin 3.4)."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
 Part = Annotated[float, Quantity("number", 0, 1, 0.5)]
 Cycles = Annotated[float, Quantity("number", 0, 1000, 2)]
 Direction = Literal["axial", "radial"]
-#: Most balls times steps of a run: its results are kept whole.
+#: Largest number of balls times steps of a run: all results are kept.
 MOST = 5_000_000
-#: Letters of the screw's free translations.
+#: Names of the screw's free translations.
 FREE: dict[Direction, str] = {"axial": "z", "radial": "r"}
 _PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (screw or nut, left or right) take"
 
@@ -137,7 +137,7 @@ class ScrewRunScene(KindScene):
 
 
 def faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
-    """Contradictory choices and bodies that the models cannot treat."""
+    """Yield faults of contradictory keys, and of bodies that the models do not cover."""
     wrong = list(common.material_faults(keys.material))
     wrong = wrong or list(common.body_faults(keys, ring=False))
     wrong = wrong or list(_screw_faults(keys))
@@ -204,7 +204,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
 
 
 def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
-    """The scene of faultless keys."""
+    """Return the scene of validated keys."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
@@ -220,7 +220,7 @@ def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 
 
 def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
-    """The scene of faultless keys."""
+    """Return the scene of validated keys."""
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(

@@ -1,7 +1,4 @@
-"""The kinds of scenes that only friction solves, in one table.
-
-Scenes that only friction solves as tables of a scene file.
-"""
+"""Table of the kinds of scenes that only friction is computed for, and writing them as scene files."""
 
 from __future__ import annotations
 
@@ -63,7 +60,7 @@ TABLE = {
 
 
 def kind_named(name: str) -> Kind:
-    """The kind of that name, one of `names.KINDS`."""
+    """Return the kind of a name, one of `names.KINDS`."""
     return TABLE[name]
 
 
@@ -75,7 +72,10 @@ def _tag(value: Any) -> str:
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
+    """Return the JSON Schema (draft 2020-12) of a scene file of any kind.
+
+    It has description, unit, range and example of every key.
+    """
     by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
     every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_tag)]  # noqa: UP007
     schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
@@ -89,7 +89,7 @@ Table = dict[str, Any]
 
 
 def tables(scene: KindScene) -> Table:
-    """Keys and tables of a scene of any of these kinds."""
+    """Return keys and tables of a scene of any of these kinds."""
     head = given(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
         case BearingBallScene():
@@ -111,7 +111,7 @@ def _material(young: float, poisson: float) -> Table:
 
 
 def _bodies(groove: ScrewGroove, oversize: float) -> Table:
-    """Path, grooves, balls and their errors."""
+    """Return the tables of path, grooves, balls and their errors."""
     section = groove_table(groove.groove_radius, groove.ball_radius)
     hand = {"hand": "left"} if groove.lead < 0.0 else {}
     path = {"pitch_radius": text_of(Radius, groove.pitch_radius), "lead": text_of(Lead, abs(groove.lead)), **hand}
@@ -192,7 +192,7 @@ def _linear(scene: LinearScene) -> Table:
 
 
 def _screw(groove: ScrewGroove, of: Any, angles: Table) -> Table:
-    """What a pair and a run of balls have alike."""
+    """Return the tables that a pair and a run of balls share."""
     by_nut = groove.nut_speed != 0.0
     speed = {"speed": text_of(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
     direction = next(name for name, letter in FREE.items() if letter == of.free)

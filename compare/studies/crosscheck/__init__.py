@@ -1,1 +1,1 @@
-"""The 3D reference against CalculiX."""
+"""Comparison of the 3D reference with CalculiX."""

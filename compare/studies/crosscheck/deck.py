@@ -1,6 +1,6 @@
-"""A small scene as a whole contact problem for another program: bodies, contacts, supports and loads of its deck.
+"""Contact problem of a small scene as a deck for another program: bodies, contacts, supports and loads.
 
-Of each contact: where it is expected, how large, and which faces of balls and grooves belong to it.
+For each contact: where it is expected, how large, and which faces of balls and grooves belong to it.
 """
 
 from __future__ import annotations
@@ -41,28 +41,32 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import SocketSize, socket_coordinates
 from rollbench.meshes.solid import Dimensions, dimensions
 
-#: Half axes of the refined zone, the slave's and the master's faces over those of the expected ellipse; the faces' zones
-#: are wider by some elements, too.
+#: Half axes of the refined zone and of the slave's and master's faces, over those of the expected ellipse; the zones of the
+#: faces are also wider by some elements.
 FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
 
-#: Least load that a zone is sized for, over the mean load.
+#: Smallest load for which a zone is sized, over the mean load.
 LEAST = 0.1
 
 
 @dataclass(frozen=True)
 class Place:
-    """An expected contact: ball (from 0), side, place (azimuth [rad], z [m], side), half axes across and along [m]."""
+    """Expected contact."""
 
+    #: Number of the ball, from 0.
     ball: int
+    #: Flank.
     side: int
+    #: Azimuth [rad], axial position [m], flank.
     at: tuple[float, float, int]
+    #: Half axes across and along the groove [m].
     half: tuple[float, float]
 
 
 def half_axes(scene: Scene, side: int) -> tuple[float, float]:
-    """Half axes across and along the groove of the contact ellipse at 1 N [m/N^(1/3)]: Hertz on the nominal geometry.
+    """Return the half axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
 
-    The long one lies across the groove, where ball and groove conform.
+    By Hertz on the nominal geometry. The long one lies across the groove, where ball and groove conform.
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -77,7 +81,7 @@ def half_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
-    """Expected contacts on ``sides``, and the short half axis [m] of a contact of mean load on the screw."""
+    """Return the expected contacts on ``sides``, and the short half axis of a screw contact of mean load [m]."""
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: half_axes(scene, s) for s in sides}
     places = []
@@ -90,28 +94,28 @@ def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[P
 
 
 def ball_faces(place: Place) -> str:
-    """Name of the ball's faces at a contact."""
+    """Return the name of the ball's faces at a contact."""
     return f"BALL{place.ball + 1}_{SIDES[place.side]}"
 
 
 def groove_faces(place: Place) -> str:
-    """Name of the groove's faces at a contact."""
+    """Return the name of the groove's faces at a contact."""
     return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
 
 
 def _zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
-    """Half axes [m] of the faces of a contact."""
+    """Return the half axes of the faces of a contact [m]."""
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
 
 
 def fine_zone(place: Place, fine: float) -> Array:
-    """Points ``(k, 2)`` [m] across and along that fill the refined zone of a contact."""
+    """Return points that fill the refined zone of a contact, (k, 2) across and along [m]."""
     return grid((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
 def flank_faces(m: GrooveMap, mesh: WholeBody, place: Place, fine: float) -> Index:
-    """Faces of a flank within the master's zone of a contact."""
+    """Return the faces of a flank within the master's zone of a contact."""
     flank = mesh.named[f"flank {SIDES[place.side]}"]
     x, radius = mesh.points[flank], float(m.radius[place.side])
     xi = socket_coordinates(
@@ -123,7 +127,7 @@ def flank_faces(m: GrooveMap, mesh: WholeBody, place: Place, fine: float) -> Ind
 
 
 def sphere_faces(m: GrooveMap, mesh: WholeBody, place: Place, radius: float, fine: float) -> Index:
-    """Faces of a ball of a radius [m], meshed in the frame of azimuth 0, within the slave's zone of a contact."""
+    """Return the faces of a ball within the slave's zone of a contact; the ball is meshed in the frame of azimuth 0."""
     (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _zone(place, fine, SLAVE)
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
@@ -133,9 +137,9 @@ def sphere_faces(m: GrooveMap, mesh: WholeBody, place: Place, radius: float, fin
 
 
 def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
-    """Corners of the outer faces all of whose corners are among ``nodes``, those of a half's cut left out.
+    """Return the corners of the outer faces all of whose corners are among ``nodes``; not those of the cut of a half.
 
-    Raises ValueError where there is none.
+    ValueError if there is none.
     """
     faces = outer_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
@@ -146,12 +150,12 @@ def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
     return within
 
 
-#: Most balls of a deck, and most nodes: what one run of another program's direct solver does in minutes.
+#: Largest number of balls and nodes of a deck, for a direct solver in minutes.
 MOST_BALLS = 4
 
 MOST_NODES = 120_000
 
-#: Surfaces of the nut by where it is held.
+#: Fixed surfaces of the nut.
 HELD = {
     "left face": ("low end",),
     "right face": ("high end",),
@@ -161,52 +165,58 @@ HELD = {
     "flange face and centring": ("seat", "centring"),
 }
 
-#: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
+#: Element sizes far from all contacts, over growth times ball radius: of screw and nut, and of a ball.
 FAR_SIZES = (2.0, 0.6)
 
 
 @dataclass(frozen=True)
 class DeckOptions:
-    """Choices of a deck's mesh and contact.
+    """Choices of mesh and contact of a deck."""
 
-    b_over_h: elements across the short half axis of a contact of mean load, the same element size at all contacts; growth:
-    of element sizes per distance from the contacts; stiffness: contact pressure per overclosure [Pa/m]; spring: weak
-    springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements; half: only what is at y >= 0 of
-    a ring pair that this plane parts into mirror images; alike: one mesh for all balls of one radius, so that their loads
-    do not scatter by what meshes of one size differ (halves: always).
-    """
-
+    #: Elements across the short half axis of a contact of mean load; all contacts have this element size.
     b_over_h: float = 1.5
+    #: Growth of element size per distance from the contacts.
     growth: float = 0.4
+    #: Contact pressure per overclosure [Pa/m].
     stiffness: float = 2e17
+    #: Weak springs at every ball and free degree of freedom of the screw [N/m].
     spring: float = 1e3
+    #: Whether displacements are large.
     nlgeom: bool = False
+    #: Whether only y >= 0 of a ring pair is meshed, if this is a plane of symmetry.
     half: bool = False
+    #: Whether all balls of one radius have the same mesh, so that differences of meshes do not scatter their loads (halves:
+    #: always).
     alike: bool = False
 
 
 @dataclass(frozen=True)
 class MeshedDeck:
-    """A deck, the expected loads ``(n, 4)`` [N] of the low-order model, element size at the contacts [m], smallest scaled
-    Jacobian of every body's cells."""
+    """A deck with data of its mesh."""
 
+    #: The deck.
     deck: Deck
+    #: Contact loads of the refined low-order model, (n, 4) [N].
     expected: Array
+    #: Element size at the contacts [m].
     fine: float
+    #: Smallest scaled Jacobian of the cells of each body.
     quality: dict[str, float]
 
 
 def refuse(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first fault that is there: whether it is, key, value, allowed values and advice."""
+    """Raise InputError for the first fault that applies: condition, key, value, allowed values and advice."""
     for there, key, value, allowed, advice in faults:
         if there:
             raise InputError(where, key, value, allowed, advice)
 
 
 def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
-    """Raise InputError where a deck cannot describe a scene, or has too many balls for whole bodies; half: also where the
-    plane y = 0 does not part it into mirror images, by a helix, balls beside the plane, loads, or a screw that is not held
-    along y and about x and z."""
+    """Raise InputError if a deck cannot describe a scene, or it has too many balls for whole bodies.
+
+    With ``half`` also if the plane y = 0 is no plane of symmetry: because of a helix, balls next to the plane, loads, or a
+    screw that is not fixed along y and about x and z.
+    """
     balls, solid = scene.ball_count, scene.solid
     large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
     cut = "cut the screw to a few neighbouring balls: `balls=3:5` keeps balls 3 to 5"
@@ -230,7 +240,7 @@ def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
 
 
 def exact_errors(scene: Scene) -> Specimen:
-    """The scene's errors if real geometry can show them: radii of balls and of grooves. Raises InputError for others."""
+    """Return the errors of a scene if real geometry can have them: radii of balls and of grooves; else InputError."""
     drawn = specimen(scene, ball_layout(scene))
     moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
     uneven = bool(drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3])
@@ -245,13 +255,16 @@ def exact_errors(scene: Scene) -> Specimen:
 
 
 def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
-    """Map of the screw's or nut's real groove: the arcs' centres stay, radius and the ball that would fit change alike."""
+    """Return the map of the real groove of screw or nut.
+
+    The centres of the arcs stay; the radius, and that of the ball that would fit, change by the same amount.
+    """
     change = drawn.radius - groove_radii(scene)
     return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
 
 
 def expected(scene: Scene) -> StaticResult:
-    """Loads by the refined low-order model. Raises InputError where it does not converge or nothing is loaded."""
+    """Solve a scene by the refined low-order model; InputError if it has no equilibrium or nothing is loaded."""
     found = run_model(scene, "refined", Options(discretisation=False))
     allowed = "a scene with loaded contacts that the model refined solves"
     advice = "meshes are refined at the contacts it finds: load or preload the scene"
@@ -261,9 +274,24 @@ def expected(scene: Scene) -> StaticResult:
 
 
 def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
-    """Mesh a scene's whole bodies and put its deck together.
+    """Mesh the whole bodies of a scene and make its deck.
 
-    Raises InputError for a scene that is too large, that a deck cannot describe, or that cannot be meshed.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    options
+        Choices of mesh and contact.
+
+    Returns
+    -------
+    MeshedDeck
+        The deck.
+
+    Raises
+    ------
+    InputError
+        If the scene is too large, cannot be described by a deck or cannot be meshed.
     """
     options = options or DeckOptions()
     _refuse_unlike_decks(scene, options.half)
@@ -307,7 +335,7 @@ def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptio
 def _rings(
     scene: Scene, dims: Dimensions, drawn: Specimen, m: GrooveMap, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
-    """Screw (its 3D stretch) and nut, each with its cells' smallest scaled Jacobian."""
+    """Mesh screw (its 3D stretch) and nut; return each with the smallest scaled Jacobian of its cells."""
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
     unused = SocketSize(1.0, m.ball, 1.0)
@@ -343,7 +371,7 @@ def _rings(
 def _balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
-    """Every ball with its own radius, where the scene puts it."""
+    """Mesh every ball with its radius at its position."""
     bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
     for i, radius in enumerate(drawn.ball_radius.tolist()):
         on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
@@ -373,18 +401,20 @@ def _balls(
 
 
 def without_spinning(points: Array, pair: Index) -> Index:
-    """The row ``(1, 3)`` of a pair of nodes and an axis along which they move alike, so that a half ball, whose cut stays
-    in the plane y = 0, cannot turn about y."""
+    """Return the row (1, 3) of two nodes and an axis along which they move alike, so that a half ball cannot turn about y.
+
+    Its cut stays in the plane y = 0.
+    """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
 def without_turning(points: Array, pairs: Index) -> Index:
-    """Pairs' rows ``(3, 3)`` of two nodes and an axis along which they move alike, so that a body cannot turn.
+    """Return rows (3, 3) of two nodes and an axis along which they move alike, so that a body cannot turn.
 
     A rotation theta moves the nodes of a pair, d apart, by theta x d relative to each other: along axis k by
-    theta . (d x e_k). Three such rows that are as independent as can be leave no rotation; their forces are couples, so
-    that the balance of forces is untouched. pairs: nodes ``(p, 2)``.
+    theta . (d x e_k). Three such rows that are as independent as possible leave no rotation; their forces are couples, so
+    that the balance of forces is not affected. ``pairs``: nodes (p, 2).
     """
     found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
     arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
@@ -393,7 +423,7 @@ def without_turning(points: Array, pairs: Index) -> Index:
 
 
 def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
-    """Rigid sections of the screw with the scene's supports and loads. Raises InputError where they act elsewhere."""
+    """Return rigid sections of the screw with supports and loads; InputError if they act elsewhere."""
     stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
     if dims.screw_held == "bore":
         ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
@@ -422,7 +452,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 def _heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
-    """Comment lines of a deck: scene, choices, expected loads."""
+    """Return comment lines of a deck: scene, choices, expected loads."""
     load = found.load
     mean = float(load[load > 0.0].mean())
     return (
@@ -444,7 +474,7 @@ def _heading(
 
 
 def _worth(scene: Scene, found: StaticResult) -> str:
-    """Sentence on the model-form error to expect of the loads."""
+    """Return a sentence on the error to expect of the loads."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:
         return "nothing like the scene was compared with a 3D reference"

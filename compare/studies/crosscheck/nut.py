@@ -1,7 +1,7 @@
-"""Compliance of a nut alone by the reference's finite elements and by CalculiX: the same cells, forces and held face.
+"""Compliance of a nut by the reference's finite elements and by CalculiX: the same cells, forces and fixed face.
 
-Around every expected contact the corners of the groove's faces move as a rigid section that turns freely; a unit force
-pushes one section after the other along the contact's normal. No contact, one linear solution per force.
+Around every expected contact the corners of the groove's faces move as a rigid section that can turn freely; a unit force
+pushes one section after the other along the contact normal. Without contact: one linear solution per force.
 """
 
 from __future__ import annotations
@@ -28,34 +28,43 @@ from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 
-#: Scene whose nut is compared, and the mesh.
+#: Scene whose nut is compared, and options of the mesh.
 SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)
-#: Agreement aimed at, in per cent.
+#: Target of the agreement [%].
 TARGET = 0.1
 FORCE = 1000.0
 
 
 @dataclass(frozen=True)
 class NutCheck:
-    """Motion along the normal of contact i by a force on contact j over that force ``[i][j]`` [m/N], by the reference's
-    elements and by CalculiX; scene and key of its content, nodes of the mesh, date, program."""
+    """Compliance of a nut by two programs.
 
+    Entry [i][j] is the displacement along the normal of contact i by a unit force on contact j.
+    """
+
+    #: Name of the scene.
     scene: str
+    #: Digest of its content.
     key: str
+    #: Number of nodes.
     nodes: int
+    #: By the reference's elements [m/N].
     ours: list[list[float]]
+    #: By CalculiX [m/N].
     theirs: list[list[float]]
+    #: Date of the run.
     date: str
+    #: Version of CalculiX.
     program: str
 
     @property
     def difference(self) -> float:
-        """Largest difference over the smallest compliance of a contact to its own force [%]."""
+        """Largest difference, over the smallest compliance of a contact under its own force [%]."""
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
     def sentence(self) -> str:
-        """The result in a sentence."""
+        """Return the result in a sentence."""
         met = "within" if self.difference <= TARGET else "NOT within"
         return (
             f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "
@@ -65,8 +74,10 @@ class NutCheck:
 
 
 def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Array]:
-    """Decks of the nut with a force on one contact each, and the contacts' normals ``(k, 3)``. Raises InputError as
-    ``build_deck`` does."""
+    """Return decks of the nut with a force on one contact each, and the contact normals (k, 3).
+
+    InputError as `build_deck`.
+    """
     whole = build_deck(scene, options).deck
     nut = next(b for b in whole.bodies if b.name == "NUT")
     layout = ball_layout(scene)
@@ -92,8 +103,10 @@ def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Ar
 
 
 def linear_motions(decks: list[Deck]) -> Array:
-    """Translations ``(decks, sections, 3)`` [m] of the sections of decks that differ in loads alone, by the reference's
-    elements and solver. Decks have one body, no contacts, sections without held freedoms."""
+    """Return translations of the sections (decks, sections, 3) [m] by the reference's elements and solver.
+
+    The decks differ only in loads, and have one body, no contacts, and sections without fixed degrees of freedom.
+    """
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = mesh_of(body.points, body.cells, "P2")
     K = assemble(elasticity(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
@@ -109,7 +122,7 @@ def linear_motions(decks: list[Deck]) -> Array:
 def _transform(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
-    """The body's freedoms from its free ones and the sections' six each, which come last."""
+    """Return the matrix from the free degrees of freedom and six of each section (last) to those of the body."""
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.nodes for s in sections)):
         free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
@@ -122,9 +135,10 @@ def _transform(
 
 
 def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = "") -> NutCheck:
-    """Both programs on one mesh of a scene's nut; key: of the scene's content, stored with the result.
+    """Compute the compliance of a scene's nut by both programs on one mesh.
 
-    Raises InputError where CalculiX is missing or fails."""
+    InputError if CalculiX is missing or fails.
+    """
     decks, normals = nut_decks(scene, options)
     ours = linear_motions(decks)
     theirs, date, version = np.zeros_like(ours), "", ""
@@ -142,7 +156,7 @@ def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = 
 
 
 def save_nut(folder: Path, found: NutCheck) -> Path:
-    """Write the result. Raises InputError where that fails."""
+    """Write the result; InputError if that fails."""
     plain = asdict(found)
     for key in ("ours", "theirs"):
         plain[key] = [[float(f"{x:.8g}") for x in row] for row in plain[key]]
@@ -152,6 +166,6 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
 
 
 def load_nut(folder: Path) -> NutCheck | None:
-    """The stored result, None where there is none. Raises InputError for a damaged file."""
+    """Return the stored result; None if there is none, InputError for a damaged file."""
     found = "a result of rollbench crosscheck", "make it again: `run=True`"
     return read(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

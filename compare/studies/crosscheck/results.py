@@ -1,6 +1,6 @@
-"""The 3D reference against stored results of another program: contact by contact, each at its meshes, with both errors.
+"""Stored results of another program against the 3D reference, contact by contact, with the errors of both.
 
-The other program's loads are extrapolated to elements of no size and to rigid contact, with their uncertainty.
+The other program's loads are extrapolated to zero element size and to rigid contact, with their uncertainty.
 
 Elements of a deck are h at the contacts and grow by g per distance d from them. With c the length over which the field of
 a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the energy
@@ -9,17 +9,17 @@ relative size thus changes a load in proportion to
 
     e = int_0^1 (x h / c + (1 - x) g)^p dx,
 
-and the compliance 1 / k of the contact law to first order (an overclosure in series with the contact's own approach):
+and the compliance 1 / k of the contact law to first order (an overclosure in series with the approach of the contact):
 
-    F = F0 + A e + B / k,  c = lambda b,  b the short half axis of the contact's own load.
+    F = F0 + A e + B / k,  c = lambda b,  b the short half axis of the contact at its load.
 
-B is taken from pairs of runs that differ in k alone, where nothing else scatters. A and F0 are each contact's own; lambda
-and p are common to all contacts of a scene and fitted to all meshes. Where h and g are refined together, h = s h1 and
-g = s g1, e is s^p times a constant, and lambda is without effect: then the fit is the usual one by s, with a free order.
+B is taken from pairs of runs that differ only in k, where nothing else scatters. A and F0 differ between contacts; lambda
+and p are common to all contacts of a scene and fitted to all meshes. If h and g are refined together, h = s h1 and
+g = s g1, e is s^p times a constant, and lambda has no effect: then the fit is the usual one by s, with a free order.
 
-What the law leaves out, and by how much meshes of one size differ by chance, shrinks with the elements' error. So the
-residual of every mesh counts over its e (of order 3), as in weighted fits of grid convergence (Eca and Hoekstra, J.
-Comput. Phys. 262, 2014): coarse meshes help to find the order, fine ones set the limit.
+What the law neglects, and the random differences between meshes of one size, shrink with the elements' error. So the
+residual of every mesh is divided by its e (of order 3), as in weighted fits of grid convergence (Eca and Hoekstra, J.
+Comput. Phys. 262, 2014): coarse meshes help to find the order, fine ones determine the limit.
 """
 
 from __future__ import annotations
@@ -46,70 +46,93 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Mesh of one body: name, nodes, cells, smallest scaled Jacobian."""
+    """Mesh of one body."""
 
+    #: Name of the body.
     name: str
+    #: Number of nodes.
     nodes: int
+    #: Number of cells.
     cells: int
+    #: Smallest scaled Jacobian.
     smallest: float
 
 
 @dataclass(frozen=True)
 class CrossRun:
-    """One run: choices of the deck (elements across the short half axis at mean load, growth, pressure per overclosure
-    [Pa/m], weak springs [N/m], large displacements), element size at the contacts [m], digest of the deck, meshes; contact
-    loads ``(n, 4)`` [N]; largest force of a weak spring on a ball [N], largest unbalanced force of a ball beyond it [N];
-    iterations, last correction of the displacements [%], seconds of processor time, date, program; whether only the half at
-    y >= 0 was meshed (meshes count its nodes, loads are of the whole), and whether balls have one mesh."""
+    """One run of the other program."""
 
+    #: Elements across the short half axis at mean load.
     b_over_h: float
+    #: Growth of element size per distance from the contacts.
     growth: float
+    #: Contact pressure per overclosure [Pa/m].
     stiffness: float
+    #: Weak springs [N/m].
     spring: float
+    #: Whether displacements are large.
     nlgeom: bool
+    #: Element size at the contacts [m].
     fine: float
+    #: Digest of the deck.
     deck: str
+    #: Meshes of the bodies.
     meshes: tuple[BodyMesh, ...]
+    #: Contact loads, (n, 4) [N].
     load: Array
+    #: Largest force of a weak spring on a ball [N].
     weak: float
+    #: Largest unbalanced force of a ball beyond it [N].
     unbalanced: float
+    #: Number of iterations.
     iterations: int
+    #: Last correction of the displacements [%].
     correction: float
+    #: Processor time [s].
     seconds: float
+    #: Date of the run.
     date: str
+    #: Version of the program.
     program: str
+    #: Whether only y >= 0 was meshed (numbers of nodes are of the half, loads of the whole).
     half: bool = False
+    #: Whether the balls have the same mesh.
     alike: bool = False
 
     @property
     def nodes(self) -> int:
-        """Nodes of all bodies."""
+        """Number of nodes of all bodies."""
         return sum(m.nodes for m in self.meshes)
 
 
 @dataclass(frozen=True)
 class CrossData:
-    """All runs of one scene; key of the scene's content; version of rollbench and of gmsh that made the meshes."""
+    """All runs of one scene."""
 
+    #: Name of the scene.
     scene: str
+    #: Digest of its content.
     key: str
+    #: Version of rollbench that made the meshes.
     rollbench: str
+    #: Version of gmsh that made the meshes.
     gmsh: str
+    #: The runs.
     runs: tuple[CrossRun, ...]
 
 
 def shipped() -> Path:
-    """Folder of the results that come with the package."""
+    """Return the folder of the shipped results."""
     return Path(__file__).parent
 
 
 def path_of(folder: Path, scene: str) -> Path:
-    """File of a scene's results."""
+    """Return the file of a scene's results."""
     return folder / f"{scene}.json"
 
 
 def save(folder: Path, data: CrossData) -> Path:
-    """Write a scene's results whole or not at all. Raises InputError where that fails."""
+    """Write the results of a scene, completely or not at all; InputError if that fails."""
     plain = asdict(data)
     for run in plain["runs"]:
         run["load"] = [[float(f"{x:.7g}") for x in row] for row in run["load"].tolist()]
@@ -119,13 +142,13 @@ def save(folder: Path, data: CrossData) -> Path:
 
 
 def load(folder: Path, scene: str) -> CrossData | None:
-    """Results of a scene, None where there are none. Raises InputError for a damaged file."""
+    """Return the results of a scene; None if there are none, InputError for a damaged file."""
     found = "results that rollbench crosscheck wrote", "make them again: `run=True`"
     return read(path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found)
 
 
 def read(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
-    """What is made of a stored JSON value, None without a file. Raises InputError for a damaged one."""
+    """Return what is made of a stored JSON value; None without a file, InputError for a damaged one."""
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:
@@ -151,7 +174,7 @@ LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
 #: Order and length of the weights.
 WEIGHING = (3.0, 1.7)
 
-#: Misfits of this share of the largest load are none.
+#: Misfits below this share of the largest load count as zero.
 EXACT = 1e-9
 
 #: Standard errors of a limit that its uncertainty covers; share of what is extrapolated beyond the finest mesh that it has
@@ -161,23 +184,40 @@ COVERED, LEAST = 2.0, 0.1
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Loads ``(n, 4)`` [N] extrapolated, their uncertainty ``(n, 4)`` [N], order p and length lambda, RMS misfit as at the
-    finest mesh [N], and what elements and contact law add to the limit in the run nearest to it ``(n, 4)`` [N]; choices
-    that no run varies."""
+    """Loads of a series of runs extrapolated to zero element size and rigid contact."""
 
+    #: Extrapolated contact loads, (n, 4) [N].
     load: Array
+    #: Their uncertainty, (n, 4) [N].
     uncertainty: Array
+    #: Order p.
     order: float
+    #: Length lambda.
     length: float
+    #: RMS misfit at the finest mesh [N].
     misfit: float
+    #: Effect of the elements in the run nearest to the limit, (n, 4) [N].
     by_elements: Array
+    #: Effect of the contact law in that run, (n, 4) [N].
     by_stiffness: Array
+    #: Choices that no run varies.
     fixed: tuple[str, ...]
 
 
 def element_error(size: Array, growth: Array, order: float) -> Array:
-    """e of the module's head for sizes h / c and growths, by Gauss' rule.
+    """Return the relative error e of the elements (see the top of the module) by Gauss' rule.
 
+    Parameters
+    ----------
+    size
+        Element sizes at the contact over the length of its field, h / c.
+    growth
+        Growth of element size per distance.
+    order
+        Order p.
+
+    Examples
+    --------
     >>> element_error(np.array([1.0, 0.0]), np.array([0.0, 0.5]), 2.0).round(6).tolist()
     [0.333333, 0.083333]
     """
@@ -187,7 +227,7 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
 
 def softness(runs: Sequence[CrossRun]) -> Array | None:
-    """B ``(contacts,)`` [N Pa/m] of the contact law: mean over pairs of runs on one mesh, None without such a pair."""
+    """Return B (contacts,) [N Pa/m] of the contact law, a mean over pairs of runs on one mesh; None without such a pair."""
     pairs = [(a, b) for a, b in combinations(runs, 2) if mesh_of(a) == mesh_of(b) and a.stiffness != b.stiffness]
     if not pairs:
         return None
@@ -197,19 +237,33 @@ def softness(runs: Sequence[CrossRun]) -> Array | None:
 
 
 def mesh_of(run: CrossRun) -> tuple[float, float, bool, bool]:
-    """Identity of a run's mesh: elements across, growth, half, equal balls."""
+    """Return the identity of a run's mesh: elements across, growth, half, equal balls."""
     return run.b_over_h, run.growth, run.half, run.alike
 
 
 def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
-    """Limit of the runs with small displacements.
+    """Extrapolate the runs with small displacements.
 
     The uncertainty of a contact is the largest change of its limit over all pairs of order and length whose sum of squares
-    there is within two standard deviations of the best pair's (four times the variance of a residual, its own or of all
-    contacts, whichever is larger), joined by root of squares with two standard errors of the limit, of its own
-    residuals or of all contacts', whichever are larger, and with a tenth of what lies between the finest mesh and the
-    limit. Where two meshes are all, every pair fits and the uncertainty is the whole range of limits. Raises ValueError
-    with one mesh only, and where the contact stiffness varies, but on no mesh.
+    is within two standard deviations of the best pair's (four times the variance of a residual, of the contact or of all
+    contacts, whichever is larger), combined by root of squares with two standard errors of the limit (from the residuals of
+    the contact or of all, whichever are larger), and with a tenth of the difference between finest mesh and limit. With two
+    meshes only, every pair fits, and the uncertainty is the whole range of limits.
+
+    Parameters
+    ----------
+    runs
+        Runs of one scene.
+
+    Returns
+    -------
+    Extrapolation
+        The limit.
+
+    Raises
+    ------
+    ValueError
+        With a single mesh, and if the contact stiffness varies, but on no mesh.
     """
     linear = [r for r in runs if not r.nlgeom]
     law = softness(linear)
@@ -252,15 +306,14 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
 
 
 def _errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
-    """e of every mesh and contact ``(meshes, contacts)``."""
+    """Return e of every mesh and contact, (meshes, contacts)."""
     size = h[:, None] / (length * half)
     return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """Weighted least squares with one order and length: RMS misfit of all contacts and of each ``(contacts,)``; limit and
-    its standard error ``(contacts,)``; what elements add ``(meshes, contacts)`` [N]."""
+    """Weighted least-squares fit with one order and length."""
 
     order: float
     length: float
@@ -272,7 +325,7 @@ class _Fit:
 
 
 def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> _Fit:
-    """A straight line over e for every contact; residuals count times ``weight``, 1 for the finest mesh."""
+    """Fit a straight line over e for every contact; residuals are weighted, with 1 for the finest mesh."""
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
     wide = (w * (e - middle) ** 2).sum(axis=0)
@@ -287,7 +340,7 @@ def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> 
     return _Fit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * e)
 
 
-#: Agreement aimed at, in per cent of the mean load.
+#: Target of the agreement [% of the mean load].
 TARGET = 0.5
 
 PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
@@ -306,27 +359,33 @@ COLUMNS = (*PLACE, *COMPARED)
 
 @dataclass(frozen=True)
 class ContactRow:
-    """One contact: ball (from 1), side, loads [N] on every mesh of the reference and of the other program by name, the
-    reference's finest and the other's extrapolated, their uncertainties and differences in per cent of the
-    mean load of the reference."""
+    """One contact by both programs."""
 
+    #: Ball, from 1.
     ball: int
+    #: Flank: SL, SR, NL, NR.
     side: str
+    #: Loads on every mesh of both programs by name [N].
     meshes: Mapping[str, float]
+    #: Load on the finest level of the reference [N].
     ours: float
+    #: Its uncertainty [% of the mean load of the reference].
     ours_percent: float
+    #: Extrapolated load of the other program [N].
     theirs: float
+    #: Its uncertainty [% of the mean load of the reference].
     theirs_percent: float
+    #: Difference of both [% of the mean load of the reference].
     difference: float
 
     def cells(self) -> dict[str, Cell]:
-        """The row of a table."""
+        """Return the cells of a row of a table."""
         compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
 def series(data: CrossData) -> list[CrossRun]:
-    """The runs with small displacements and the contact stiffness of most, fewest nodes first."""
+    """Return the runs with small displacements and the most frequent contact stiffness, fewest nodes first."""
     linear = [r for r in data.runs if not r.nlgeom]
     alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
     most = linear[int(np.argmax(alike))].stiffness
@@ -334,12 +393,12 @@ def series(data: CrossData) -> list[CrossRun]:
 
 
 def deck_label(run: CrossRun) -> str:
-    """Short name of a deck in a series: elements across the short half axis, growth, half or equal balls."""
+    """Return a short name of a deck in a series: elements across the short half axis, growth, half or equal balls."""
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
 
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
-    """Rows of all contacts that either program finds loaded."""
+    """Return rows of all contacts that carry load in either program."""
     limit = limit or extrapolate(data.runs)
     best, mean, rows = ours.load, ours.mean, []
     meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in series(data)}
@@ -361,7 +420,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
 
 
 def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
-    """Columns of the loads on every mesh of both programs."""
+    """Return the columns of the loads on every mesh of both programs."""
     return [
         *PLACE,
         *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
@@ -370,7 +429,7 @@ def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
 
 
 def agreement(name: str, rows: Sequence[ContactRow]) -> str:
-    """Sentence on the worst and RMS difference, and on whether they are more than both programs' uncertainties."""
+    """Return a sentence on worst and RMS difference, and whether they exceed the uncertainties of both programs."""
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
     met = "within" if abs(worst.difference) <= TARGET else "NOT within"

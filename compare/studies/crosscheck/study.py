@@ -1,4 +1,4 @@
-"""The decks by which CalculiX checks a scene, its run on a deck, what it printed, and its answers as records."""
+"""Checking scenes with CalculiX: decks, running them, and reading the results."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.libraries import version
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Name of the deck and of its results in their folder.
+#: Name of the files of deck and results in their folder.
 NAME = "deck"
 
 LONGEST = 7200.0
@@ -39,21 +39,26 @@ Triple = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Outcome:
-    """Results of CalculiX: resultants [N] on the faces of contacts by slave set, displacements of the printed sets' nodes
-    by set and node (deck's unit), iterations, last correction of the displacements over the largest [%], seconds of
-    processor time, date, version."""
+    """Results of CalculiX for one deck."""
 
+    #: Resultant on the faces of each contact, by slave set [N].
     forces: dict[str, Triple]
+    #: Displacements of the printed nodes, by set and node (unit of the deck).
     moved: dict[str, dict[int, Triple]]
+    #: Number of iterations.
     iterations: int
+    #: Last correction of the displacements over the largest [%].
     correction: float
+    #: Processor time [s].
     seconds: float
+    #: Date of the run.
     date: str
+    #: Version of CalculiX.
     version: str
 
 
 def find_ccx() -> str:
-    """Path of CalculiX. Raises InputError where it is not installed."""
+    """Return the path of CalculiX; InputError if it is not installed."""
     found = shutil.which("ccx")
     if found is None:
         advice = "install it (Debian: apt-get install calculix-ccx), or leave `run` out"
@@ -62,14 +67,14 @@ def find_ccx() -> str:
 
 
 def ccx_version(program: str) -> str:
-    """Version that CalculiX gives of itself."""
+    """Return the version that CalculiX reports."""
     text = subprocess.run([program, "-v"], capture_output=True, text=True, check=False).stdout
     found = re.search(r"[Vv]ersion\s+(\S+)", text)
     return found.group(1) if found else "unknown"
 
 
 def digest(text: str) -> str:
-    """Digest of a deck without its comments and solver controls, 16 hexadecimal digits."""
+    """Return the digest of a deck without comments and solver controls, 16 hexadecimal digits."""
     content, control = [], False
     for line in text.splitlines():
         if line.startswith("*") and not line.startswith("**"):
@@ -80,9 +85,9 @@ def digest(text: str) -> str:
 
 
 def run_calculix(text: str, folder: Path) -> Outcome:
-    """Run a deck in a folder, one thread; a result of the same deck that is there already is read instead.
+    """Run a deck in a folder with one thread, or read the result of the same deck that is already there.
 
-    Raises InputError where CalculiX is missing, and ValueError, with its last words, where it does not converge.
+    InputError if CalculiX is missing; ValueError with its last output if it does not converge.
     """
     program, key = find_ccx(), digest(text)
     kept = folder / "run.json"
@@ -121,7 +126,7 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
 
 
 def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
-    """Contact forces by slave set, and printed displacements by set and node, of the last time in a .dat file."""
+    """Return contact forces by slave set, and printed displacements by set and node, of the last time in a .dat file."""
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
     head = re.compile(r"(?:statistics for slave set (\S+), master|displacements .* for set (\S+) and time).*")
@@ -136,8 +141,10 @@ def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]
 
 
 def read_cvg(text: str) -> tuple[int, float]:
-    """Iterations of all increments, and the last correction of the displacements over the largest [%]; a linear step,
-    which prints none, has one iteration."""
+    """Return the number of iterations of all increments, and the last correction over the largest displacement [%].
+
+    A linear step prints none and counts as one iteration.
+    """
     rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
     return (len(rows), float(rows[-1][6])) if rows else (1, 0.0)
 
@@ -147,7 +154,7 @@ UNIT = "mm"
 
 
 def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
-    """Rows of elements across, growth and stiffness [N/mm3]."""
+    """Return rows of elements across, growth and stiffness [N/mm3]."""
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
 
@@ -168,29 +175,29 @@ STUDIES: dict[str, list[DeckOptions]] = {
 
 
 def label(options: DeckOptions) -> str:
-    """Name of a deck's folder."""
+    """Return the name of a deck's folder."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
 def scene_key(name: str) -> str:
-    """Digest of a shipped scene's content without its remarks: stored results count for this content only."""
+    """Return the digest of a shipped scene's content without its remarks, to which stored results belong."""
     content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def checked_scene(name: str) -> Scene:
-    """One of the shipped scenes that are checked. Raises InputError for others."""
+    """Return a shipped scene that is checked; InputError for others."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
 
 
 def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
-    """Solve all decks of a scene with CalculiX, one after the other, in folders of their own below ``work``.
+    """Solve all decks of a scene with CalculiX one after the other, in separate folders below ``work``.
 
-    A deck whose result is there or among the ``stored`` runs is not solved again: decks count as equal by their digests.
-    Raises InputError where CalculiX is missing or fails.
+    A deck with a result there or among the ``stored`` runs (equal digest) is not solved again. InputError if CalculiX is
+    missing or fails.
     """
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
@@ -212,7 +219,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
 
 
 def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
-    """A run as it is stored. Raises ValueError where a contact is missing."""
+    """Return the record of a run; ValueError if a contact is missing."""
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
     count = len(meshed.expected)
@@ -241,12 +248,12 @@ def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome
 
 
 def extrapolated() -> tuple[str, dict[str, Array]]:
-    """The program, and its extrapolated loads ``(n, 4)`` [N] of the scenes that it has solved in their state of today."""
+    """Return the program, and its extrapolated loads (n, 4) [N] of the scenes whose content has not changed."""
     stored = {name: load(shipped(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
     return "CalculiX", {name: extrapolate(d.runs).load for name, d in kept.items()}
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
-    """Scenes and levels of the 3D reference that the report sets beside CalculiX."""
+    """Yield scenes and levels of the 3D reference that the report compares with CalculiX."""
     yield tuple(STUDIES), STUDIED

@@ -1,1 +1,1 @@
-"""Friction of whole screws and bearings, and of the kinds of scenes that only friction solves."""
+"""Friction of whole screws and bearings, and of single parts (balls, pairs, chains) for which only friction is computed."""

@@ -1,4 +1,4 @@
-"""An answer of ``rollbench friction``: rows, JSON values, tables and lines, what is left out, looks on the terminal."""
+"""Answers of ``rollbench friction``: JSON values, tables, lines for the terminal, and neglected effects."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PARTS = "cage or spacers, return tube or deflectors, wipers and seals"
 
 INERTIA = "gyroscopic moments and centrifugal forces of the balls"
 
-#: What a whole screw or bearing leaves out at its instant.
+#: Effects that the result of a whole screw or bearing at one instant neglects.
 WHOLE = (
     "feedback of friction on how the balls share the load: each keeps the load that it carries without friction",
     LUBRICANT,
@@ -48,7 +48,7 @@ WHOLE = (
     "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
 )
 
-#: What an instant leaves out besides, by whether friction feeds back and whether neighbours push.
+#: Further neglected effects of an instant, by whether friction moves the balls and whether neighbours push.
 BESIDES = {
     (False, False): ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
     (True, False): ("contact between balls at the scene's instant",),
@@ -62,7 +62,7 @@ BESIDES = {
     ),
 }
 
-#: What every kind leaves out.
+#: Effects that every kind of scene neglects.
 _KINDS = (
     LUBRICANT,
     HYSTERESIS,
@@ -81,7 +81,7 @@ _INSTANT = "time: one instant, whose ball motions are steady"
 
 _JAMMED = "a second, jammed state of a ball, which may exist at high coefficients of friction"
 
-#: What a screw leaves out besides, by the word of its coupling.
+#: Further neglected effects of a screw, by the name of its coupling.
 _COUPLING = {
     "none": (_LOADS_GIVEN,),
     "ball": ("friction in the balance of loads on the screw: it moves the balls only",),
@@ -109,35 +109,39 @@ _OF_KIND = {
 
 
 def left_out_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """Effects that the result of a scene of a kind leaves out; coupling: of friction to loads, of a screw."""
+    """Return the effects that the result of a kind of scene neglects; ``coupling``: of friction to loads, of a screw."""
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
 
 
 # --- an answer of ``rollbench friction``: JSON-ready values, tables and lines, and how they look on the terminal
 
 
-#: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
+#: Dissipation over that of full sliding, below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6
 
-#: An entry of the block of answers: its label and what it says.
+#: A line of the answers: label and text.
 Line = tuple[str, str]
 
-#: Labels of lines that say what lies behind the answers.
+#: Labels of lines with background of the answers.
 BEHIND = ("solver", "law")
 
-#: Part of a loss by which two computations of it differ without a cause.
+#: Relative difference of a loss by two computations that is round-off.
 ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
 class FrictionAnswer:
-    """A solved scene: JSON-ready values, tables (title, headings, rows), lines (label, text), whether all converged;
-    tables of every ball of a whole screw, which are shown where asked for."""
+    """Answer for a solved scene."""
 
+    #: JSON values.
     data: dict[str, Any]
+    #: Tables: title, headings, rows.
     tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
+    #: Lines: label and text.
     lines: Sequence[Line]
+    #: Whether everything converged.
     converged: bool
+    #: Tables of every ball, shown on request.
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
 
     @property
@@ -147,12 +151,12 @@ class FrictionAnswer:
 
     @property
     def warning(self) -> str:
-        """The line above the answers, or nothing."""
+        """Warning above the answers; may be empty."""
         return above(self.data.get("warnings", ()))
 
 
 def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
-    """Entries that every answer of a kind has; coupling: of friction to loads, of a screw."""
+    """Return the entries that answers of every kind have; ``coupling``: of friction to loads, of a screw."""
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
         "status": status,
@@ -163,30 +167,30 @@ def head(scene: KindScene, status: str, converged: bool, coupling: str | None = 
 
 
 def three(value: float) -> str:
-    """A value with three digits, without an exponent below a million."""
+    """Return a value with three digits, without exponent below a million."""
     return f"{float(f'{value:.3g}'):g}"
 
 
 def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Values (n,) or vectors (n, k) by the names of their contacts."""
+    """Return values (n,) or vectors (n, k) by the names of their contacts."""
     return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
 def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
-    """Contact loads [N] and angles [rad], (n,), of a ball; no angle without load."""
+    """Return contact loads [N] and angles [rad], (n,), of a ball by contact; no angle without load."""
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
     return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
 
 
 def motion_row(q: Array) -> dict[str, Any]:
-    """Motion of a ball (4,) [rad/s]: orbit, then rotation."""
+    """Return the motion of a ball (4,) [rad/s]: orbit, then rotation."""
     return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
 
 
 def rubbing_row(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
-    """Sliding of a ball across and along the groove and spin at its contacts (n, 3); friction, losses and rest there."""
+    """Return sliding (across and along the groove) and spin at a ball's contacts, friction, losses, and which stick."""
     return {
         "sliding_mm_s": by_side(sides, 1e3 * motion[:, :2]),
         "spin_rad_s": by_side(sides, motion[:, 2]),
@@ -198,36 +202,39 @@ def rubbing_row(
 
 
 def flat_ball(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
-    """A ball's row for the terminal: loads and rotations each in a column of their own."""
+    """Return the row of a ball for the terminal, with a column for each load and rotation."""
     flat = row | {f"{side} N": row["load_N"][side] for side in sides}
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
 def without_round_off(difference: float, size: float) -> float:
-    """A difference of two computations of something of this size, zero where it is round-off."""
+    """Return a difference of two computed values of a given size; zero if it is round-off."""
     return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
 
 
 def balance(power: float, loss: float) -> dict[str, Any]:
-    """Input power against dissipation [W]."""
+    """Return input power and dissipation [W]."""
     left = without_round_off(power - loss, loss)
     return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
 
 
 def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """`balance`, and as a percentage of the dissipation; none where less than ``NOTHING`` of full sliding is lost."""
+    """Return `balance`, also in per cent of the dissipation; not if that is below ``NOTHING`` times full sliding."""
     return balance(power, loss) | {"balance_percent": increase(power, loss, bound)}
 
 
 def increase(loss: float, before: float, bound: float) -> float | None:
-    """Increase of losses [%], zero where it is round-off; None where next to nothing was lost before."""
+    """Return the increase of losses [%], zero if it is round-off; None if next to nothing was lost before."""
     if not before > NOTHING * bound:
         return None
     return number(float(error_percent(before + without_round_off(loss - before, before), before)))
 
 
 def by_contact(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
-    """What contact between balls adds: losses [W] with it and apart, between the balls only, and if all slid fully."""
+    """Return the effect of contact between balls on losses [W].
+
+    Losses with it, without it, between balls only, and if all contacts slid fully.
+    """
     return {
         "loss_apart_W": number(apart),
         "friction_increase_percent": increase(loss, apart, bound),
@@ -238,18 +245,18 @@ def by_contact(power: float, loss: float, apart: float, balls: float, bound: flo
 
 
 def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
-    """Imbalance of loads and of friction [N]."""
+    """Return the line on the unbalanced loads and friction [N]."""
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def hertz_word(hertz: str) -> str:
-    """The word of scene files for the Hertz constants."""
+    """Return the scene file's name for the kind of Hertz constants."""
     return "nominal" if hertz == "right" else hertz
 
 
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
-    """The energy balance in words."""
+    """Return the line on the energy balance."""
     power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
     if left == 0.0 or loss == 0.0:
         return "energy", f"{loss:.{digits}g} W are put in and lost"
@@ -257,12 +264,12 @@ def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
 
 
 def left_out(friction: Friction) -> list[str]:
-    """Effects that the result for one instant leaves out."""
+    """Return the effects that the result for one instant neglects."""
     return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
 def jam_words(state: FrictionState) -> str:
-    """Sentence on second, jammed states of balls at a high coefficient of friction."""
+    """Return a sentence on second, jammed states of balls at a high coefficient of friction."""
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
         along = "without lead friction runs along the grooves and moves no ball across them"
@@ -276,17 +283,17 @@ def jam_words(state: FrictionState) -> str:
 
 
 def slip_warnings(share: float) -> list[Warned]:
-    """Warning where Heathcote slip, which is left out, would add much to the losses."""
+    """Return a warning if Heathcote slip, which is neglected, would add much to the losses."""
     return [Warned("slip", f"the contacts are so wide that {slip_words(share)}")] if share > WIDE else []
 
 
 def slip_words(share: float) -> str:
-    """Clause on the losses that Heathcote slip, which is left out, would add."""
+    """Return a clause on the losses that Heathcote slip, which is neglected, would add."""
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 
 def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
-    """Forces between balls that touch, and what they do to the friction torque; None where neighbours do not push."""
+    """Return the forces between touching balls and their effect on the torque; None if neighbours do not push."""
     n, t = state.neighbours, state.torque
     if n is None:
         return None
@@ -300,7 +307,7 @@ def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
 
 
 def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
-    """One row per ball, named as in a static result; the x and z of a contact lie across and along its groove."""
+    """Return one row per ball, with names as in a static result; x and z of a contact lie across and along its groove."""
     at, f, q = state.at, state.balls, state.balls.q
     return [
         {"index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i])}
@@ -314,7 +321,7 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
 
 
 def flat_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The rows of the balls for the terminal."""
+    """Return the rows of the balls for the terminal."""
     out = []
     for row in rows:
         flat = {k: row[k] for k in ("index", "azimuth_deg", "orbit_rad_s", "closing_mm_s")}
@@ -345,7 +352,7 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 
 
 def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
-    """Losses [W] of all balls by contact and cause, the sum last."""
+    """Return the losses of all balls by contact and cause [W], the sum last."""
     table = state.balls.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
     return [
@@ -355,7 +362,7 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
 
 
 def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """The sums for one pair of coefficients."""
+    """Return the sums for one pair of coefficients."""
     found = sums(state.torque, drag)
     names = (
         "friction_torque_Nmm",
@@ -370,7 +377,7 @@ def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict
 
 
 def mu_columns(kind: str) -> tuple[Column, ...]:
-    """Columns over the coefficient of friction."""
+    """Return the columns of a table over the coefficient of friction."""
     first: tuple[Column, ...] = (
         ("screw", "coefficient", ".4g"),
         ("friction_torque_Nmm", "friction torque N mm", ".5g"),
@@ -389,12 +396,12 @@ def mu_columns(kind: str) -> tuple[Column, ...]:
 
 
 def static_only(warnings: Sequence[Warned]) -> list[Warned]:
-    """Warnings without those of pressure and size, which are made again: friction changes the loads."""
+    """Return warnings without those on pressure and size, which are computed again because friction changes the loads."""
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
 def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
-    """Where the result leaves the range in which it holds."""
+    """Return warnings if the result is outside its range of validity."""
     at = state.at
     loaded = at.force > 0.0
     notes = static_only(static)
@@ -418,43 +425,29 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
 
 
 def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
-    """The torque that a motor, or a brake, must give."""
+    """Return the line on the torque that a motor, or a brake, must provide."""
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {moves(t)}" if t.translating else ""
     return "torque", f"{three(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
-def _load_line(t: ScrewTorque) -> Line:
-    """The torques against the axial load and with it, and the efficiencies."""
-    if not t.translating:
-        return "load", "no axial load: no efficiency"
-    forward, backward = t.efficiency
-    against = (
-        f"{t.load:.4g} N along the screw; {three(1e3 * t.forward)} N mm against it, efficiency {100.0 * forward:.3g} %"
-    )
-    if t.locking:
-        return "load", f"{against}; self-locking: to go with it, {three(-1e3 * t.backward)} N mm are needed too"
-    held = f"{three(1e3 * t.backward)} N mm hold it back where it drives, efficiency {100.0 * backward:.3g} %"
-    return "load", f"{against}; {held}"
-
-
 def residual_line(residual: float, left: float) -> Line:
-    """How far loads and friction are from balance."""
+    """Return the line on the remaining imbalance of loads and friction."""
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
 def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
-    """The results in a few lines, the driving torque first; what a coefficient decides, which is hardly known to one digit,
-    has three."""
+    """Return the results in a few lines, the driving torque first.
+
+    Values that depend on the coefficient, which is hardly known to one digit, have three digits.
+    """
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
     without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
     lines = [
         _driving_line(t, motion, inner if motion.turns == "screw" else outer),
         ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
-        *(() if ring else (_load_line(t),)),
-        energy_line(balance(t.input_power, t.power), 3),
     ]
     bare = f"{three(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:

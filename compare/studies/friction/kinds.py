@@ -1,7 +1,6 @@
-"""Solves friction scenes by kind.
+"""Friction of single parts: two balls of a ball screw, a screw in time, one ball of a bearing, two kinds of bearings.
 
-Of a ball screw: two balls, or a whole screw in time; of rotary bearings: one ball, or a four-point against a double-row
-bearing. Linear bearings: ``linear_kinds``.
+Linear bearings are in ``linear_kinds``.
 """
 
 from __future__ import annotations
@@ -43,19 +42,19 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Motion
 
-#: Overlap of neighbours [rad] that is round-off.
+#: Overlap of neighbours [rad] that counts as round-off.
 TOUCHING = 1e-9
 
 
 def sliding(groove: ScrewGroove, force: Array) -> float:
-    """Dissipation [W] if all contacts slid at the full speed of the bodies; inf at rest: all of it is round-off."""
+    """Return the dissipation if all contacts slid at full speed [W]; infinite at rest: all of it is then round-off."""
     if groove.speed == 0.0:
         return np.inf
     return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
 
 
 def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
-    """Warn of contacts that are large against the ball; forces (..., 4) [N]."""
+    """Return warnings of contacts that are large compared with the ball; forces (..., 4) [N]."""
     return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
@@ -63,7 +62,7 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 
 def pair_rows(r: PairResult) -> list[dict[str, Any]]:
-    """One row per ball and state."""
+    """Return one row per ball and state."""
     return [
         {"index": k + 1, "state": state}
         | answer.load_row(SIDES, chain.load.force[k], chain.load.angle[k])
@@ -75,7 +74,7 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
 
 
 def pair_status(r: PairResult) -> str:
-    """How a pair ended, in words."""
+    """Return the status of a pair in words."""
     if r.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
@@ -84,7 +83,7 @@ def pair_status(r: PairResult) -> str:
 
 
 def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
-    """Forces, losses and what contact adds to friction for two balls of a ball screw."""
+    """Solve two balls of a ball screw: forces, losses, and the effect of their contact on friction."""
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
@@ -116,7 +115,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
 
 
 def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """The results of two balls in a few lines."""
+    """Return the results of two balls in a few lines."""
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
         (
@@ -132,7 +131,7 @@ def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def law_line(data: dict[str, Any]) -> answer.Line:
-    """The law of friction, the contacts' constants and what friction moves."""
+    """Return the line on the law of friction, constants of the contacts and the effect of friction on the balls."""
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
 
@@ -150,13 +149,13 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 
 def order_kept(h: History) -> bool:
-    """Whether no ball ever passes or overlaps the next one, the last and the first included."""
+    """Return whether no ball ever passes or overlaps the next one, the last and the first included."""
     ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
     return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
 
 
 def run_summary(h: History) -> dict[str, Any]:
-    """What happens in the run: nut angles [deg], torques [N mm], gaps [um], shares [%] of the grooves' torque."""
+    """Return a summary of a run: nut angles [deg], torques [N mm], gaps [um], shares [%] of the grooves' torque."""
     s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
     met = bool(touch.any())
     torques = {
@@ -182,7 +181,7 @@ def run_summary(h: History) -> dict[str, Any]:
 
 
 def run_series(h: History) -> dict[str, list[Any]]:
-    """Time series, one entry per piece of a step; time and nut angle in its middle."""
+    """Return time series with one entry per time step; time and nut angle in its middle."""
     values = {
         "time_s": h.time,
         "nut_angle_deg": np.degrees(h.nut_angle),
@@ -199,7 +198,7 @@ def run_series(h: History) -> dict[str, list[Any]]:
 
 
 def solve_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
-    """Contacts, torques and energy of a whole screw in time."""
+    """Solve a whole screw in time: contacts, torques and energy."""
     run, time = scene.run, scene.time
     in_time = judged(*stepped(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
@@ -263,7 +262,10 @@ RUN_LINES = (
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
-    """Motion under the scene's law: least dissipation for Coulomb, else a root of the balance begun there."""
+    """Return the motion of a ball under the scene's law.
+
+    Least dissipation for Coulomb friction, else a root of the balance from that start.
+    """
     first = least_dissipation(problem)
     if scene.law == "coulomb":
         return first
@@ -275,7 +277,7 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
 
 
 def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
-    """How the scene of one ball ended, in words."""
+    """Return the status of one ball in words."""
     if not loaded:
         return "no contact: nothing presses the ball"
     if not balanced:
@@ -284,7 +286,10 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
 
 
 def ball_row(load: Settled, at: Contacts, motion: BallMotion) -> dict[str, Any]:
-    """The ball; x of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry."""
+    """Return the row of a ball.
+
+    X of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry.
+    """
     f = motion.friction
     return (
         {"index": 1}
@@ -299,7 +304,7 @@ def ball_row(load: Settled, at: Contacts, motion: BallMotion) -> dict[str, Any]:
 
 
 def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
-    """The loaded contacts of a ball for the terminal."""
+    """Return the loaded contacts of a ball for the terminal."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
     for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
@@ -324,7 +329,7 @@ CONTACT_COLUMNS = (
 
 
 def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
-    """Loads, motion, losses and torque of one ball."""
+    """Solve one ball of a bearing: loads, motion, losses and torque."""
     b = scene.bearing
     load = bearing.bearing_load(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
@@ -358,7 +363,7 @@ def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
 
 
 def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """The results of one ball in a few lines."""
+    """Return the results of one ball in a few lines."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
@@ -384,12 +389,12 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def rubs(case: BearingCase, state: BearingState) -> bool:
-    """Whether friction spends more than round-off."""
+    """Return whether friction dissipates more than round-off."""
     return float(state.loss.sum()) > answer.NOTHING * sliding(case.groove, state.load.force)
 
 
 def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
-    """A bearing's torques [N mm] over the angles and the largest over the smallest."""
+    """Return the torques of a bearing over the load angles [N mm], and the ratio of largest to smallest."""
     torque = [1e3 * s.torque for s in states]
     all_rub = all(rubs(case, s) for s in states)
     return {
@@ -401,7 +406,7 @@ def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any
 
 
 def loose(scene: BearingPairScene) -> list[str]:
-    """Motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
+    """Return the motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
         for angle in scene.angle:
@@ -413,7 +418,7 @@ def loose(scene: BearingPairScene) -> list[str]:
 
 
 def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
-    """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
+    """Solve both bearings over the angle of the load: friction torque; energy is the mean over all states."""
     case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
@@ -470,7 +475,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
 
 
 def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """The results of both bearings in a few lines."""
+    """Return the results of both bearings in a few lines."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
     label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "held upright"
@@ -502,5 +507,16 @@ SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
 
 
 def solve_kind(scene: KindScene) -> FrictionAnswer:
-    """Solve a scene of a kind that only friction solves."""
+    """Solve a scene of single parts.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+
+    Returns
+    -------
+    FrictionAnswer
+        The answer.
+    """
     return SOLVERS[scene.kind](scene)

@@ -1,4 +1,4 @@
-"""Solves friction scenes of linear bearings: two or more balls, apart and in reach of each other."""
+"""Friction of linear bearings: two or more balls, far apart and touching."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 
-#: Force out of balance over the largest up to which loads count as solved.
+#: Largest unbalanced force over the largest force, for loads that count as solved.
 BALANCED = 1e-8
-#: Balls from which loading the compiled kernels pays.
+#: Number of balls from which on loading the compiled kernels is worthwhile.
 LONG = 60
 
 
 def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
-    """Contact angles (N, 4) [rad] and loads (N, 4) [N], and the largest force out of balance over the vertical one.
+    """Return contact angles (N, 4) [rad], loads (N, 4) [N], and the largest unbalanced force over the vertical one.
 
-    Loads equal on each diagonal are an approximation of the source: their imbalance is reported, not judged.
+    Equal loads on each diagonal are an approximation of the source: their imbalance is reported, not judged.
     """
     if scene.distribution == "elastic":
         try:
@@ -57,7 +57,7 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
 def ball_rows(
     scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
 ) -> list[dict[str, Any]]:
-    """One row per ball; the motion is that of balls in reach of each other, but for what is called apart."""
+    """Return one row per ball; the motion is that of touching balls, unless named as of balls far apart."""
     rows = []
     for k in range(force.shape[0]):
         row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
@@ -73,7 +73,7 @@ def ball_rows(
 
 
 def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
-    """One row per pair of neighbours."""
+    """Return one row per pair of neighbours."""
     return [
         {
             "balls": f"{k + 1}-{k + 2}",
@@ -86,7 +86,7 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
 
 
 def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
-    """Motion and forces of two or more balls, apart and in reach of each other."""
+    """Solve motion and forces of two or more balls, far apart and touching."""
     angles, force, left = linear_loads(scene)
     chains = [prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
@@ -125,7 +125,7 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 
 
 def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
-    """Another state of the chain: force on the carriage, and pairs that press otherwise, with their forces."""
+    """Return another state of the chain: force on the carriage, and pairs with other contact forces."""
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
@@ -133,7 +133,7 @@ def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
 
 
 def second_words(chain: Chain, second: ChainResult | None) -> str:
-    """Sentence on a second state of the chain."""
+    """Return a sentence on a second state of the chain."""
     if not may_jam(chain):
         return "one only: no balls in reach of each other, or no friction between them"
     if second is None:
@@ -146,7 +146,7 @@ def second_words(chain: Chain, second: ChainResult | None) -> str:
 
 
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
-    """Warning where the balls may also settle in a second, jammed state."""
+    """Return a warning if the balls may also settle in a second, jammed state."""
     if second is None:
         return []
     most, base = second.ball_force.max(), near.ball_force.max()
@@ -158,7 +158,7 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
 
 
 def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """The results in a few lines."""
+    """Return the results in a few lines."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
         (

@@ -1,4 +1,4 @@
-"""A run in time: values for JSON, a table of the torque over the angle, and a few lines."""
+"""Friction of a whole screw in time: JSON values, a table of the torque over the angle, and a few lines."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
 
-#: Rows of the table in the terminal.
+#: Number of rows of the table in the terminal.
 ROWS = 12
-#: What a run leaves out besides what an instant does.
+#: Effects that a run neglects in addition to those of an instant.
 LEFT_OUT = (
     "travel of the nut along the screw: shaft and supports are those at the scene's station of the nut",
     "run-in of the grooves: balls take and lose their whole load at the ends of the loaded arc, where the torque jumps",
@@ -51,14 +51,19 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class Run:
-    """A run and the errors of its steps; goal: largest error asked for, fixed: whether the steps were given, balls: whether
-    histories of balls are; status in words, "converged" where every step converged and no error is above the goal."""
+    """Run in time, with the error of its time steps."""
 
+    #: Time series.
     history: History
+    #: Estimated errors of the time steps; None if not estimated.
     error: StepError | None
+    #: Largest error that is allowed.
     goal: float
+    #: Whether the time steps were given.
     fixed: bool
+    #: "converged" if every step converged and no error is above the goal; else why not.
     status: str
+    #: Whether histories of balls are part of the answer.
     balls: bool = True
 
     @property
@@ -68,7 +73,10 @@ class Run:
 
 
 def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> Run:
-    """Run a scene in time. Raises InputError for models that do not solve it again and again, and Refusal for circuits."""
+    """Solve a scene in time.
+
+    InputError for models that cannot be solved repeatedly; as Refusal for circuits that are not possible.
+    """
     time = scene.time
     if time is None:
         raise ValueError("the scene has no [time]")
@@ -88,13 +96,13 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 
 def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
-    """The run at its levels of steps, a bar on a terminal's standard error."""
+    """Compute a run at several sizes of time steps, with a progress bar on the terminal."""
     with bar(f"{name}, run in time") as progress:
         return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def judged(history: History, error: StepError | None, time: Time) -> Run:
-    """The run with its verdict: not converged where a step failed, or where an error of the steps is above the goal."""
+    """Return the run with its status: not converged if a step failed or an error of the steps is above the goal."""
     status = history.status
     if history.good and error is None:
         status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
@@ -110,8 +118,11 @@ def judged(history: History, error: StepError | None, time: Time) -> Run:
 
 
 def run_data(run: Run) -> dict[str, Any]:
-    """Values of a run for JSON; histories at the middle of each piece of a step, gaps at its end: events (a ball enters or
-    leaves the loaded arc, neighbours meet) cut steps, with short pieces before and after."""
+    """Return the JSON values of a run.
+
+    Histories are at the middle of each piece of a step, gaps at its end: events (a ball enters or leaves the loaded arc,
+    neighbours meet) cut steps into shorter pieces.
+    """
     h, e = run.history, run.error
     reached, asked = (number(math.degrees(angle)) for angle in h.angles)
     data: dict[str, Any] = {
@@ -156,7 +167,7 @@ def run_data(run: Run) -> dict[str, Any]:
 
 
 def error_data(e: StepError, goal: float) -> dict[str, Any]:
-    """Estimated errors of the time steps, and their parts."""
+    """Return the estimated errors of the time steps, and their parts."""
     found = e.quantities
     percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
     return {
@@ -177,7 +188,7 @@ def error_data(e: StepError, goal: float) -> dict[str, Any]:
 
 
 def no_error(run: Run) -> str | None:
-    """Why a run has no estimate of the error of its steps; None where it has one."""
+    """Return why a run has no estimate of its time step error; None if it has one."""
     if run.error is not None:
         return None
     if run.history.good:
@@ -186,8 +197,11 @@ def no_error(run: Run) -> str | None:
 
 
 def energy_data(h: History) -> dict[str, Any]:
-    """Work over the run [J] of the torque on the screw and of its axial load, losses, and the largest imbalance of a step
-    over its losses: of the power that contacts take in, and of torque and load against losses."""
+    """Return work over the run [J] of the torque on the screw and of its axial load, losses, and imbalances.
+
+    The latter are the largest of a step over its losses: of the power that contacts take in, and of torque and load against
+    losses.
+    """
     turning, along = h.advance
     loss = h.torque * abs(turning)
     rubs = bool(np.all(loss > 0.0))
@@ -202,7 +216,7 @@ def energy_data(h: History) -> dict[str, Any]:
 
 
 def torque_data(h: History) -> dict[str, Any]:
-    """Mean, ends and parts of the friction torque."""
+    """Return mean, extremes and parts of the friction torque."""
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),
@@ -216,7 +230,7 @@ def torque_data(h: History) -> dict[str, Any]:
 
 
 def ball_data(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
-    """Histories of one ball: azimuth in the nut's frame, distance and force to the next ball of its circuit, loads."""
+    """Return histories of one ball: azimuth in the nut's frame, gap and force to the next ball of its circuit, loads."""
     ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
     number_of = int(h.setting.number[k])
     return {
@@ -236,7 +250,7 @@ def _list(values: Array) -> list[float | None]:
 
 
 def run_rows(h: History) -> list[dict[str, object]]:
-    """Some rows of the torque over the angle for the terminal."""
+    """Return some rows of the torque over the angle for the terminal."""
     which = np.unique(np.linspace(0, h.time.size - 1, min(ROWS, h.time.size)).round().astype(int))
     return [
         {
@@ -252,7 +266,7 @@ def run_rows(h: History) -> list[dict[str, object]]:
 
 
 def run_lines(run: Run) -> list[Line]:
-    """The run in a few lines."""
+    """Return the run in a few lines."""
     h, e = run.history, run.error
     if not h.begun:
         return [("run", run.status)]
@@ -286,10 +300,10 @@ def run_lines(run: Run) -> list[Line]:
 
 
 def significant(error: float | None) -> int:
-    """Digits of a value with this relative error, unknown where None: at most two more than are sure, 3 to 6."""
+    """Return the number of digits of a value with a relative error (None: unknown): at most two uncertain ones, 3 to 6."""
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
 def run_table(run: Run) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
-    """The table of the run, if there is one."""
+    """Return the table of the run, if there is one."""
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -1,4 +1,4 @@
-"""``rollbench friction``: whole screws and bearings, several sets on one shaft, and the kinds that only friction solves.
+"""``rollbench friction``: whole screws and bearings, several sets on one shaft, and single parts.
 
 Of a shaft with several sets: the friction of each, and the torque of the shaft. Load cases of a duty cycle are separate
 scenes, with the mean torque over all revolutions.
@@ -18,14 +18,13 @@ from rollbench.compare.models.answers import AxisAnswers, solve_sets
 from rollbench.compare.models.drive import axis_drive
 from rollbench.compare.models.friction_sums import sums
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import number, range_text
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer
-from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
+from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, balance, three
 from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, solve_scene, status_of
-from rollbench.compare.text.entries import band, drive_lines
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -37,13 +36,55 @@ Say = Callable[[str], None]
 
 
 def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> FrictionAnswer:
-    """Solve a shipped scene or a file of any kind; say: as for `solve_scene`. Raises InputError."""
+    """Compute the friction of a shipped scene or a file.
+
+    Parameters
+    ----------
+    name
+        Name or file of the scene.
+    choices
+        Model, coefficients and so on.
+    say
+        Called with the torque as soon as it is known, as in `solve_scene`.
+
+    Returns
+    -------
+    FrictionAnswer
+        The answer.
+
+    Raises
+    ------
+    InputError
+        If scene or choices cannot be used.
+    """
     scene = catalogue.any_scene(name)
     return solve_any(scene, choices, f"with {name}", say)
 
 
 def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda _: None) -> FrictionAnswer:
-    """Friction of a scene of any kind; origin: what an error names; say: as for `solve_scene`. Raises InputError."""
+    """Compute the friction of a scene of any kind.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    choices
+        Model, coefficients and so on.
+    origin
+        Name for errors.
+    say
+        Called with the torque as soon as it is known, as in `solve_scene`.
+
+    Returns
+    -------
+    FrictionAnswer
+        The answer.
+
+    Raises
+    ------
+    InputError
+        If the choices do not fit the scene.
+    """
     if isinstance(scene, Scene):
         return solve_scene(scene, choices, say)
     if isinstance(scene, DutyCycle):
@@ -60,16 +101,16 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
 
 
 def library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
-    """JSON-ready answer on a scene; mu: coefficients in place of the scene's. Raises InputError."""
+    """Compute friction for `rollbench.friction`, as JSON values; ``mu``: coefficients instead of the scene's."""
     return as_json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
 
 
 def as_json(found: FrictionAnswer) -> dict[str, Any]:
-    """JSON-ready answer, with what stands above it."""
+    """Return JSON values, with the warning above the answer."""
     return found.data | {"warning": found.warning or None}
 
 
-#: What is said where no set of balls has a coefficient of friction.
+#: Note if no set of balls has a coefficient of friction.
 NO_COEFFICIENT = "No coefficient of friction is given: torques of bearings are those of the formulas."
 
 SET_COLUMNS: tuple[Column, ...] = (
@@ -98,7 +139,7 @@ Solved = list[tuple[int, SetResult, FrictionState]]
 
 
 def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
-    """Loads by the chosen model, then friction of every set of balls. Raises InputError for choices that do not fit."""
+    """Compute the friction of every set of balls on a shaft; InputError for choices that do not fit."""
     if choices.condensed is not None:
         raise ArgumentError("condensed", f"with {assembly.name}", "one set on the shaft", "leave it out")
     pairs = _coefficients(assembly, choices.mu)
@@ -125,8 +166,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
 
 
 def _coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
-    """The coefficients of the command line, or the scene's; none where bearings alone are asked about without one. Raises
-    InputError where a nut has none."""
+    """Return the coefficients given, or the scene's; none if there are only bearings. InputError for a nut without one."""
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
         return []
@@ -136,7 +176,7 @@ def _coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
 
 
 def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
-    """Friction of every set of balls, with its number."""
+    """Return the friction of every set of balls, with its number."""
     out: Solved = []
     for i, s in enumerate(result.sets):
         if s.balls is None or not isinstance(s.of.parts, Scene):
@@ -146,7 +186,7 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
 
 
 def _drag(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
-    """Friction torque [N m] of each set without the loads on shaft and housings, where it is known."""
+    """Return the friction torque of each set without the loads on shaft and housings, where it is known [N m]."""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
     result = run_model(bare, loaded.model, Options(member=loaded.member))
@@ -211,10 +251,10 @@ def _answer(
         f"sets of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
-    lines = [*([of_balls, _energy_line(power)] if solved else []), *drive_lines(drive), left]
+    lines = [*([of_balls] if solved else []), left]
     tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
-        {k: band(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
+        {k: range_text(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
         for x in (drive or {}).get("sets", ())
     ]
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
@@ -225,8 +265,10 @@ def _lead(s: SetResult) -> float:
 
 
 def _energy(solved: Solved) -> dict[str, Any]:
-    """Powers [W] of all sets together: what the contacts take and lose, what the shaft's torque and the axial loads of the
-    sets put in; efficiency where one of these two drives the other."""
+    """Return powers [W] of all sets together: taken in and lost by contacts, put in by the torque and by the axial loads.
+
+    Also the efficiency, if one of the latter two drives the other.
+    """
     torques = [x.torque for _, _, x in solved]
     turning = float(np.sum([t.on_screw * t.speed for t in torques]))
     along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
@@ -239,17 +281,8 @@ def _energy(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _energy_line(values: dict[str, Any]) -> Line:
-    """The powers in words."""
-    efficiency = values["efficiency_percent"]
-    by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
-    worth = "no power leaves the shaft" if efficiency is None else f"{by} drives with an efficiency of {efficiency:.3g} %"
-    label, text = energy_line(values, 3)
-    return label, f"{text}; {worth}"
-
-
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
-    """Torques [N mm] of all sets together."""
+    """Return torques of all sets together [N mm]."""
     known = len(drag) == len(solved)
     return {
         "friction_torque_Nmm": number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
@@ -269,9 +302,9 @@ COLUMNS = (
 
 
 def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
-    """Friction of every case in order; the mean torque is that of the whole work of friction over the revolutions.
+    """Compute the friction of every load case; the mean torque is the work of friction over all revolutions.
 
-    A case that does not converge leaves the others as they are, and the cycle without a mean. Raises InputError as
+    A load case that does not converge leaves the others as they are, and the cycle without a mean. InputError as
     `solve_scene` and `solve_axis`.
     """
     each = [

@@ -1,5 +1,6 @@
-"""Friction of a whole screw or bearing: static loads by the chosen model, then friction of every ball and the torques that
-follow; and what decides a torque apart from the scene's numbers: coefficient, preload, and the play of the balls.
+"""Friction of a whole screw or bearing: static loads by a model, then friction of every ball and the torques.
+
+Also the effect of inputs that decide a torque and may not be stated: coefficient, preload, and play of the balls.
 """
 
 from __future__ import annotations
@@ -35,16 +36,16 @@ from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
 
-#: Coefficients of friction of rolling contacts that are measured with lubricants, least and largest.
+#: Smallest and largest coefficient of friction of rolling contacts measured with lubricants.
 MEASURED = (0.003, 0.1)
 
 #: Factor of the makers' formula of a preloaded nut's drag torque (THK, general catalogue; Rexroth, HIWIN alike).
 MAKERS = 0.05
 
-#: How much less than nominal balls are in radius [m] where the effect of a play that nobody stated is shown.
+#: Reduction of the ball radius [m] to show the effect of a play that is not stated.
 SMALLER = 5e-6
 
-#: Factor of the feedback of friction on the balls' places from which on it is said.
+#: Factor on the torque by friction moving the balls, from which on a warning is given.
 FED_BACK = 1.5
 
 
@@ -52,24 +53,30 @@ _kept_state = kept(FrictionState)(friction_state)
 
 
 def kept_state(scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int) -> FrictionState:
-    """`friction_state`, kept on disc between commands for equal scenes and loads."""
+    """Return `friction_state`, cached on disk for equal scenes and loads."""
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     return _kept_state(scene, loads, friction, motion, member)
 
 
 @dataclass(frozen=True)
 class Solved:
-    """What is solved: scene, model, its options, friction, how the screw turns, the scene without its loads."""
+    """Statically solved scene, with what friction needs."""
 
+    #: The scene.
     scene: Scene
+    #: Name of the model.
     model: str
+    #: Options of the model.
     options: Options
+    #: Coefficients of friction.
     friction: Friction
+    #: Motion of screw or nut.
     motion: Motion
+    #: Result without the loads of the scene.
     bare: StaticResult
 
     def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
-        """Friction torque [N m] at the loads of a result; nan where there is none."""
+        """Return the friction torque at the loads of a result [N m]; nan if there is none."""
         if not result.converged:
             return float("nan")
         state = kept_state(scene or self.scene, result, friction, self.motion, self.options.member)
@@ -77,13 +84,28 @@ class Solved:
 
 
 def makers_torque(scene: Scene, force: float) -> float:
-    """Drag torque [N m] of a screw under an axial preload [N]: 0.05/sqrt(tan(lead angle)) F l/(2 pi)."""
+    """Return the drag torque of a screw by the makers' formula, 0.05/sqrt(tan(lead angle)) F l/(2 pi).
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    force
+        Axial preload F [N].
+
+    Returns
+    -------
+    float
+        Torque [N m].
+    """
     return MAKERS / float(np.sqrt(abs(np.tan(lead_angle(scene.track))))) * force * scene.track.lead / (2.0 * pi)
 
 
 def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
-    """Torques at the ends of the measured coefficients, of the loaded scene and without its loads, and the makers' formula
-    where a screw is preloaded (null where it is not)."""
+    """Return torques at the smallest and largest measured coefficient, with and without the loads.
+
+    Also the drag torque by the makers' formula (null without preload).
+    """
     scene, held = solved.scene, preload(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
     pressed = held is not None and held.axial > 0.0 and scene.track.lead > 0.0
@@ -97,17 +119,16 @@ def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def band_lines(data: dict[str, Any]) -> list[Line]:
-    """The band in words."""
-    words = f"at the coefficients that are measured with lubricants, {MEASURED[0]:g} to {MEASURED[1]:g}"
-    lines = [("band", f"friction torque {_range(data['friction_torque_Nmm'])} N mm {words}")]
-    if data["makers_formula_Nmm"] is not None:
-        text = (
-            f"without load drag torque {_range(data['drag_torque_Nmm'])} N mm at these; makers' formula 0.05/sqrt(tan(lead "
-            f"angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: {three(data['makers_formula_Nmm'])} N mm"
-        )
-        lines.append(("drag", text))
-    return lines
+def drag_lines(data: dict[str, Any]) -> list[Line]:
+    """Return the drag torque of a preloaded screw over the coefficients, and by the makers' formula."""
+    if data["makers_formula_Nmm"] is None:
+        return []
+    text = (
+        f"without load {_range(data['drag_torque_Nmm'])} N mm at coefficients from {MEASURED[0]:g} to {MEASURED[1]:g}; "
+        f"makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
+        f"{three(data['makers_formula_Nmm'])} N mm"
+    )
+    return [("drag", text)]
 
 
 def _range(values: list[float | None]) -> str:
@@ -115,12 +136,12 @@ def _range(values: list[float | None]) -> str:
 
 
 def states_no_play(scene: Scene) -> bool:
-    """Whether a screw's file states neither the sizes of its balls nor a preload."""
+    """Return whether the file of a screw states neither the sizes of its balls nor a preload."""
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
 def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
-    """Torque with balls that are smaller by ``SMALLER``, of a screw that has no preload and states no play; else None."""
+    """Return the torque with balls smaller by ``SMALLER``, of a screw without preload that states no play; else None."""
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
         return None
@@ -136,7 +157,7 @@ def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
 
 
 def play_warning(data: dict[str, Any]) -> Warned:
-    """Warning where neither play nor preload is stated."""
+    """Return a warning that neither play nor preload is stated."""
     value = data["friction_torque_Nmm"]
     other = "none found" if value is None else f"{value:.4g} N mm"
     text = (
@@ -147,12 +168,12 @@ def play_warning(data: dict[str, Any]) -> Warned:
     return Warned("play", text, text)
 
 
-#: Factors on the errors from which on neighbours touch: those that are tried, and halvings of the step between two.
+#: Factors on the errors that are tried to find where neighbours touch, and halvings of the step between two.
 FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
 def with_errors(scene: Scene, factor: float) -> Scene:
-    """The scene with its errors of grooves and of single balls times a factor; preload and play stay."""
+    """Return the scene with errors of grooves and single balls times a factor; preload and play stay."""
 
     def times(side: SideErrors) -> SideErrors:
         pitch, roundness = (
@@ -170,7 +191,10 @@ def with_errors(scene: Scene, factor: float) -> Scene:
 
 
 def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
-    """Whether neighbours touch at the loads of a result, and from which errors on; None where their places cannot be."""
+    """Return whether neighbouring balls touch at the loads of a result, and from which errors on.
+
+    None if balls overlap or their circuits are not possible.
+    """
 
     def found(factor: float) -> bool:
         scene = with_errors(solved.scene, factor)
@@ -204,7 +228,7 @@ def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
 
 
 def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
-    """The same in words; turns: the part that turns; errors: whether the scene has any."""
+    """Return the line on this; ``turns``: the part that turns; ``errors``: whether the scene has any."""
 
     def angle(value: float | None) -> str:
         return "never" if value is None else f"after {three(np.degrees(value))} deg of the {turns}"
@@ -230,7 +254,7 @@ def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
-    """Warning where friction that moves the balls raises the torque much."""
+    """Return a warning if friction that moves the balls raises the torque much."""
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
         return []
@@ -241,7 +265,7 @@ def feedback_warnings(state: FrictionState) -> list[Warned]:
     return [Warned("feedback", text)]
 
 
-#: Largest coefficient of friction that is taken.
+#: Largest allowed coefficient of friction.
 MOST = 2.0
 
 NO_SPEED = (
@@ -252,26 +276,32 @@ NO_SPEED = (
 
 @dataclass(frozen=True)
 class Choices:
-    """What the command line says: model, coefficients of friction in place of the scene's, specimen, condensed bodies."""
+    """Choices of a computation of friction."""
 
+    #: Name of the model; empty: the default.
     model: str = ""
+    #: Coefficients of friction instead of the scene's.
     mu: tuple[float, ...] = ()
+    #: Number of the specimen.
     member: int = 0
+    #: File with condensed bodies.
     condensed: Path | None = None
 
 
 @dataclass(frozen=True)
 class Drag:
-    """Friction torque [N m] with the scene's loads removed; None where there is none to speak of, and why. note: how the
-    screw was left free, where its supports would press it along its axis."""
+    """Friction torque with the loads of the scene removed."""
 
+    #: Torque [N m]; None if there is no meaningful one.
     torque: float | None
+    #: Why there is none.
     reason: str = ""
+    #: How the screw was released, if its supports would press it axially.
     note: str = ""
 
 
 def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
-    """Coefficients to solve for: those of the command line, or the scene's. Raises InputError where there are none."""
+    """Return the coefficients to solve for: those given, else the scene's; InputError if there are none."""
     for value in mu:
         if not 0.0 <= value <= MOST:
             raise ArgumentError("mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
@@ -286,10 +316,26 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
 
 
 def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lambda _: None) -> FrictionAnswer:
-    """Loads by the chosen model, then friction for every coefficient; the balls are shown for the first one. say: takes the
-    torque at the loads as soon as it is known, where the rest of the answer, drag and band, takes long.
+    """Compute contact loads by a model, then friction for every coefficient.
 
-    Raises InputError for a scene that the model cannot describe, or without coefficient of friction.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    choices
+        Model, coefficients and so on; the balls are shown for the first coefficient.
+    say
+        Called with the torque at the loads as soon as it is known, if the rest (drag and band) takes long.
+
+    Returns
+    -------
+    FrictionAnswer
+        The answer.
+
+    Raises
+    ------
+    InputError
+        If the model does not cover the scene, or there is no coefficient of friction.
     """
     pairs = coefficients(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
@@ -323,7 +369,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
 
 
 def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
-    """The answer for the scene's instant with the run in time after it."""
+    """Return the answer for the scene's instant followed by the run in time."""
     data = answer.data | {"run": run_data(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
@@ -333,18 +379,35 @@ def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
 
 
 def loaded(scene: Scene) -> bool:
-    """Whether a scene has loads."""
+    """Return whether a scene has loads."""
     return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
 
 
 def drag_torques(
     scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
 ) -> list[Drag]:
-    """Friction torque without the scene's loads, for each pair of coefficients; supports and what they prescribe stay.
-    unloaded: the result without them.
+    """Compute the friction torque without the scene's loads, for each pair of coefficients.
 
-    Where these press the screw along its axis, which is an axial load too, its supports let it go along the axis: drag is
-    the friction torque at no axial load.
+    Supports and their prescribed displacements stay. If these press the screw axially, which is an axial load too, the
+    supports release it along the axis: drag is the friction torque at zero axial load.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    states
+        Friction under the loads.
+    pairs
+        Coefficients of friction.
+    unloaded
+        Result without the loads.
+    options
+        Options of the model.
+
+    Returns
+    -------
+    list of Drag
+        Torque for each pair.
     """
     bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
 
@@ -370,18 +433,18 @@ def drag_torques(
 
 
 def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
-    """The supports without what they hold along the axis."""
+    """Return the supports without their axial constraints."""
     freed = (replace(s, fixed=tuple(held for held in s.fixed if held[0] != "uz")) for s in supports)
     return tuple(s for s in freed if s.fixed)
 
 
 def drag_of(state: FrictionState) -> Drag:
-    """The drag torque of a state without axial load; none where a ball failed."""
+    """Return the drag torque of a state without axial load; none if a ball failed."""
     return Drag(state.torque.friction) if state.settled else Drag(None, "no balance of friction found")
 
 
 def status_of(state: FrictionState) -> str:
-    """Text of how it ended."""
+    """Return the status as text."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
         return f"no balance of friction found on {count_of(len(failed), 'ball')}: {', '.join(failed[:8])}"
@@ -394,7 +457,7 @@ def status_of(state: FrictionState) -> str:
 
 
 def _assumed(scene: Scene, result: StaticResult) -> list[str]:
-    """Statements about scene and contact loads, the latter marked as such: they speak of a model without friction."""
+    """Return assumptions on scene and contact loads; the latter are marked, as they are of a model without friction."""
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
 
@@ -402,7 +465,7 @@ States = tuple[list[Friction], list[FrictionState], list[Drag]]
 
 
 def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> FrictionAnswer:
-    """Values for JSON and tables for the terminal."""
+    """Return JSON values and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
     good = all(s.settled for s in solved[1])
@@ -474,7 +537,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     every = [("per ball", output.BALL_COLUMNS, output.flat_rows(rows))] if state.loaded else []
     lines = [
         *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
-        *(band_lines(wide) if state.loaded else ()),
+        *(drag_lines(wide) if state.loaded else ()),
     ]
     if near is not None:
         lines.append(

@@ -1,1 +1,1 @@
-"""Many members of a scene with random errors."""
+"""Ensembles: many specimens (members) of a scene with random errors."""

@@ -1,11 +1,11 @@
-"""Many specimens of one scene with random errors: loads of every member, solved in blocks, and bands over them.
+"""Loads of many specimens (members) of a scene with random errors, solved in blocks.
 
-Where balls, pitch and roundness are random and flanks are exact arcs, one system serves all members: they are drawn and
-packed at once, and compiled kernels run through them. Anything else goes member by member through ``solve_static``.
+If balls, pitch and roundness are random and flanks are exact arcs, one system serves all members: they are drawn and packed
+at once, and compiled kernels run through them. Other scenes are solved member by member by ``solve_static``.
 
-Several sets draw errors of their own. Of the whole: largest load, tangent rigidity along the axis where it is asked for,
-contacts lost. Of each set: largest and mean load, force along the axis on the shaft, contacts lost, life. Rollers draw no
-errors, but feel those of the balls.
+Several sets draw independent errors. Kept for the whole: largest load, axial tangent rigidity, lost contacts. Of each set:
+largest and mean load, axial force on the shaft, lost contacts, life. Rollers have no random errors, but are affected by
+those of the balls.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centr
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
-#: Many solves pay for compiled kernels.
+#: Kernels: many solutions are worth compiling them.
 ENGINE: Engine = "compiled"
 
-#: A flank left out at first counts as touched when a ball comes this near [m]: the member is solved with all four.
+#: Distance [m] at which a flank that was left out counts as touched; the member is then solved with all four.
 MARGIN = 1e-7
 
-#: Relative residual to which a member of a batch is solved: one step of Newton's method less than a single solve takes, and
-#: far below what its loads are used for.
+#: Relative residual of the members of a batch: one step of Newton's method fewer than a single solution, and far below what
+#: its loads are used for.
 ENOUGH = 1e-11
 
-#: Members tried first with fewer sides; the rest only if at least half of them pass.
+#: Number of members tried first with fewer flanks; the rest only if at least half of them pass.
 TRIAL = 32
 
 #: Members per call of the kernels, which let other threads run: so few that the memory of a call is not given back in
@@ -61,36 +61,50 @@ CHUNK = 96
 
 @dataclass(frozen=True)
 class EnsembleResult:
-    """Loads of every member of a scene with random errors.
+    """Loads of M members of a scene with random errors."""
 
-    loads ``(M, N, 4)`` [N] (nan where there is no equilibrium); statuses ``(M,)`` as in ``StaticResult``; residuals
-    ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; all_sides: members that needed all four sides;
-    general: members that went through ``solve_static``.
-    """
-
+    #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
     loads: Array
+    #: Status of each member, as in ``StaticResult``.
     statuses: tuple[str, ...]
+    #: Relative residual of each member, (M,).
     residuals: Array
+    #: Loads times the displacements of their stations, (M,) [J].
     works: Array
+    #: Number of members that needed all four flanks.
     all_sides: int
+    #: Number of members that were solved by ``solve_static``.
     general: int
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Which members may be used, ``(M,)``."""
+        """Members with equilibrium, (M,)."""
         return np.array([s == "converged" for s in self.statuses], dtype=bool)
 
 
 def one_pass(scene: Scene) -> bool:
-    """Whether one pass of the solver on exact arcs finishes each member of a scene, so that batches can be solved."""
+    """Return whether one pass of the solver on exact arcs finishes each member, so that batches can be solved."""
     return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
 
 
 def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
-    """Solve ``members`` members (default: as many as the scene states) from ``first`` on; same loads as ``solve_static``.
+    """Solve members of a scene with random errors, with the same loads as ``solve_static``.
 
-    threads: how many run side by side; the numbers do not depend on it. Members without solution are reported in
-    ``statuses``.
+    Parameters
+    ----------
+    scene
+        Scene with one set.
+    members
+        Number of members; None: as the scene states.
+    first
+        Number of the first member.
+    threads
+        Number of threads, which does not affect the result.
+
+    Returns
+    -------
+    EnsembleResult
+        Loads; ``statuses`` gives the members without solution.
     """
     count = scene.members if members is None else members
     batch = _Batch(scene, count, first, threads)
@@ -104,8 +118,10 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
 
 
 def work_of(scene: Scene, result: StaticResult) -> float:
-    """Loads of a scene times the motions of their stations in a result [J]; nan where it has no
-    line of them."""
+    """Return the loads of a scene times the displacements of their stations [J].
+
+    Nan if the result has no axis of the screw.
+    """
     if result.centreline_z.size < 2:
         return float("nan")
     work = 0.0
@@ -116,7 +132,7 @@ def work_of(scene: Scene, result: StaticResult) -> float:
 
 
 class _Batch:
-    """State of one run: the drawn specimens, the common system and the members' results."""
+    """State of one run: drawn specimens, common system and results."""
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
         self.scene, self.threads = scene, threads
@@ -132,7 +148,7 @@ class _Batch:
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve members, none of a scene that is not held; how many were tried with all four sides."""
+        """Solve all members, none if the scene cannot carry its loads; return how many were tried with all four flanks."""
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
         whole = self._held(all_sides(self.scene))
@@ -146,7 +162,7 @@ class _Batch:
         return int(rest.size)
 
     def _held(self, use: NDArray[np.bool_]) -> Problem | None:
-        """The problem without random errors; None where the screw is not held."""
+        """Return the problem without random errors; None if the screw can move freely."""
         problem = build(self.scene, self.mean, self.layout, use)
         if scale_of(problem).force == 0.0:  # only the random errors press anything together
             tightest = self._of(np.array([distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
@@ -156,16 +172,16 @@ class _Batch:
         return None if mechanism.driven else pin(problem, mechanism)
 
     def _system(self, problem: Problem) -> Beam:
-        """The common system in its solution without random errors."""
+        """Return the common system, solved without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
     def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve members with the sides of a problem; one counts as solved where no flank left out comes near its ball.
+        """Solve members with the flanks of a problem; a member counts only if no flank left out comes near its ball.
 
-        Gives up after ``TRIAL`` members if sides are left out and fewer than half of them pass.
+        Stops after ``TRIAL`` members if flanks are left out and fewer than half of them pass.
         """
         if problem is None:
             return
@@ -195,7 +211,7 @@ class _Batch:
         self.solved[kept] = True
 
     def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
-        """Arrays of members for the kernels."""
+        """Return the arrays of members for the kernels."""
         drawn = self._of(members)
         offset, closure = distances(self.scene, drawn)
         geometry = np.empty((members.size, *problem.geometry.shape))
@@ -205,8 +221,9 @@ class _Batch:
 
 
 class _Nearness:
-    """Whether flanks that were left out could carry load in a solution, for many members at once: they come nearer than
-    ``MARGIN``. A member in doubt is solved with all four sides.
+    """Check whether flanks that were left out could carry load, for many members at once.
+
+    A member with such a flank nearer than ``MARGIN`` to its ball is solved with all four.
     """
 
     def __init__(self, prepared: Beam, layout: BallLayout) -> None:
@@ -216,8 +233,19 @@ class _Nearness:
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
     def clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
-        """Whether none comes near, ``(k,)``: motions ``(k, 4 N)`` of the screw's flanks, centres ``(k, N, 2)``, geometry
-        ``(k, N, 4, 4 or more)``, loads ``(k, N, 4)``."""
+        """Return the members without such a flank, (k,).
+
+        Parameters
+        ----------
+        motions
+            Displacements of the screw's flanks, (k, 4 N).
+        centres
+            Ball centres, (k, N, 2).
+        geometry
+            Geometry of the flanks, (k, N, 4, 4 or more).
+        loads
+            Contact loads, (k, N, 4).
+        """
         k, n = centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
         shift[:, :, :2] = motions.reshape(k, n, 2, 2)
@@ -225,7 +253,7 @@ class _Nearness:
 
 
 def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
-    """Motion of a screw flank in each ball's section from all nodal motions, ``(N, 2, 6 n)``, built or left out."""
+    """Return the matrix from all nodal displacements to those of a screw flank in each ball's section, (N, 2, 6 n)."""
     n, size = layout.z.size, problem.nodes.size * 6
     out = np.zeros((n, 2, size))
     if problem.use[side] or problem.basis is not None:
@@ -244,7 +272,7 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
 
 
 def of_study(study: Study, name: str) -> EnsembleResult:
-    """Drawn screws of a shipped scene with random errors, as many as the study says."""
+    """Solve the specimens of a shipped scene with random errors, as many as the study states."""
     return study.once(_drawn, name)
 
 
@@ -252,7 +280,7 @@ def _drawn(study: Study, name: str) -> EnsembleResult:
     return run_ensemble(study.scene(name), study.members)
 
 
-#: What is kept of each member: key and heading.
+#: Outputs of each member: key and heading.
 KEPT = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
@@ -262,7 +290,7 @@ KEPT = {
     "residual": "relative residual",
 }
 
-#: The same of several sets: of the whole, and of each.
+#: The same for several sets: of the whole, and of each set.
 WHOLE = {
     "largest_load_N": "largest load of a contact or roller / N",
     "tangent_N_per_um": "tangent rigidity along the axis / (N/um)",
@@ -279,10 +307,10 @@ OF_SET = {
 }
 
 
-#: Exponents of the loads of a raceway that turns under the load and of one that does not, and of raceways together.
+#: Exponents of the equivalent load of a raceway that turns under the load, of one that does not, and of all raceways.
 TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
 
-#: Part of the load by which the stiffness at the loads is taken.
+#: Relative change of the load for the stiffness.
 STEP = 1e-3
 
 #: Models with elastic bodies, whose members may share one system.
@@ -291,18 +319,21 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 @dataclass(frozen=True)
 class Block:
-    """Loads (k, N, 4) of a block, numbers (k, ...), statuses."""
+    """Results of a block of k members."""
 
+    #: Contact loads, (k, N, 4) [N].
     loads: Array
+    #: Outputs, (k, number of outputs).
     kept: Array
+    #: Status of each member.
     statuses: tuple[str, ...]
 
 
 def life_sum(load: Array) -> Array:
-    """L^(-10/9) of all raceways together, to a factor, from loads (..., N, 4) [N]: ISO/TS 16281, equivalent loads.
+    """Return L^(-10/9) of all raceways together, up to a factor, from contact loads (..., N, 4) [N] (ISO/TS 16281).
 
     The screw's grooves turn under the load (cubic mean over the balls), the nut's do not (power 10/3); the raceways are
-    taken as equally strong, and every ball's place as equally frequent.
+    taken as equally strong, and every position of a ball as equally frequent.
     """
     turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
     standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)
@@ -310,20 +341,20 @@ def life_sum(load: Array) -> Array:
 
 
 def relative_life(load: Array, nominal: Array) -> Array:
-    """Life under loads (..., N, 4) over that under the loads (N, 4) without random errors."""
+    """Return the life under loads (..., N, 4) over that under the loads (N, 4) without random errors."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((life_sum(load) / life_sum(nominal)) ** (-1.0 / SYSTEM))
 
 
 def columns(scene: Scene | Assembly) -> list[str]:
-    """Names of the numbers of a member."""
+    """Return the names of the outputs of a member."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
 
 
 def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
-    """Place of each set's balls among those of all sets."""
+    """Return the range of each set's balls among those of all sets; None for rollers."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
     slices: list[slice | None] = []
@@ -336,7 +367,7 @@ def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
 
 
 def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
-    """The scene with the parts of each set of balls changed; change: takes them and the number of the set, from 0."""
+    """Return the scene with changed parts of each set of balls; ``change`` takes parts and number of the set."""
     if isinstance(scene, Scene):
         return change(scene, 0)
     sets = (replace(s, parts=change(s.parts, i)) if isinstance(s.parts, Scene) else s for i, s in enumerate(scene.sets))
@@ -344,20 +375,22 @@ def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) 
 
 
 def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
-    """The scene with a seed of its random errors, or seeds that count on from it, set by set."""
+    """Return the scene with another seed of its random errors; of several sets with consecutive seeds."""
     return _with_parts(scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i)))
 
 
 def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
-    """The scene that its members scatter about."""
+    """Return the scene without its random errors."""
     return _with_parts(scene, lambda parts, _: without_draws(parts))
 
 
 def _solved(
     scene: Scene, model: str, engine: str, first: int, count: int, factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
-    """Loads, statuses, residuals and works of some members under the loads times a factor; with one other than 1 after
-    those under the loads themselves."""
+    """Return loads, statuses, residuals and works of members under the loads times a factor.
+
+    With a factor other than 1 the members are first solved under the loads themselves.
+    """
     of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
         batch = run_ensemble(scene, count, first)
@@ -376,14 +409,35 @@ def _solved(
 
 @lru_cache(maxsize=4)
 def _system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
-    """The solver of all blocks of a scene in this process, under its loads times a factor."""
+    """Return the solver of all blocks of a scene in this process, under its loads times a factor."""
     like = None if factor == 1.0 else _system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
 
 
 def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
-    """Members ``first`` and on; nominal: loads (N, 4) [N] of all balls without random errors."""
+    """Solve ``count`` members from number ``first`` on.
+
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+    model
+        Name of the model.
+    engine
+        Kernels: interpreted or compiled.
+    nominal
+        Loads of all balls without random errors, (N, 4) [N].
+    first
+        Number of the first member.
+    count
+        Number of members.
+
+    Returns
+    -------
+    Block
+        Loads and outputs.
+    """
     if isinstance(scene, Assembly):
         return _of_several(scene, model, engine, nominal, first, count)
     loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
@@ -406,7 +460,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
 
 def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
-    """`solve_block` of several sets."""
+    """Solve a block of several sets, as `solve_block`."""
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = places(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
@@ -416,12 +470,12 @@ def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, fi
 
 
 def contact_loads(result: Solved) -> Array:
-    """Loads (N, 4) [N] of the balls of all sets."""
+    """Return the contact loads of the balls of all sets, (N, 4) [N]."""
     return np.concatenate([b.load for b in result.of_balls()])
 
 
 def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
-    """What is kept of a member."""
+    """Return the outputs of a member."""
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)

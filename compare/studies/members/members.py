@@ -1,9 +1,9 @@
-"""``rollbench solve SCENE --members N``: many screws of one scene with random errors, by any model, as bands and
-distributions with their sampling errors.
+"""Ensemble of a scene with random errors by any model (``rollbench solve SCENE --members N``).
 
-Members are solved in blocks that may run side by side. What a member is depends on the scene's seed and its number alone,
-and blocks are put together in their order, so the numbers are the same whatever the number of workers. Memory: a block of
-loads in each process, six numbers a member, and one histogram a contact.
+Results are statistics of outputs and bands of the contact loads, with their sampling errors. Members are solved in blocks
+that may run in parallel. A member depends only on the scene's seed and its number, and blocks are combined in order, so the
+results do not depend on the number of workers. Memory: a block of loads in each process, six numbers per member, and one
+histogram per contact.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Members of a block: the most, and the least of one set, as it takes as long to prepare some; from how many on kernels are
-#: compiled, and are used where they have been.
+#: Largest and smallest number of members of a block; numbers of members from which on kernels are compiled, and used if
+#: they are already compiled.
 BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
 
-#: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
+#: Number of bins of the histogram of a contact's load, and its end over the largest load without random errors.
 BINS, END = 2000, 10.0
 
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
@@ -57,20 +57,28 @@ MOST = 10_000_000
 
 
 class Bands:
-    """Contacts over the members, by running sums about the loads ``nominal`` (N, 4) [N] without random errors. largest
-    (N, 4) [N]; counts (N, 4, `BINS` + 2): histogram of the loads of width ``width`` [N], the first of loads of zero, the
-    last of those beyond its end."""
+    """Distribution of each contact load over the members, by running sums and histograms.
+
+    Parameters
+    ----------
+    nominal
+        Contact loads without random errors, (N, 4) [N].
+    width
+        Width of a bin of the histograms [N]; the first bin is for zero loads, the last for those beyond the end.
+    """
 
     def __init__(self, nominal: Array, width: float) -> None:
-        """Begin without a member."""
+        """Begin without members."""
         self.nominal, self.width = nominal, width
         self._first, self._second = np.zeros(nominal.shape), np.zeros(nominal.shape)
         self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
     def add(self, loads: Array) -> None:
-        """Loads (k, N, 4) of a block; members without equilibrium are left out. Member by member, in order: the sums do
-        not depend on how the members are cut into blocks."""
+        """Add the loads (k, N, 4) of a block; members without equilibrium are left out.
+
+        Member by member, in order: the sums do not depend on how the members are divided into blocks.
+        """
         counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
         for load in loads[~np.isnan(loads[:, 0, 0])]:
             off = load - self.nominal
@@ -87,28 +95,28 @@ class Bands:
 
     @property
     def mean(self) -> Array:
-        """Mean load of each contact (N, 4) [N]."""
+        """Return the mean load of each contact, (N, 4) [N]."""
         return self.nominal + self._first / max(self._members, 1)
 
     @property
     def deviation(self) -> Array:
-        """Standard deviation of each contact's load (N, 4) [N]."""
+        """Return the standard deviation of each contact load, (N, 4) [N]."""
         n = self._members
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
     @property
     def smallest(self) -> Array:
-        """Smallest load of each contact (N, 4) [N]."""
+        """Return the smallest load of each contact, (N, 4) [N]."""
         return np.where(np.isfinite(self._low), self._low, 0.0)
 
     @property
     def loaded(self) -> Array:
-        """Share of members in which a contact carries (N, 4)."""
+        """Return the share of members in which each contact carries load, (N, 4)."""
         return 1.0 - self.counts[..., 0] / max(self._members, 1)
 
     def quantile(self, level: float) -> Array:
-        """Quantile of each contact's load (N, 4) [N], to ``width``."""
+        """Return a quantile of each contact load, (N, 4) [N], to within ``width``."""
         below = np.cumsum(self.counts, axis=-1)
         place = (below < level * below[..., -1:]).sum(axis=-1)
         return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
@@ -116,16 +124,21 @@ class Bands:
 
 @dataclass(frozen=True)
 class Members:
-    """Members of a scene. kept (M, k): numbers named by `member_blocks.columns` (nan where there is no equilibrium);
-    statuses of those that did not converge, by number; bands: of the contacts of all sets of balls, one set after the
-    other; balls: the place of each set in them, None for rollers; seconds of wall clock."""
+    """Results of all members of a scene."""
 
+    #: The scene.
     scene: Scene | Assembly
+    #: Name of the model.
     model: str
+    #: Outputs named by `member_blocks.columns`, (M, k); nan without equilibrium.
     kept: Array
+    #: Status of members without equilibrium, by number.
     failed: dict[int, str]
+    #: Distribution of the contact loads, set after set.
     bands: Bands
+    #: Range of each set's balls in them; None for rollers.
     balls: tuple[slice | None, ...]
+    #: Wall clock [s].
     seconds: float
 
 
@@ -137,10 +150,32 @@ def run_members(
     step: Callable[[str], None] = lambda _: None,
     row: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> Members:
-    """Solve members 0 to ``count`` - 1 of a scene; ``row`` hears of each, in order: number, status, numbers (k,).
+    """Solve the first ``count`` members of a scene.
 
-    Raises InputError for an unknown model, a count out of range, a scene without random errors, or one that has no
-    equilibrium without them.
+    Parameters
+    ----------
+    scene
+        Scene with one set or several.
+    model
+        Name of the model.
+    count
+        Number of members.
+    engine
+        Where blocks are computed.
+    step
+        Called with lines of progress.
+    row
+        Called with number, status and outputs (k,) of each member, in order.
+
+    Returns
+    -------
+    Members
+        The results.
+
+    Raises
+    ------
+    InputError
+        If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
     _check(scene, model, count)
     start, model = perf_counter(), model or default_model(scene)
@@ -153,7 +188,7 @@ def run_members(
         advice = f"load or preload the {what}"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
     bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
-    begin, done = perf_counter(), 0
+    done = 0
     for first, block in _blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
         bands.add(block.loads)
         rows.append(block.kept)
@@ -162,8 +197,7 @@ def run_members(
             if status != "converged":
                 failed[first + k] = status
         done += len(block.kept)
-        spent = perf_counter() - begin
-        step(f"[{done}/{count}] {len(failed)} failed: {spent:.0f} s, about {spent * (count - done) / done:.0f} s left")
+        step(f"[{done}/{count}] {len(failed)} failed")
     return Members(scene, model, np.concatenate(rows), failed, bands, places(scene), perf_counter() - start)
 
 
@@ -182,7 +216,10 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
 def _blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Blocks in order, whatever the order they come in; arguments: those of `solve_block` before the members."""
+    """Yield blocks in order, in whatever order they are finished.
+
+    ``arguments``: those of `solve_block` before the members.
+    """
     least = LEAST if isinstance(arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
     starts = range(0, count, size)
@@ -197,7 +234,7 @@ def _blocks(
 
 
 def _binomial_quantile(p: float, trials: int, chance: float) -> int:
-    """Least count that a binomial variable stays below or at with a probability of ``p``.
+    """Return the smallest count that a binomial variable does not exceed with probability ``p``.
 
     Sums the probabilities within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
     """
@@ -210,10 +247,19 @@ def _binomial_quantile(p: float, trials: int, chance: float) -> int:
 
 
 def statistics(values: Array) -> dict[str, Any] | None:
-    """Mean with its standard error, deviation, extremes, and quantiles with their 95 % intervals, of the finite ones of
-    values (M,); None of less than two.
+    """Return mean with standard error, deviation, extremes, and quantiles with their 95 % intervals.
 
-    The interval of a quantile lies between order statistics, by the binomial distribution of how many values are below it.
+    The interval of a quantile lies between order statistics, by the binomial distribution of the number of values below it.
+
+    Parameters
+    ----------
+    values
+        Values, (M,); those that are not finite are left out.
+
+    Returns
+    -------
+    dict or None
+        JSON values; None with fewer than two values.
     """
     y = np.sort(values[np.isfinite(values)])
     if y.size < 2:
@@ -231,13 +277,13 @@ def statistics(values: Array) -> dict[str, Any] | None:
 def library(
     described: Described, model: str, count: int, seed: int | None, workers: int | None, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """What `rollbench.ensemble` returns of a scene, JSON-ready. Raises InputError."""
+    """Solve an ensemble for `rollbench.ensemble` and return JSON values; InputError as `run_members`."""
     each, cases = solved(described, described.name, model, count, seed, Engine(workers=workers), step)
     return whole(described, each, cases)
 
 
 def whole(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
-    """JSON-ready answer: of a scene, or of each of its load cases."""
+    """Return the JSON of a scene, or of each of its load cases."""
     data = [as_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
     return {"scene": described.name, "cases": by_case} if cases else data[0]
@@ -253,7 +299,10 @@ def solved(
     step: Callable[[str], None],
     csv_out: Path | None = None,
 ) -> tuple[list[Members], list[str]]:
-    """Members of the scene, or of each of its load cases, and the names of these. Raises InputError."""
+    """Solve the members of a scene, or of each of its load cases, and return them with the names of these.
+
+    InputError as `run_members`.
+    """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
@@ -272,7 +321,7 @@ def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, s
 
 @contextmanager
 def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
-    """A writer of rows to the file, which gets its name only when it is complete."""
+    """Yield a function that writes rows to a file, which gets its name only when it is complete."""
     if path is None:
         yield lambda *_: None
         return
@@ -291,8 +340,10 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[An
 
 
 def as_json(members: Members) -> dict[str, Any]:
-    """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
-    their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
+    """Return JSON values: statistics of the outputs, failures, bands of every loaded contact.
+
+    Of several sets their statistics are in ``sets``, and rows of ``balls`` begin with the name of the set.
+    """
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
     counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
@@ -316,7 +367,7 @@ def as_json(members: Members) -> dict[str, Any]:
 
 
 def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
-    """Statistics of each set."""
+    """Return the statistics of each set."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
         {"set": i + 1, "name": s.name, "statistics": {key: statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
@@ -325,7 +376,7 @@ def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
 
 
 def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
-    """Rows of the loaded contacts of every ball."""
+    """Return rows of the loaded contacts of every ball."""
     found = {
         "without_random_errors_N": bands.nominal,
         "mean_N": bands.mean,

@@ -1,1 +1,1 @@
-"""Rolling contact in 3D against the low-order models."""
+"""Comparison of low-order models of rolling balls with the 3D model of rolling."""

@@ -1,4 +1,4 @@
-"""What a friction scene is to the 3D model of rolling: where balls and grooves are, and the state of the loads."""
+"""Friction scenes as the 3D model of rolling takes them: positions of balls and grooves, and loads."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rollbench.hifi.rolling.scenes import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS
 
-#: Most balls of a scene.
+#: Largest number of balls of a scene.
 MOST = 4
 #: Senses of the contacts' directions (x, y): BL, BR, TR, TL of a linear bearing; IL, IR, OR, OL of a ring.
 LINEAR = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
@@ -37,22 +37,43 @@ MOVING = np.array([False, False, True, True])
 
 @dataclass(frozen=True)
 class Case:
-    """A scene under its loads, apart and in touch; speed of what drives it, in the unit of the track (m/s or rad/s);
-    names of the contacts of a ball; whether the loads depend on friction."""
+    """A friction scene for the 3D model."""
 
+    #: Name of the scene.
     name: str
+    #: Kind of the scene.
     kind: str
+    #: Balls far apart.
     apart: Rolling
+    #: Touching balls.
     touching: Rolling
+    #: Speed of the driving part (m/s on a straight track, else rad/s).
     speed: float
+    #: Names of the contacts of a ball.
     contacts: tuple[str, ...]
+    #: Whether the loads depend on friction.
     coupled: bool
 
 
 def case_of(scene: KindScene, choices: Choices) -> Case:
-    """The scene as the 3D model takes it; choices: the grid on which friction acts back on the loads, where it does.
+    """Return a scene for the 3D model.
 
-    Raises Refusal for a scene that is beyond it.
+    Parameters
+    ----------
+    scene
+        The scene.
+    choices
+        Grid on which friction affects the loads, if it does.
+
+    Returns
+    -------
+    Case
+        The scene.
+
+    Raises
+    ------
+    Refusal
+        If the 3D model does not cover it.
     """
     if isinstance(scene, LinearScene):
         return _linear(scene)
@@ -93,7 +114,7 @@ def _linear(scene: LinearScene) -> Case:
 
 
 def _given(scene: LinearScene, normals: Array, rho: float) -> Array:
-    """Loads (4,) [N] of a ball in balance at its angles, or equal on each diagonal."""
+    """Return the loads of a ball in balance at its angles, or equal on each diagonal, (4,) [N]."""
     if scene.distribution == "diagonal":
         normals = _directions(np.full(4, scene.bearing.contact_angle), LINEAR)
     carriage = scene.vertical * np.array([rho, -1.0])
@@ -102,7 +123,7 @@ def _given(scene: LinearScene, normals: Array, rho: float) -> Array:
 
 
 def _pressed(scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float) -> tuple[Array, Array]:
-    """Directions (4, 2) and loads (4,) [N] of a ball whose angles follow the loads."""
+    """Return directions (4, 2) and loads (4,) [N] of a ball whose contact angles follow the loads."""
     C = hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
     reach = layout.groove_radius - layout.radius

@@ -1,6 +1,6 @@
-"""Low-order against 3D against printed, with the 3D model's own uncertainty, for scenes of rolling balls; their gate.
+"""Rolling balls by low-order models, by the 3D model with its uncertainty, and as printed; and their gate.
 
-Also how far ball-to-ball forces move when a numerical choice changes, and how they come about from rest.
+Also the change of ball-to-ball forces with numerical choices, and their development from rest.
 """
 
 from __future__ import annotations
@@ -46,8 +46,7 @@ from rollbench.lowfi.friction.screw.run import solve_pair
 
 
 def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
-    """Values by name, seconds of a second solve, and "converged" or why not; kinds as in
-    `compare.studies.rolling.cases.case_of`."""
+    """Solve a scene by the low-order model; return values by name, seconds of a second solution, and the status."""
     kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {LinearScene: _linear, ScrewPairScene: _screw, BearingBallScene: _ring}
     solver = next(solver for kind, solver in kinds.items() if isinstance(scene, kind))
@@ -109,7 +108,7 @@ RINGS = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
 #: Limit [%] of the low-order model against 3D where the load state is the same.
 LIMIT = 2.0
 
-#: Value of either model, in the unit of its name, below which it is round-off.
+#: Values below this, in the unit of the name, count as round-off.
 ROUND_OFF = 1e-6
 
 #: Quantities that are gated, and where the low-order model is beyond the limit, and why.
@@ -123,49 +122,59 @@ KNOWN = {
 
 @dataclass(frozen=True)
 class RollingRow:
-    """One quantity of one scene: low-order, 3D and its uncertainty, printed low-order and ANSYS values (None: none),
-    error of the low-order model against 3D [%] and that uncertainty [%] (None: of nothing); orders of the grids'
-    differences are in the mesh study. ablation: elastic bodies on flat contacts; rigid bodies on curved ones; half spaces
-    beside finite bodies on the finest grid (None: not solved beside these); load_state: "plain" or "inferred" where the
-    source does not print it, else None; low_seconds are of now, seconds were measured with what measured_with says."""
+    """One quantity of one scene by all models."""
 
     scene: str
     quantity: str
     unit: str
+    #: Value of the low-order model; None: none.
     low: float | None
+    #: Value of the 3D model.
     reference: float
+    #: Uncertainty of the 3D model.
     uncertainty: float
+    #: Printed value of the source's low-order model.
     printed: float | None
+    #: Printed value of the source's finite elements.
     printed_ansys: float | None
+    #: Value with elastic bodies on flat contacts.
     flat: float
+    #: Value with rigid bodies on curved contacts.
     rigid: float
+    #: Error of the low-order model [%]; None for zero.
     error_percent: float | None
+    #: Uncertainty of the 3D model [%]; None for zero.
     uncertainty_percent: float | None
+    #: Run time of the low-order model [s].
     low_seconds: float
+    #: Run time of the 3D model [s].
     seconds: float
+    #: Value with half spaces, if the bodies are finite, on the finest grid.
     half_space: float | None = None
+    #: "plain" or "inferred" if the source does not print the load state.
     load_state: str | None = None
+    #: Conditions of the 3D model's run time.
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready."""
+        """Return JSON values."""
         return asdict(self)
 
 
 def split(name: str) -> tuple[str, str]:
-    """Quantity and unit of a name."""
+    """Return quantity and unit of a name."""
     for unit in ("N mm", "rad/s", "mW", "N", "%"):
         if name.endswith(f" {unit}"):
             return name.removesuffix(f" {unit}"), unit
     raise KeyError(name)
 
 
-#: What the uncertainty of a scene does not hold whose load state is not printed.
+#: Effect that the uncertainty does not include if the load state of a scene is not printed.
 UNSTATED = ": +- is the scatter of the grids and holds nothing of what that reading of the load leaves open"
 
 
 def load_state(name: str) -> str | None:
-    """ "plain" or "inferred" of a scene of Table 3.7, which does not print its load state; None of others."""
+    """Return "plain" or "inferred" for a scene of Table 3.7, which does not print its load state; None for others."""
     table = PRINTED.get(name.removesuffix(".toml"))
     if table is None or table[0] != "lin-3.7":
         return None
@@ -173,8 +182,11 @@ def load_state(name: str) -> str | None:
 
 
 def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
-    """Scatter of the grids about the finest, by `SAFETY`, and the difference of the limit's quadratures; inf of one
-    grid."""
+    """Return the uncertainty of a quantity of the 3D model; infinite with one grid.
+
+    It is the scatter of the grids around the finest, times `SAFETY`, and the difference of the quadratures of the rigid
+    limit.
+    """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
         return float("inf")
@@ -182,9 +194,16 @@ def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 
 
 def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
-    """Rows of a scene from runs of rising level, the last one the reference.
+    """Return the rows of a scene.
 
-    beside: half spaces on its grid, where the runs are of finite bodies; their choices then count as uncertainty.
+    Parameters
+    ----------
+    scene
+        The scene.
+    runs
+        Runs of rising level; the last is the reference.
+    beside
+        Run with half spaces on its grid, if the runs are of finite bodies, whose choices then count as uncertainty.
     """
     low, low_seconds, _ = low_order(scene)
     finest = runs[-1]
@@ -227,14 +246,14 @@ def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None
 
 
 def within(row: RollingRow) -> bool:
-    """Whether the low-order model is within `LIMIT` of 3D, the uncertainty deducted up to the limit itself."""
+    """Return whether the low-order model is within `LIMIT` of 3D, with the uncertainty (at most the limit) deducted."""
     if row.error_percent is None:
         return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
     return abs(row.error_percent) - min(row.uncertainty_percent or 0.0, LIMIT) <= LIMIT
 
 
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
-    """Rows of a shipped scene from the stored runs of all levels; none where one is missing."""
+    """Return rows of a shipped scene from stored runs of all levels; empty if one is missing."""
     scene = shipped_case(name, KindScene)
     found = [load(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
@@ -246,10 +265,10 @@ def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> 
 
 
 def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Low-order balls in motion against the stored runs of the 3D model of rolling: ball-to-ball forces and torques.
+    """Check the low-order balls against stored runs of the 3D model of rolling: ball-to-ball forces and torques.
 
-    A quantity beyond the line passes where the list of known ones names it with its cause, and fails where it names one
-    that is not.
+    A quantity beyond the limit passes if the list of known ones names it with its cause; one that is listed without being
+    beyond fails.
     """
     out: list[GateRow] = []
     stores = study.stores or (shipped_store(),)
@@ -277,21 +296,27 @@ DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 @dataclass(frozen=True)
 class Series:
-    """A run: steps, their ends [s], force [N], speeds of the balls [m/s], the steady force on the same grid [N], processor
-    seconds, status."""
+    """Run from rest."""
 
+    #: Number of time steps.
     steps: int
+    #: Ends of the steps [s].
     time: tuple[float, ...]
+    #: Force between the balls [N].
     force: tuple[float, ...]
+    #: Speeds of the balls [m/s].
     speed: tuple[tuple[float, ...], ...]
+    #: Steady force on the same grid [N].
     steady: float
+    #: Processor time [s].
     seconds: float
+    #: Status.
     status: str
 
 
 @lru_cache(maxsize=1)
 def from_rest() -> tuple[Series, ...]:
-    """Runs with each number of steps of ``STEPS``."""
+    """Compute runs from rest with each number of steps of ``STEPS``."""
     choices = Choices(SHAPE)
     scene = case_of(shipped_case("lin-pair-a", LinearPairScene), choices).touching
     steady = float(solve_rolling(scene, choices).force[0])
@@ -317,23 +342,37 @@ FORCE = "force 1-2"
 
 @dataclass(frozen=True)
 class Change:
-    """Scene, choice, what was tried, largest change of the force and its stated uncertainty [%]."""
+    """Effect of one numerical choice on the force."""
 
+    #: Name of the scene.
     scene: str
+    #: The choice.
     choice: str
+    #: Variants that were tried.
     tried: str
+    #: Largest change of the force [%].
     change: float
+    #: Stated uncertainty of the force [%].
     uncertainty: float
 
     @property
     def within(self) -> bool:
-        """Whether the answer stays within its uncertainty."""
+        """Whether the change is within the uncertainty."""
         return self.change <= self.uncertainty
 
 
 def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> tuple[Change, ...]:
-    """Changes of the scenes of `studies.rolling.runs.SCENES` that have stored runs; series: runs of the linear
-    one from rest; sizes: variants of finite bodies (none: left out)."""
+    """Return the effects of numerical choices, for the scenes of `studies.rolling.runs.SCENES` with stored runs.
+
+    Parameters
+    ----------
+    stores
+        Folders with runs.
+    series
+        Runs of the linear bearing from rest.
+    sizes
+        Variants of finite bodies; empty: left out.
+    """
     return tuple(one for name in SCENES for one in _changes(name, stores, series, sizes))
 
 
@@ -360,7 +399,7 @@ def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes:
 
 
 def _force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
-    """Force of the first two balls [N]; NaN, which is within nothing, of a search that ends without a solution."""
+    """Return the force of the first two balls [N]; nan if the search ends without solution."""
     found = solve_rolling(scene, choices, path=path)
     return float(found.force[0]) if found.converged else np.nan
 
@@ -370,5 +409,5 @@ def _largest(values: Sequence[float], reference: float) -> float:
 
 
 def _uncertainty(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
-    """Stated uncertainty of the force [%]; None without stored runs."""
+    """Return the stated uncertainty of the force [%]; None without stored runs."""
     return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)

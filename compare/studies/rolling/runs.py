@@ -1,13 +1,13 @@
-"""Runs of the 3D model of rolling: three grids of a scene, each with nearly rigid bodies beside it, and their store.
+"""Runs of the 3D model of rolling: three grids of a scene, each also with nearly rigid bodies, and their store.
 
-Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static reference, on straight tracks a ball and
+Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static reference; on straight tracks a ball and
 grooved bars.
 
-A run is a plain record. The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same
-grid, on top of the rigid limit by quadrature (`hifi.rolling.balls`).
+The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same grid, plus the rigid limit by
+quadrature (`hifi.rolling.balls`).
 
-What the choices behind finite bodies do to two balls of a linear bearing and of a screw is kept with the package. The key
-is of all sources that the numbers come from, and of the scene; a report recomputes one choice and shows the agreement.
+The effect of choices for finite bodies on two balls of a linear bearing and of a screw is shipped. Its key is a digest of
+all sources that affect the numbers, and of the scene; a report recomputes one choice and shows the agreement.
 """
 
 from __future__ import annotations
@@ -60,62 +60,79 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 
 @dataclass(frozen=True)
 class RollingRun:
-    """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid bodies
-    on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences over that
-    put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that stick; what
-    the bodies are (a key of `BODIES`); what the seconds were measured with (empty in runs of before 0.15)."""
+    """Run of the 3D model of rolling on one grid."""
 
+    #: Name of the scene.
     scene: str
+    #: Level of the grid; 0: the source's element size.
     level: int
+    #: Cells along and across the grooves.
     shape: tuple[int, int]
+    #: Values with elastic bodies, by name.
     elastic: dict[str, float]
+    #: Values with nearly rigid bodies on the same grid.
     near_rigid: dict[str, float]
+    #: Values of the rigid limit.
     limit: dict[str, float]
+    #: Difference of its two quadratures.
     limit_spread: dict[str, float]
+    #: Values with bodies on their tangent planes.
     flat: dict[str, float]
+    #: Status of the solver.
     status: str
+    #: Power lost by the difference scheme, over the input power.
     upwind: float
+    #: Largest residual of the equations.
     residual: float
+    #: Processor time of the elastic solution [s].
     seconds: float
+    #: Processor time of all solutions [s].
     all_seconds: float
+    #: Number of cells that stick.
     sticking: int
+    #: Kind of bodies, a key of `BODIES`.
     bodies: str = HALF_SPACE
+    #: Version with which the times were measured.
     version: str = ""
+    #: Digest of the solvers' sources then (empty before 0.15).
     sources: str = ""
+    #: Machine then (empty before 0.15).
     machine: str = ""
 
     @property
     def measured(self) -> Measured:
-        """What its seconds were measured with."""
+        """Conditions under which its times were measured."""
         return Measured(self.version, self.sources, self.machine)
 
     @property
     def converged(self) -> bool:
-        """Whether all solves of the run are solutions."""
+        """Whether all solutions of the run converged."""
         return self.status == "converged"
 
     @property
     def values(self) -> dict[str, float]:
-        """The grid's answers: what elasticity changes on it, on top of the rigid limit."""
+        """Values of the grid: effect of elasticity on it, plus the rigid limit."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
 def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
-    """Digest of all that a run's numbers depend on."""
+    """Return the digest of everything that affects the numbers of a run."""
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
     return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
 def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
-    """File of a run."""
+    """Return the file of a run."""
     what = "" if bodies == HALF_SPACE else f"-{bodies}"
     return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{key_of(scene, level, bodies)}.json"
 
 
 def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
-    """The stored run, from the first store that has it, under whatever name the scene had when it was made: its key holds
-    that name, which the file says."""
+    """Return the stored run of the first store that has it, whatever the name of the scene was when it was made.
+
+    Its key contains that name, which is in the file.
+    """
     for store in stores:
         own = path_in(store, scene, level, bodies)
         for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):
@@ -130,14 +147,14 @@ def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HAL
 
 
 def save(store: Path, scene: KindScene, run: RollingRun) -> Path:
-    """Write a run. Returns its file."""
+    """Write a run and return its file."""
     path = path_in(store, scene, run.level, run.bodies)
     replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
     return path
 
 
 def shape_of(case: Case, level: int) -> tuple[int, int]:
-    """Cells of a level; of the source's element size, as many as fit into the largest contact."""
+    """Return the cells of a level; for the source's element size as many as fit into the largest contact."""
     if level != SOURCE_LEVEL:
         return LEVELS[level]
     size = SOURCE_SIZE[case.kind]
@@ -147,8 +164,31 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
 
 
 def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
-    """Run a level, in so many processes where it meshes bodies. Raises Refusal for a scene that is beyond the 3D model, or
-    whose bodies cannot be meshed, InputError where memory does not suffice."""
+    """Run a level.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    level
+        Level of the grid.
+    bodies
+        Kind of bodies, a key of `BODIES`.
+    processes
+        Number of processes for meshing.
+
+    Returns
+    -------
+    RollingRun
+        The run.
+
+    Raises
+    ------
+    Refusal
+        If the 3D model does not cover the scene, or its bodies cannot be meshed.
+    InputError
+        If memory does not suffice.
+    """
     try:
         return _compute(scene, level, bodies, processes)
     except MemoryError as error:
@@ -201,7 +241,7 @@ def _both(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, ball
 def measures(
     case: Case, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
-    """Quantities of a solved case by name; the unit is at the end of the name."""
+    """Return the quantities of a solved case by name, which ends with the unit."""
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
     for k, force in enumerate(touching.force):
@@ -239,20 +279,22 @@ LINEAR, SCREW = SCENES = ("lin-pair-a", "lin-screw-pair-b-inferred")
 #: Cells of the contacts: differences between bodies are taken on one grid, which need not be fine.
 SHAPE = (12, 16)
 
-#: Quantities shown.
+#: Quantities that are shown.
 NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Bodies with one choice changed (None: half spaces): what it is, and values by name."""
+    """Values with one choice of the bodies changed."""
 
+    #: Description of the choice; half spaces for none.
     choice: str
+    #: Values by name.
     values: dict[str, float]
 
 
 def variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Scenes and choices by name, the shipped ones first, half spaces last."""
+    """Return scenes and choices by name, the shipped ones first, half spaces last."""
     sizes = BODIES[FINITE]
     assert sizes is not None
     return {
@@ -272,7 +314,7 @@ def variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def variant(choice: str) -> Variant:
-    """One variant."""
+    """Compute one variant."""
     name, sizes = variants()[choice]
     scene = shipped_case(name, KindScene)
     case = case_of(scene, Choices(SHAPE))
@@ -286,35 +328,37 @@ def variant(choice: str) -> Variant:
 
 @lru_cache(maxsize=1)
 def body_sizes() -> tuple[Variant, ...]:
-    """All variants."""
+    """Compute all variants."""
     return tuple(variant(choice) for choice in variants())
 
 
 # --- what the choices behind finite bodies do, kept with the package: half a minute of every report
 
 
-#: File of a store that holds them.
+#: Name of the file of a store with the variants.
 FILE = "body_sizes.json"
 
-#: Choice that is recomputed.
+#: Choice that a report recomputes.
 LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
 @dataclass(frozen=True)
 class KeptSizes:
-    """All variants, and how they were come by, as a sentence."""
+    """All variants, with their origin."""
 
+    #: The variants.
     variants: tuple[Variant, ...]
+    #: Sentence on their origin.
     words: str
 
 
 def key() -> str:
-    """Hash of sources and scenes."""
+    """Return the digest of sources and scenes."""
     return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
 def sizes(stores: Sequence[Path], *, fresh: bool) -> KeptSizes:
-    """Variants as kept where their key holds; fresh: computed, and kept in the first store."""
+    """Return the stored variants if their key is valid; ``fresh``: computed and stored in the first store."""
     kept = None if fresh else _load(stores)
     if kept is None:
         found = body_sizes()
@@ -328,8 +372,10 @@ def sizes(stores: Sequence[Path], *, fresh: bool) -> KeptSizes:
 
 
 def choices_share(straight: bool) -> float:
-    """Largest relative change of a force or loss by one choice behind finite bodies, as kept with the package: on straight
-    rails, or on rings and helices, by the scenes of `body_sizes.SCENES`."""
+    """Return the largest relative change of a force or loss by one choice of finite bodies, as shipped.
+
+    On straight rails, or on rings and helices, by the scenes of `body_sizes.SCENES`.
+    """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
     choices = [choice for choice, (name, sizes) in variants().items() if (name == LINEAR) == straight and sizes is not None]

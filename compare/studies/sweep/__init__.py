@@ -1,1 +1,1 @@
-"""A scene at many values of its keys."""
+"""Sweep: a scene solved for sampled values of its keys."""

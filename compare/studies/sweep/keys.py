@@ -1,8 +1,8 @@
-"""Keys of a scene that a sweep or a table varies: ``KEY=A:B`` for a range, ``KEY=A:B:N`` for N equal steps of it,
-``KEY=v1,v2`` for a list, units as in the scene.
+"""Keys of a scene that a sweep or a table varies, read from text.
 
-``KEY+KEY=...`` gives several keys the same value. Samples are points of a unit cube by scipy.stats.qmc, one coordinate
-a varied key.
+``KEY=A:B`` is a range, ``KEY=A:B:N`` N equal steps of it, ``KEY=v1,v2`` a list, units as in the scene. ``KEY+KEY=...``
+gives several keys the same value. Samples are points of a unit cube (scipy.stats.qmc), with a coordinate for each varied
+key.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 
 _FORM = "KEY=A:B, KEY=A:B:N or KEY=v1,v2, units as in the scene"
 
-#: Keys of which a scene has one: a varied one takes the place of the others.
+#: Keys for the same quantity, of which a scene has one: a varied one replaces the others.
 _SAME = (
     ("errors.balls.oversize", "preload.oversize", "preload.force"),
     ("preload.lead_offset", "preload.oversize", "preload.force"),
@@ -42,29 +42,31 @@ _SAME = (
     ("time.angle", "time.duration"),
 )
 
-#: Most keys of a sweep, and most values of a list.
+#: Largest number of keys of a sweep, and of values of a list.
 MOST_KEYS, MOST_VALUES = 20, 1000
 
 
 @dataclass(frozen=True)
 class Vary:
-    """One varied key.
+    """One varied key, or several with the same value."""
 
-    key: dotted path with indices from 0, ``loads[0].force[2]``, or several that share their value with ``+`` between; text:
-    as given; low, high and unit of a range, whole: of
-    whole numbers, both ends included; choices: the values of a list, as a scene file holds them (empty for a range).
-    """
-
+    #: Dotted path with indices from 0, such as ``loads[0].force[2]``; several joined by ``+``.
     key: str
+    #: Text as given.
     text: str
+    #: Low end of a range.
     low: float = 0.0
+    #: High end of a range.
     high: float = 0.0
+    #: Unit of a range.
     unit: str = ""
+    #: Whether the range is of whole numbers, both ends included.
     whole: bool = False
+    #: Values of a list, as in a scene file; empty for a range.
     choices: tuple[Any, ...] = ()
 
     def at(self, u: float) -> Any:
-        """The value at a place ``u`` from 0 to 1 of the range or list, as a scene file holds it."""
+        """Return the value at a coordinate ``u`` from 0 to 1 of the range or list, as in a scene file."""
         if self.choices:
             return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
         if self.whole:
@@ -73,38 +75,40 @@ class Vary:
         return f"{number!r} {self.unit}" if self.unit else number
 
     def number(self, value: Any) -> float:
-        """A value of this key for plots and means: in the range's unit, of a list its place from 1."""
+        """Return a value as a number for plots and means: in the range's unit, of a list its position from 1."""
         if self.choices:
             return 1.0 + self.choices.index(value)
         return float(value) if isinstance(value, int | float) else float(_split(value)[0])
 
     @property
     def ends(self) -> tuple[Any, ...]:
-        """Values whose key is tried before anything is computed."""
+        """Values for which the key is tried before anything is computed."""
         return self.choices or (self.at(0.0), self.at(1.0))
 
     @property
     def label(self) -> str:
-        """The key with its unit, for tables and axes."""
+        """Key with its unit, for tables and axes."""
         if self.choices:
             return f"{self.name} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
         return f"{self.name} / {self.unit}" if self.unit else self.name
 
     @property
     def paths(self) -> list[str]:
-        """The paths that take the value."""
+        """Paths that take the value."""
         return self.key.split("+")
 
     @property
     def name(self) -> str:
-        """The first path, and how many share its value."""
+        """First path, and how many share its value."""
         first, *others = self.paths
         return f"{first} (+{len(others)})" if others else first
 
 
 def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
-    """The keys of a table, each with all its values: `read_vary` without ranges of no number of values, and with none.
-    Raises InputError."""
+    """Read the keys of a table, each with all its values.
+
+    As `read_vary`, but a range needs a number of values, and there may be no keys. InputError for anything else.
+    """
     try:
         keys = read_vary(texts) if texts else ()
         for one in keys:
@@ -116,7 +120,7 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
 
 
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
-    """The varied keys of the command line. Raises InputError for a text of another form, or a key given twice."""
+    """Read the varied keys of the command line; InputError for a text of another form, or a key given twice."""
     found = tuple(_read(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
@@ -176,7 +180,7 @@ def _steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) 
 
 
 def _split(text: str) -> tuple[str, str]:
-    """Number and unit as written. Raises ValueError for what is no quantity."""
+    """Return number and unit as written; ValueError if the text is no quantity."""
     found = number_and_unit(text)
     if found is None:
         raise ValueError(text)
@@ -184,7 +188,7 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _scalar(text: str) -> Any:
-    """A value as TOML reads it, or, where it is no TOML, text as it stands."""
+    """Return a value as TOML reads it, or the text if it is no TOML."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -192,9 +196,9 @@ def _scalar(text: str) -> Any:
 
 
 def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
-    """A copy of a scene's tables with other values of the keys, which take the place of keys that say the same.
+    """Return a copy of a scene's tables with other values of the keys, which replace keys for the same quantity.
 
-    Raises InputError for a list that has no such entry.
+    InputError for an entry that a list does not have.
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
@@ -207,13 +211,13 @@ def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) ->
 
 
 def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
-    """Varied paths and the keys of the scene ``raw`` whose place they take."""
+    """Return the varied paths, each with the key of the scene that it replaces."""
     pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _synonyms(path))
     return [(path, other) for path, other in pairs if _take_out(copy.deepcopy(raw), other)]
 
 
 def _synonyms(path: str) -> Iterator[str]:
-    """Other keys for the same quantity as ``path``, of the same set where there are several."""
+    """Yield other keys for the same quantity as ``path``, in the same set."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -221,7 +225,7 @@ def _synonyms(path: str) -> Iterator[str]:
 
 
 def _take_out(raw: dict[str, Any], key: str) -> bool:
-    """Remove a key, and the table that it leaves empty; whether it was there."""
+    """Remove a key, and the table if that is then empty; return whether it was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
     for step in _parts(above):
@@ -242,8 +246,10 @@ def _parts(key: str) -> list[str | int]:
 
 
 def _put(raw: dict[str, Any], key: str, value: Any) -> None:
-    """Give a key a value; tables on the way are made. Raises InputError for a step that leads nowhere: an entry that a list
-    does not have, a key of something other than a table."""
+    """Set the value of a key, creating tables on the way.
+
+    InputError for an entry that a list does not have, or a key below something other than a table.
+    """
     *above, last = _parts(key)
     node: Any = raw
     for step in above:
@@ -268,23 +274,45 @@ Method = Literal["sobol", "lhs", "grid"]
 
 METHODS: tuple[Method, ...] = ("sobol", "lhs", "grid")
 
-#: Most samples of a sweep.
+#: Largest number of samples of a sweep.
 MOST = 1_000_000
 
 
 def base_points(samples: int, keys: int) -> int:
-    """Base points n of a design for Sobol indices: the power of two whose n (keys + 2) is nearest to ``samples`` by ratio,
-    at least 2."""
+    """Return the number n of base points of a design for Sobol indices.
+
+    It is the power of two whose n (keys + 2) is nearest to ``samples`` by ratio, at least 2.
+    """
     return max(2, 1 << max(0, round(math.log2(max(samples, 1) / (keys + 2)))))
 
 
 def points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Array:
-    """Places ``(m, d)`` in [0, 1] of all samples of a design; same arguments, same places.
+    """Return the coordinates of all samples of a design, (m, d) in [0, 1]; equal arguments give equal samples.
 
-    sobol: n base points A, n base points B, and for each key those of A with that key's coordinate of B (Saltelli et al.
-    2010), n as in `base_points`: m = n (d + 2), in that order. lhs: a Latin hypercube of ``samples``. grid: all
-    combinations of the values of lists and of equal steps of ranges, ends included, as many as ``samples`` allows.
-    Raises InputError for a bad method or number of samples.
+    sobol: n base points A, n base points B, and for each key the points A with the coordinate of that key from B (Saltelli
+    et al. 2010), n by `base_points`: m = n (d + 2), in that order. lhs: a Latin hypercube. grid: all combinations of the
+    values of lists and of equal steps of ranges, ends included, at most ``samples``.
+
+    Parameters
+    ----------
+    method
+        Design: ``sobol``, ``lhs`` or ``grid``.
+    keys
+        Varied keys.
+    samples
+        Number of samples.
+    seed
+        Seed of the design.
+
+    Returns
+    -------
+    Array
+        The coordinates.
+
+    Raises
+    ------
+    InputError
+        For an unknown design or a number of samples out of range.
     """
     if method not in METHODS:
         raise ArgumentError("method", str(method), ", ".join(METHODS), "sobol gives indices too")
@@ -314,5 +342,5 @@ def _grid(keys: Sequence[Vary], samples: int) -> Array:
 
 
 def values(keys: Sequence[Vary], place: Array) -> list[object]:
-    """Values of all keys at a place ``(d,)``, as a scene file holds them."""
+    """Return the values of all keys at coordinates (d,), as in a scene file."""
     return [vary.at(float(u)) for vary, u in zip(keys, place, strict=True)]

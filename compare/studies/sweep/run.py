@@ -1,11 +1,10 @@
-"""A whole sweep: what is missing is solved batch by batch, side by side where asked, and every sample is stored."""
+"""Running a sweep: missing samples are solved in batches, in parallel if asked for, and every sample is stored."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from rollbench.compare import __version__
@@ -22,42 +21,49 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
 Step = Callable[[str], None]
-#: From this many samples on the compiled kernels are used: by the size of the design, so that it is always the same. Plain
-#: Python takes about as long over them as the kernels take to be compiled.
+#: Number of samples from which on compiled kernels are used, by the size of the design so that it is always the same. Plain
+#: Python takes about as long for them as compiling the kernels.
 COMPILE_FROM = 50
-#: Samples that are tried before anything is stored: where each is refused for the same reason, nothing else is.
+#: Number of samples that are tried before anything is stored: if all are refused for the same reason, the sweep ends.
 FIRST = 10
-#: Most samples of a job, which its process stores together; least number of jobs a worker; seconds between two messages.
-LARGEST_BATCH, BATCHES, PULSE = 20, 20, 2.0
-#: Workers that a scheduler may come to have, where their number is not given: they can join at any time.
+#: Largest number of samples of a job, stored together; smallest number of jobs per worker.
+LARGEST_BATCH, BATCHES = 20, 20
+#: Assumed number of workers of a scheduler if none is given: they can join at any time.
 MANY = 100
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What is swept: text of the scene and the name that errors give it, varied keys, design, model, and the outputs that
-    are computed (none: all)."""
+    """Definition of a sweep."""
 
+    #: Text of the scene file.
     text: str
+    #: Name for errors.
     origin: str
+    #: Varied keys.
     keys: tuple[Vary, ...]
+    #: Number of samples.
     samples: int
+    #: Design of the samples.
     method: Method = "sobol"
+    #: Seed of the design.
     seed: int = 0
+    #: Name of the model.
     model: str = "refined"
+    #: Outputs that are computed; empty: all.
     outputs: tuple[str, ...] = ()
 
     @property
     def wanted(self) -> tuple[str, ...]:
-        """Outputs that are kept, in the order of `OUTPUTS`: all unless some are named, `MAIN` always."""
+        """Outputs that are stored, in the order of `OUTPUTS`: all unless some are named, `MAIN` always."""
         return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
     def places(self) -> Array:
-        """Places of all samples in the unit cube, ``(m, d)``."""
+        """Coordinates of all samples in the unit cube, (m, d)."""
         return points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
-        """All that the records depend on."""
+        """Everything that the records depend on."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted)} if self.outputs else {}
@@ -66,7 +72,7 @@ class Sweep:
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
-        """Raise InputError for an unknown model or output, a key that a scene does not have, or values out of its range."""
+        """Raise InputError for an unknown model or output, a key that the scene does not have, or values out of range."""
         for name in self.outputs:
             if name not in OUTPUTS:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "names with commas between")
@@ -83,9 +89,28 @@ class Sweep:
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
-    """Records of all samples by number; what the folder holds already is not solved again.
+    """Solve all samples that the folder does not hold yet.
 
-    Raises InputError for what cannot be swept, a folder that holds something else, and workers that are lost.
+    Parameters
+    ----------
+    sweep
+        The sweep.
+    folder
+        Folder of the samples.
+    engine
+        Where they are computed.
+    step
+        Called with lines of progress.
+
+    Returns
+    -------
+    dict
+        Records by number of the sample.
+
+    Raises
+    ------
+    InputError
+        If the sweep is not valid, the folder holds something else, or workers are lost.
     """
     sweep.check()
     places = sweep.places()
@@ -105,7 +130,7 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
 
 
 def _try_first(sweep: Sweep, places: Array) -> None:
-    """Raise InputError where the first samples are all refused for one reason."""
+    """Raise InputError if the first samples are all refused for one reason."""
     refused: list[InputError] = []
     for place in places[:FIRST]:
         try:
@@ -135,15 +160,10 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         for batch in batches
     ]
     writer = sample.Writer(folder, token)
-    start = reported = perf_counter()
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:
             writer.append(records)
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
-        time = perf_counter()
-        if time - reported > PULSE or done == len(left):
-            reported, spent = time, time - start
-            ahead = f", about {spent * (len(left) - done) / done:.0f} s left" if 0 < done < len(left) else ""
-            step(f"[{done}/{len(left)}] {failed} failed: {spent:.0f} s{ahead}")
+        step(f"[{done}/{len(left)}] {failed} failed")

@@ -1,11 +1,10 @@
-"""Samples of a sweep: the scene with other values, solved, the few numbers that are kept, and the folder that keeps them.
+"""Samples of a sweep: the scene with other values, its solution, its outputs, and the folder that stores them.
 
-The folder says what is swept, and has one line a sample, appended when its batch is solved and never touched again.
-Every process writes lines to a file of its own, those of a batch in one call and each with a checksum, so that whatever
-moment a process is killed at, every finished batch is there and a torn line is told from a whole one. A process that
-outlives the run it belonged to stops after its batch: the run's token is no longer the folder's. A new run waits, by a lock
-that each process holds while it solves, until such processes have stopped; only then it reads what there is, so that no
-sample is solved twice.
+The folder states the sweep, and has one line per sample, appended when its batch is solved and never changed. Every process
+writes to a separate file, the lines of a batch in one call and each with a checksum, so that at whatever moment a process
+is killed, finished batches are complete and a torn line is recognised. A process that outlives its run stops after its
+batch: the run's token is no longer that of the folder. A new run waits, by a lock that each process holds while it solves,
+until such processes have stopped; only then does it read the folder, so that no sample is solved twice.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
-#: What is kept of a solved sample: key and heading.
+#: Outputs of a sample: key and heading.
 OUTPUTS = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
@@ -59,24 +58,24 @@ OUTPUTS = {
     "largest_growth": "largest load over the first case's, of any set",
     "least_growth": "the same, least of any set",
 }
-#: Outputs of load cases together: None of a scene without.
+#: Outputs over load cases; None of a scene without load cases.
 GROWTH = ("largest_growth", "least_growth")
 
 
-#: The output that worst cases, effects and plots are about; always kept, with its place ``at``.
+#: Output of worst cases, effects and plots; always kept, with its contact ``at``.
 MAIN = "largest_load_N"
 
-#: How outputs are computed, by name, called for those that are wanted alone.
+#: Functions that compute outputs, by name; only those wanted are called.
 Makers = dict[str, Callable[[], Any]]
 
 
 def outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Numbers of a converged result: those of `OUTPUTS` that are wanted, and ``at``, the ball and side of the largest load.
+    """Return the wanted `OUTPUTS` of a converged result, and ``at``, ball and side of the largest load.
 
-    Rigidity (secant, from the place without loads) and preload take the solution without loads, which is solved for them
-    alone; the torque takes [friction] of the scene. None where there is no such answer.
+    Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed only for
+    them; the torque needs [friction] of the scene. None if there is no such quantity.
     """
 
     @cache
@@ -102,10 +101,28 @@ def cycle_outputs(
     *,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
-    duty cycle, of the set that lives shortest, the mean torque over its revolutions, and the largest load of each set over
-    all cases over that in the first, of the sets of the largest and least ratio. results, each: of every case its result
-    and outputs."""
+    """Return `OUTPUTS` of load cases.
+
+    They are those of the load case with the largest contact load, which ``at`` names, except: life over the duty cycle of
+    the set with the shortest life; mean torque over the revolutions; growth, the largest load of each set over all load
+    cases over that in the first, of the sets with the largest and the smallest ratio.
+
+    Parameters
+    ----------
+    cycle
+        The duty cycle.
+    results
+        Result of each load case.
+    each
+        Outputs of each load case.
+    wanted
+        Names of the outputs.
+
+    Returns
+    -------
+    dict
+        Values by name.
+    """
     case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1][MAIN]))
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
     if "torque_Nmm" in wanted:
@@ -125,17 +142,18 @@ def cycle_outputs(
 
 
 def _each_load(result: StaticResult | AxisResult) -> list[Array]:
-    """Loads [N] of the contacts or rollers of every set."""
+    """Return the loads of the contacts or rollers of every set [N]."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
 def axis_outputs(
     assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """`OUTPUTS` of several sets together, those that are wanted; loads are of contacts of balls and of rollers; ``at``
-    begins with the name of the set; displacement: along the axis, of what the scene asks about, from the unloaded place of
-    the parts; approaches and torque are those of balls, life of the set that lives shortest; preload: the largest
-    axial force of a set without loads.
+    """Return the wanted `OUTPUTS` of several sets on one shaft.
+
+    Loads are of contacts of balls and of rollers; ``at`` begins with the name of the set; displacement: axial, of the
+    station or housing of interest, from the unloaded position; approaches and torque are those of balls, life that of the
+    set with the shortest; preload: the largest axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = axial_load(assembly), motion_asked(assembly, result)[2], loads_of(result)
@@ -170,8 +188,25 @@ def _of_sets(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """`OUTPUTS` and ``at`` of the sets of a scene together, each with the words that name it. whole: makers of
-    displacement [um], rigidity [N/um] and preload [N]; contacts: see `mean_load`; rollers: loads [N] of each row."""
+    """Return `OUTPUTS` and ``at`` of the sets of a scene together.
+
+    Parameters
+    ----------
+    sets
+        Name, parts and result of each set of balls.
+    scene
+        The scene.
+    whole
+        Functions for displacement [um], rigidity [N/um] and preload [N].
+    options
+        Options of the model.
+    wanted
+        Names of the outputs.
+    contacts
+        Function for the number of contacts in the mean load, see `mean_load`.
+    rollers
+        Name and loads [N] of each row of rollers.
+    """
     solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
     named = [*((name, x.load) for name, _, x in sets), *rollers]
     every = np.concatenate([np.zeros(0), *(load[load > 0.0] for _, load in named)])
@@ -195,7 +230,10 @@ def _of_sets(
 
 
 def _displacement(scene: Scene, result: StaticResult) -> float | None:
-    """Displacement of the loaded stations along the forces there [um], weighted by the forces; None without a force."""
+    """Return the displacement of the loaded stations along their forces, weighted by the forces [um].
+
+    None without a force.
+    """
     work = total = 0.0
     for x in scene.loads:
         motion = result.centreline[int(np.abs(result.centreline_z - x.at).argmin())]
@@ -209,12 +247,12 @@ def _approach(balls: StaticResult) -> float:
 
 
 def _rigidity(force: float, moved: float) -> float | None:
-    """Axial force [N] over displacement [m] in N/um; None without a force, or with a displacement against it."""
+    """Return axial force [N] over displacement [m] in N/um; None without a force, or with a displacement against it."""
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
 def _life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
-    """Shortest life of the sets [10^6 revolutions]; None without load, or where no rating takes them."""
+    """Return the shortest life of the sets [10^6 revolutions]; None without load, or outside the range of the ratings."""
     try:
         found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
     except ValueError:
@@ -225,7 +263,7 @@ def _life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
 def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
-    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    """Return the friction torque of all sets [N mm]; None if it does not converge or a set is not covered."""
     from rollbench.compare.models.friction_sums import torque
 
     return torque(sets, friction, motion, options)
@@ -233,14 +271,14 @@ def _friction_torque(
 
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
 
-#: Longest wait for processes of an earlier run [s].
+#: Longest time to wait for processes of an earlier run [s].
 PATIENCE = 600.0
 
 Record = dict[str, Any]
 
 
 def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
-    """Make the folder that of this sweep. Raises InputError where it is another's, or cannot be written to."""
+    """Make a folder that of this sweep; InputError if it holds another one or cannot be written."""
     path = folder / HEADER
     text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
     advice = "choose another folder for another sweep"
@@ -259,9 +297,9 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
 
 @contextmanager
 def taken_over(folder: Path) -> Iterator[str]:
-    """Take the folder for a run: its token, once no process of an earlier run writes any more.
+    """Take the folder for a run and yield its token, once no process of an earlier run writes any more.
 
-    Raises InputError where another run is at work in it.
+    InputError if another run is active in it.
     """
     from filelock import FileLock, Timeout
 
@@ -301,12 +339,12 @@ def working(folder: Path) -> Iterator[None]:
 
 
 def _process() -> str:
-    """This process on this machine, as part of a file's name."""
+    """Return a name for this process on this machine, as part of a file's name."""
     return f"{platform.node()}-{os.getpid()}"
 
 
 def current(folder: Path, token: str) -> bool:
-    """Whether the folder is here and belongs to the run of ``token``."""
+    """Return whether the folder exists and belongs to the run of ``token``."""
     try:
         return (folder / TOKEN).read_text(encoding="utf-8") == token
     except OSError:
@@ -314,14 +352,14 @@ def current(folder: Path, token: str) -> bool:
 
 
 class Writer:
-    """Appends records to a file of this process's own."""
+    """Appends records to a file of this process."""
 
     def __init__(self, folder: Path, token: str) -> None:
-        """Open the file when the first record comes."""
+        """Prepare; the file is opened with the first record."""
         self._path = folder / RECORDS / f"{token[:8]}-{_process()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
-        """Append records in one call. Raises OSError where the disk does not take them."""
+        """Append records in one call; OSError if the disk does not take them."""
         lines = b"".join(map(packed, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
@@ -332,13 +370,13 @@ class Writer:
 
 
 def packed(record: Record) -> bytes:
-    """A record as a line with its checksum."""
+    """Return a record as a line with its checksum."""
     body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
 def unpacked(line: bytes) -> Record | None:
-    """The record of a line; None for one that is torn or damaged."""
+    """Return the record of a line; None if it is torn or damaged."""
     checksum, _, body = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
         return None
@@ -347,7 +385,7 @@ def unpacked(line: bytes) -> Record | None:
 
 
 def read(folder: Path) -> Iterator[Record]:
-    """All whole records of a folder, file by file."""
+    """Yield all intact records of a folder, file by file."""
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
             for line in file:
@@ -357,7 +395,7 @@ def read(folder: Path) -> Iterator[Record]:
 
 
 def load(folder: Path) -> dict[int, Record]:
-    """Records by the sample's number from 0."""
+    """Return the records by number of the sample, from 0."""
     return {int(record["sample"]): record for record in read(folder)}
 
 
@@ -365,7 +403,7 @@ CONVERGED = "converged"
 
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
-#: Balls on one shaft from which a sample by plain Python takes seconds.
+#: Number of balls on one shaft from which on a sample in plain Python takes seconds.
 AXIS_COMPILED = 40
 
 
@@ -383,8 +421,7 @@ def solve_sample(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Status and outputs of one sample, those that are wanted; a scene or model that refuses the values is a status, with
-    its reason."""
+    """Return status and wanted outputs of one sample; if scene or model refuse the values, the status gives the reason."""
     try:
         return attempt(text, origin, keys, values, model, engine, wanted)
     except InputError as error:
@@ -400,7 +437,7 @@ def attempt(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """The same of values that scene and model take; raises InputError for others."""
+    """Return status and outputs of one sample as `solve_sample`; InputError if scene or model refuse the values."""
     scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
         return _solve_cases(scene, model, engine, wanted)
@@ -409,7 +446,7 @@ def attempt(
 
 
 def reason(error: InputError) -> str:
-    """Why values are refused, without the numbers, as a range depends on the sample."""
+    """Return why values are refused, without the numbers, as a range depends on the sample."""
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
@@ -424,8 +461,7 @@ def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[s
 def solve_case(
     scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
-    """Result and outputs of one load case; several sets are solved from `AXIS_COMPILED` balls on always by compiled
-    kernels."""
+    """Return result and outputs of one load case; several sets with `AXIS_COMPILED` balls or more by compiled kernels."""
     if isinstance(scene, Assembly):
         kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
         found = run_model(scene, model, Options(engine=kernels))
@@ -441,10 +477,20 @@ def solve_batch(
     sweep: tuple[str, str, tuple[Vary, ...], str, str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
 ) -> tuple[list[Record], bool]:
-    """Records of the samples (number, values) of a batch, and whether they were appended to the folder here, together.
+    """Return the records of a batch of samples, and whether they were appended to the folder here.
 
-    A worker that does not see the run's folder, or whose run is over, does not write there and sends them back.
-    sweep: text and origin of the scene, keys, model, engine, outputs that are wanted.
+    A worker that does not see the folder, or whose run is over, does not write there and sends them back.
+
+    Parameters
+    ----------
+    folder
+        Folder of the sweep.
+    token
+        Token of the run.
+    sweep
+        Text and origin of the scene, keys, model, kernels and wanted outputs.
+    batch
+        Number and values of each sample.
     """
     run_folder = Path(folder)
     text, origin, keys, model, engine, wanted = sweep

@@ -1,7 +1,4 @@
-"""The command ``rollbench sweep``: what its samples say together, as numbers and as figures.
-
-Counts, statistics, main effects with Sobol indices, scatter, worst cases.
-"""
+"""Summary of a sweep (``rollbench sweep``): counts, statistics, main effects, Sobol indices, figures, worst samples."""
 
 from __future__ import annotations
 
@@ -30,19 +27,18 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Worst samples listed, bins of a range in main effects, levels of the statistics.
+#: Number of worst samples listed, of bins of a range in main effects; quantiles of the statistics.
 WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
 
-#: Resamples of the confidence intervals, their level, and least base points of indices.
+#: Number of resamples for confidence intervals, their level, and smallest number of base points for indices.
 RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 
-#: Standard deviation over the mean below which an output is constant but for round-off.
+#: Standard deviation over the mean below which an output is constant up to round-off.
 CONSTANT = 1e-9
 
 
 def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
-    """JSON-ready summary of the records, by number, of a sweep; a refusal, which names its sample's value, stands for all
-    of its reason."""
+    """Return the summary of a sweep as JSON values; refusals are counted by reason, with one example each."""
     rows = [records[n] for n in sorted(records)]
     good = converged(records)
     failed = [row for row in rows if row["status"] != CONVERGED]
@@ -64,23 +60,23 @@ def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
 
 
 def converged(records: Mapping[int, Record]) -> list[Record]:
-    """Converged records in order."""
+    """Return the converged records in order."""
     return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
 
 
 def column(rows: Sequence[Record], name: str) -> Array:
-    """An output of all rows, nan where one has none, ``(k,)``."""
+    """Return an output of all rows, (k,); nan if a row has none."""
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
 def inputs(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
-    """Values of the keys as numbers (see `Vary.number`), ``(k, d)``."""
+    """Return the values of the keys as numbers, (k, d) (see `Vary.number`)."""
     found = [[vary.number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
 
 
 def statistics(values: Array) -> dict[str, float] | None:
-    """Mean with its standard error, standard deviation, extremes and quantiles; None of less than two values."""
+    """Return mean with standard error, standard deviation, extremes and quantiles; None with fewer than two values."""
     y = values[np.isfinite(values)]
     if y.size < 2:
         return None
@@ -91,8 +87,10 @@ def statistics(values: Array) -> dict[str, float] | None:
 
 
 def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
-    """Of each key: mean of `MAIN` over the samples in each part of its range, or at each value of its list, with its
-    standard error; rows of ``at`` (in the key's unit), ``mean``, ``standard_error``, ``samples``."""
+    """Return, for each key, the mean of `MAIN` in each part of its range, or at each value of its list.
+
+    Rows have ``at`` (in the key's unit), ``mean``, ``standard_error`` and ``samples``.
+    """
     x, y = inputs(keys, rows), column(rows, MAIN)
     return {vary.key: [_group(x[g, k], y[g]) for g in _groups(vary, x[:, k])] for k, vary in enumerate(keys)}
 
@@ -111,10 +109,10 @@ def _group(x: Array, y: Array) -> dict[str, float]:
 
 
 def indices(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
-    """Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
+    """Return the Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
 
-    Of each output: key -> first, first_low, first_high, total, total_low, total_high; None where it is constant. From the
-    base points all of whose samples converged, the first of them that make a power of two.
+    For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. Used
+    are base points all of whose samples converged, the first of them that make a power of two.
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
@@ -151,22 +149,22 @@ def _indices_of(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str
 
 
 def _sobol(y: Array) -> tuple[Array, Array]:
-    """First and total indices (d,) of outputs (d + 2, n): at A, at B, at the mixtures."""
+    """Return first and total indices (d,) from outputs (d + 2, n): at A, at B, at the mixtures."""
     d = len(y) - 2
     mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
     found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
     return np.atleast_1d(found.first_order)[:d], np.atleast_1d(found.total_order)[:d]
 
 
-#: Most panels of a figure, and most points of a scatter.
+#: Largest number of panels of a figure, and of points of a scatter plot.
 PANELS, POINTS = 6, 2000
 
-#: The key that tells one drawn screw from another.
+#: Key of the seed of random errors.
 SEED = "errors.seed"
 
 
 def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
-    """Figures of a sweep by its summary and converged records; none with less than two of these."""
+    """Return the figures of a sweep; none with fewer than two converged records."""
     if len(rows) < 2:
         return []
     shown, left = _shown(keys, found)
@@ -176,7 +174,7 @@ def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Seq
 def of_summary(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
-    """The figures that a summary gives by itself; ``called``: short names of the keys."""
+    """Return the figures that need only the summary; ``called``: short names of the keys."""
     shown, left = _shown(keys, found)
     figures = [_effects(name, [keys[k] for k in shown], found, left, called), _worst(name, keys, found["worst"], called)]
     indices = _indices(name, keys, found["indices"], called)
@@ -184,15 +182,17 @@ def of_summary(
 
 
 def _shown(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
-    """Keys of largest effect, as many as a figure has panels, and a sentence where some are left out. A seed has no
-    order, so that nothing can be seen along it."""
+    """Return the keys with the largest effect, as many as a figure has panels, and a sentence if some are left out.
+
+    A seed has no order, so no trend can be seen along it.
+    """
     ordered = _ordered(keys)
     shown = sorted(ordered, key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
 
 
 def _ordered(keys: Sequence[Vary]) -> list[int]:
-    """Keys that have an order; where a seed is all, it."""
+    """Return the keys that have an order; a seed only if it is the only key."""
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
@@ -263,10 +263,30 @@ def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called
 def sweep_of(
     scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
 ) -> Sweep:
-    """The sweep of a shipped scene by name, or of a scene file, by the default model where none is named; outputs: those
-    that are computed, all unless given.
+    """Define a sweep.
 
-    Raises InputError for what cannot be read.
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    vary
+        Keys with their ranges or values.
+    samples, method, seed
+        Design of the samples.
+    model
+        Name of the model; empty: the default.
+    outputs
+        Outputs that are computed; empty: all.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    InputError
+        If scene or keys cannot be read.
     """
     found = catalogue.any_scene(scene)
     if scene in catalogue.scene_names():
@@ -278,7 +298,7 @@ def sweep_of(
 
 
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
-    """Solve what is missing, write the summary into the folder, return it. Raises InputError."""
+    """Solve missing samples, write the summary to the folder and return it; InputError as `run_samples`."""
     records = sweeping.run_samples(sweep, out, engine, step)
     found = summary(sweep, records)
     write(sweep, records, found, out)
@@ -286,8 +306,7 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
 
 
 def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
-    """Write samples.csv, summary.json and the figures into the folder."""
-
+    """Write samples.csv, summary.json and the figures to the folder."""
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     for figure in figures("sweep", sweep.keys, found, converged(records)):
@@ -295,7 +314,7 @@ def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any],
 
 
 def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
-    """One row a sample in order: number, values, status or reason, the outputs that are kept."""
+    """Return a row for each sample in order: number, values, status or reason, outputs."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted, "at"])
@@ -317,5 +336,5 @@ def library(
     outputs: Sequence[str],
     step: Callable[[str], None],
 ) -> dict[str, Any]:
-    """JSON-ready summary of a sweep, which is written to the folder; step: takes lines of progress. Raises InputError."""
+    """Solve a sweep for `rollbench.sweep`, write its folder, and return the summary as JSON values."""
     return solve_sweep(sweep_of(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)

@@ -223,8 +223,7 @@ def solve_by_root(
         Motions ``(N, n)`` from which separate balls are searched, nominal rolling where None; the text leaves it open.
     touching
         Motions and forces ``(N-1,)`` [N] from which those in contact are searched, separate balls and no force where None;
-        the
-        text leaves it open.
+        the text leaves it open.
     """
     pair = balls.pair
     none = np.zeros(balls.count - 1)

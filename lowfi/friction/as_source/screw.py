@@ -382,6 +382,13 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
 
     Starts of each search: the step before, rolling at first; the text names none.
 
+    Parameters
+    ----------
+    run
+        A whole screw in time.
+    steps
+        Number of time steps; None: all.
+
     Raises
     ------
     ValueError
@@ -451,6 +458,21 @@ def from_linear_starts(
     """Yield solutions for balls of a linear bearing, all in reach, from random starts; forces at random up to doubled.
 
     angles [rad], loads [N]: ``(N, 4)``.
+
+    Parameters
+    ----------
+    bearing
+        The linear bearing.
+    angles
+        Contact angles, ``(N, 4)`` [rad].
+    loads
+        Contact loads, ``(N, 4)`` [N].
+    rng
+        Source of the random starts.
+    count
+        Number of starts.
+    off
+        Largest relative deviation of a start.
     """
     apart, together = (solve_linear_chain(prepare(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
@@ -464,14 +486,36 @@ def from_linear_starts(
 
 
 def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
-    """Return Lin's law; at rest, where its reference is zero, with a spin of 1 rad/s."""
+    """Return Lin's law; at rest, where its reference is zero, with a spin of 1 rad/s.
+
+    Parameters
+    ----------
+    groove
+        Grooves and balls of a screw.
+    sharpness
+        Sharpness k_S of the sigmoid.
+    """
     return source_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
 
 
 def from_pair_starts(
     pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
-    """Yield solutions for a pair of a screw with its loads from random starts; positions as in our solution ``solved``."""
+    """Yield solutions for a pair of a screw with its loads from random starts; positions as in our solution ``solved``.
+
+    Parameters
+    ----------
+    pair
+        Two balls of a screw.
+    solved
+        Solution of the pair, whose contact positions are taken.
+    rng
+        Source of the random starts.
+    count
+        Number of starts.
+    off
+        Largest relative deviation of a start.
+    """
     free, touching, units = state_of(solved, False), state_of(solved, True), neighbours(pair.groove).units
     starts: list[tuple[SourceState | None, SourceState | None]] = [(None, None)]
     for _ in range(count):
@@ -493,6 +537,21 @@ def from_screw_starts(
     Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in Lin's.
 
     angle ``(N, 4)`` [rad]: its contact angles; solved: our solution.
+
+    Parameters
+    ----------
+    chain
+        Open chain of balls.
+    angle
+        Contact angles, ``(N, 4)`` [rad].
+    solved
+        Solution of the chain.
+    rng
+        Source of the random starts.
+    count
+        Number of starts.
+    off
+        Largest relative deviation of a start.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)

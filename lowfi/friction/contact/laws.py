@@ -177,6 +177,11 @@ def cubic_factor(ratio: ArrayLike) -> Array:
     """Return g of the exact normalised force k_f t - g t^3, t = c/a, for -1 <= t <= 1 and d = 0.
 
     g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) by r = b/a; valid for ratio <= 1 - 1e-6.
+
+    Parameters
+    ----------
+    ratio
+        Ratio b/a of the semi-axes, any shape.
     """
     k = np.asarray(ratio, dtype=float)
     _, along, across = complete_integrals(k)

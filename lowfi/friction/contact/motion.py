@@ -124,7 +124,13 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def without_friction(motion: Motion) -> Motion:
-    """Return same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion."""
+    """Return same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion.
+
+    Parameters
+    ----------
+    motion
+        Motion of a ball with its friction forces.
+    """
     none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
     return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 
@@ -133,8 +139,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
     """Return a root of the force balance by MINPACK's hybrid method, Lin's method, for comparison.
 
     As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short first step
-    finds
-    more roots than MINPACK's default.
+    finds more roots than MINPACK's default.
 
     Parameters
     ----------
@@ -179,8 +184,18 @@ def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bo
     """Return `balance_by_root` for ever sharper sigmoids up to ``law``, each root the start of the next.
 
     Not Lin's method: it finds the roots that his table prints where the plain search fails. The steps in sharpness shrink
-    after
-    a failure; "failed" where they become tiny.
+    after a failure; "failed" where they become tiny.
+
+    Parameters
+    ----------
+    problem
+        Ball at given loads.
+    law
+        Lin's sigmoid, the sharpest of the sequence.
+    start
+        Motion from which the search begins.
+    fast
+        Whether kernels are compiled.
     """
     share, factor, calls = 0.05, 1.4, 0
     q = np.asarray(start, dtype=float)

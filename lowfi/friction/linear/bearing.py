@@ -87,7 +87,13 @@ def _hertz(ball_radius: float, conformity: float, young: float, poisson: float) 
 
 
 def directions(angles: Array) -> Array:
-    """Return unit vectors ``(..., 4, 2)`` in (x, y) from the ball's centre to its contacts, from contact angles [rad]."""
+    """Return unit vectors ``(..., 4, 2)`` in (x, y) from the ball's centre to its contacts, from contact angles [rad].
+
+    Parameters
+    ----------
+    angles
+        Contact angles, ``(..., 4)`` [rad].
+    """
     return np.asarray(SENSE * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
@@ -173,8 +179,7 @@ def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
     """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
 
     Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball; negative loads
-    are
-    set to zero.
+    are set to zero.
 
     Parameters
     ----------
@@ -304,8 +309,7 @@ def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     """Return the groove loss of contacts that spin about their centres at nominal rolling [W].
 
     omega = v tan(beta_0)/(2 R_B), moment 3/8 mu F a E(e) of Lin 3.32; loads [N] of any shape. The baseline with which 3.53
-    is
-    compared.
+    is compared.
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

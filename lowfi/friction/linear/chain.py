@@ -191,8 +191,7 @@ def contact_shape(bearing: LinearBearing) -> Array:
     """Return constants (b/a, q0, k1, k3) of the contacts' ellipses.
 
     Where one spins about a point within it at t = c/a, with force F and mu = 1, f = F (k1 t - k3 t^3) and the moment about
-    the
-    contact's centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4); q0 = 3 E(e)/8 is Lin 3.32.
+    the contact's centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4); q0 = 3 E(e)/8 is Lin 3.32.
 
     Raises
     ------
@@ -230,8 +229,7 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
     References
     ----------
     Lin (2019), 3.25 to 3.31, with exact Coulomb friction in place of the sigmoid 3.20. Tested for 2 to 200 balls at
-    mu_balls 0
-    to 0.5, contacts without load included.
+    mu_balls 0 to 0.5, contacts without load included.
     """
     point, work = _room(chain)
     if start is not None:
@@ -243,7 +241,13 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
 
 
 def may_jam(chain: Chain) -> bool:
-    """Return whether the chain may have several states: neighbours in reach of each other, and friction between them."""
+    """Return whether the chain may have several states: neighbours in reach of each other, and friction between them.
+
+    Parameters
+    ----------
+    chain
+        Chain of balls.
+    """
     return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
 
 
@@ -251,10 +255,17 @@ def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainRe
     """Return a solution of the chain other than ``known``; None where the search finds none, which is no proof.
 
     The search has three starts: the end of the path of rising friction between balls, the balls as they are without it, and
-    all
-    pairs pressed together; and where the path ends with more friction (``RISEN``), followed as that falls to the chain's.
-    Of
-    several solutions, the one with the largest force. Without friction between balls there is only one.
+    all pairs pressed together; and where the path ends with more friction (``RISEN``), followed as that falls to the
+    chain's. Of several solutions, the one with the largest force. Without friction between balls there is only one.
+
+    Parameters
+    ----------
+    chain
+        Chain of balls.
+    known
+        Its known solution.
+    fast
+        Whether kernels are compiled.
     """
     engine = kernels(LINEAR, compiled=fast)
 
@@ -413,8 +424,7 @@ def solve_pair(
         Whether the top groove is made to match, design (b).
     loads
         ``"balanced"`` gives the printed epsilons of Table 3.4; ``"diagonal"`` is the text before 3.54, which makes both
-        equal
-        and opposite; ``"elastic"`` lets the angles follow the loads.
+        equal and opposite; ``"elastic"`` lets the angles follow the loads.
     fast
         Whether to use compiled kernels.
     """
@@ -487,6 +497,21 @@ def pair_formulas(
     """Return epsilon_1 - epsilon_2, force [N] and ratio of losses by Lin 3.43, 3.51, 3.53 at the loads before 3.54.
 
     Arguments as for `maps`, for one theta and rho; mated: design (b).
+
+    Parameters
+    ----------
+    bearing
+        The linear bearing.
+    theta
+        Deviation of the contact angles, as for `maps`.
+    rho
+        Ratio of side force to vertical force, as for `maps`.
+    vertical
+        Vertical force [N].
+    k_f
+        Slope of the friction force over c/a, as the source reads it off a figure.
+    mated
+        Whether the balls are those of design (b).
     """
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
     turn = deviations(np.array([theta, theta]), mated=mated)

@@ -79,8 +79,7 @@ class AnyChain(ABC):
     """N balls in order of azimuth with their contact loads.
 
     Balls without loads roll along at the nominal speed unless pushed, and turn freely between their neighbours as spacers
-    do,
-    without friction.
+    do, without friction.
     """
 
     #: Grooves in motion.
@@ -192,9 +191,8 @@ class Search:
     """Search for the balance of one chain, with scaled arrays.
 
     Motions x ``(N, 4)`` are surface speeds per ``speed`` [m/s], forces f ``(N,)`` parts of ``bound`` [N], the largest
-    friction
-    bound of a ball. Motion does not depend on mu of the grooves, forces are proportional to it; without friction (mu = 0)
-    the bound is that of mu = 1, so that the motion is the limit for a mu that vanishes.
+    friction bound of a ball. Motion does not depend on mu of the grooves, forces are proportional to it; without friction
+    (mu = 0) the bound is that of mu = 1, so that the motion is the limit for a mu that vanishes.
     """
 
     def __init__(self, chain: AnyChain, fast: bool = True) -> None:
@@ -282,8 +280,7 @@ def solve_chain(
 
     Newton's method at the last regularising speed from a start with contacts (``warm``: or without), then from the balls'
     motions without neighbours, and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls
-    is
-    not determined.
+    is not determined.
 
     Parameters
     ----------
@@ -546,8 +543,7 @@ def coupled_chain(
     """Return loads and motion of N balls in agreement, ball-to-ball forces included.
 
     Not always unique: a ball that bears no load in ``bare``, or next to none, may float or be wedged between the grooves by
-    its
-    own friction. What is found then depends on where the search begins.
+    its own friction. What is found then depends on where the search begins.
 
     Parameters
     ----------
@@ -557,8 +553,7 @@ def coupled_chain(
         See `AnyChain`.
     coupling
         ``"ball"``: the screw stays where it is without friction and ball-to-ball forces (Lin 3.4.1); ``"ball and screw"``:
-        it
-        keeps balance with them.
+        it keeps balance with them.
     near
         Solution of a similar chain to begin from.
     rounds

@@ -168,7 +168,15 @@ def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
 
 
 def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
-    """Return friction contacts ``(n,)`` of forces ``(..., 4)``, flattened; an unloaded one keeps a vanishing ellipse."""
+    """Return friction contacts ``(n,)`` of forces ``(..., 4)``, flattened; an unloaded one keeps a vanishing ellipse.
+
+    Parameters
+    ----------
+    groove
+        Grooves and balls of a screw.
+    force
+        Contact forces, ``(..., 4)`` [N].
+    """
     h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
     kernels(SCREW, compiled=True).semi_axes(four, plain_array(h.C_a), plain_array(h.C_b), a, b)
@@ -231,8 +239,7 @@ def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) 
     """Return the motion by Lin's method at the same loads, for comparison: a root of the balance (Lin 3.69, 3.71).
 
     law: friction law; start ``(4,)``: rolling at the nominal contact angle where None. "failed" from many starts near
-    two-point
-    contact.
+    two-point contact.
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
     return balance_by_root(ball.problem, law, first, fast=True)

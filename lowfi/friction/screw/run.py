@@ -168,6 +168,15 @@ def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
     """Return results over oversize [m] (rows) and force on the screw [N] (columns), each pair solved separately.
 
     The force is spread over the screw's free motions as given.
+
+    Parameters
+    ----------
+    pair
+        Two balls of a screw.
+    oversize
+        Oversizes of the ball radius, ``(m,)`` [m].
+    axial
+        Forces on the screw, ``(n,)`` [N].
     """
     total = float(np.linalg.norm(pair.force)) or 1.0
     solved = [
@@ -327,7 +336,13 @@ def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float)
 
 
 def equal_steps(run: Run) -> History:
-    """Return the run by Lin's scheme of equal steps, from evenly spread balls."""
+    """Return the run by Lin's scheme of equal steps, from evenly spread balls.
+
+    Parameters
+    ----------
+    run
+        A whole screw in time.
+    """
     return simulate(run, run.duration, run.steps, "equal")
 
 
@@ -348,7 +363,13 @@ class RunSummary:
 
 
 def summarise(result: History) -> RunSummary:
-    """Return the numbers that Lin 3.4.4 states."""
+    """Return the numbers that Lin 3.4.4 states.
+
+    Parameters
+    ----------
+    result
+        Time series of a run.
+    """
     angle = np.degrees(result.nut_angle)
     top = int(np.argmax(result.ratio))
     later = np.flatnonzero(~result.contact.any(axis=1) & (np.arange(angle.size) > top))

@@ -288,7 +288,13 @@ class History:
 
 
 def groups(contact: Mask) -> Array:
-    """Return the number of groups of touching balls ``(T,)`` on a closed track, from contacts ``(T, N)``."""
+    """Return the number of groups of touching balls ``(T,)`` on a closed track, from contacts ``(T, N)``.
+
+    Parameters
+    ----------
+    contact
+        Whether each ball touches the next one, ``(T, N)``.
+    """
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
@@ -400,8 +406,20 @@ def resolved(
     """Return the run over ``span`` [s] with the errors of its steps.
 
     Steps that are not given are chosen so that no error is above ``goal``, a share of the mean friction torque. report:
-    called
-    with a text on the steps, and the share of them that is done.
+    called with a text on the steps, and the share of them that is done.
+
+    Parameters
+    ----------
+    setting
+        What runs: parts, motion, friction.
+    span
+        Time of the run [s].
+    steps
+        Number of time steps; None: chosen by ``goal``.
+    goal
+        Largest error of the steps, as a share of the mean friction torque.
+    report
+        Called with a text on the steps, and the share of them that is done.
     """
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
@@ -498,9 +516,8 @@ def observed(before: float, last: float, jumps: bool = False) -> Observed:
     """Return the error from the changes of a quantity between three levels, each with half the steps of the one before.
 
     Richardson's extrapolation by the observed order, at most that of smooth motion, and where ``jumps`` are possible that
-    of
-    jumps unless it is near the former. Changes that grow, keep their size, or turn their sign give no order: the error is
-    then UNCLEAR times the largest of them.
+    of jumps unless it is near the former. Changes that grow, keep their size, or turn their sign give no order: the error
+    is then UNCLEAR times the largest of them.
     """
     most = max(abs(before), abs(last), abs(before + last))
     if most <= ROUND_OFF:

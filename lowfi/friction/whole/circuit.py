@@ -59,6 +59,11 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     Without [circulation] the balls of a screw leave their loaded arc, from one gap to the next, at one end and enter it at
     the other at once.
 
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+
     Raises
     ------
     CircuitError
@@ -133,7 +138,13 @@ def _ring(loop: Circulation, loaded: int, arc: float, spacing: float, radius: fl
 
 
 def travel(scene: Scene) -> Array:
-    """Return positions of the nut along the screw at both ends of the scene's run ``(2,)`` [m], from its first position."""
+    """Return positions of the nut along the screw at both ends of the scene's run ``(2,)`` [m], from its first position.
+
+    Parameters
+    ----------
+    scene
+        Screw with a run in time.
+    """
     motion = scene.motion or ONE_TURN
     span = 0.0 if scene.time is None else scene.time.span(motion)
     turned = motion.speed * span * (-1.0 if motion.turns == "screw" else 1.0)
@@ -288,6 +299,19 @@ class Balls:
 def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, member: int = 0) -> Balls:
     """Return the balls of a scene in their circuits at the beginning.
 
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    friction
+        Coefficients of friction.
+    drive
+        Motion of screw and nut.
+    drawn
+        Drawn errors of balls and grooves.
+    member
+        Number of the specimen.
+
     Raises
     ------
     CircuitError
@@ -357,10 +381,9 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
     """Return the onset of ball-to-ball contact from a static load distribution (Lin 4.3.2).
 
     Lin argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded ball
-    moves
-    with least dissipation at its static loads. Speeds are those of the moment: where balls go as they roll, and how loads
-    follow, needs a run in time. They do not depend on the coefficient of friction and are proportional to the speed of the
-    rotating part.
+    moves with least dissipation at its static loads. Speeds are those of the moment: where balls go as they roll, and how
+    loads follow, needs a run in time. They do not depend on the coefficient of friction and are proportional to the speed
+    of the rotating part.
 
     Parameters
     ----------

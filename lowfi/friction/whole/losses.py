@@ -307,6 +307,19 @@ def heathcote(scene: Scene, at: StaticContacts, by_ball: BallFriction, friction:
     """Return the part by which Heathcote slip raises the losses of all contacts at their loads; nan where nothing is lost.
 
     Accurate to about 0.002 (quadrature and regularising speeds, the same with and without curvature).
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    at
+        Contacts under the static loads.
+    by_ball
+        Motion and friction of each ball.
+    friction
+        Coefficients of friction.
+    drive
+        Motion of screw and nut.
     """
     balls = np.flatnonzero(np.isfinite(by_ball.orbit))
     if balls.size == 0:

@@ -52,11 +52,9 @@ class Travelling:
     """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`.
 
     Computed at three positions of a window, and between them by the parabola through these. A body of revolution with a
-    groove
-    in it responds alike to balls that turn and advance together, but for its ends: the compliance changes slowly. Where
-    balls
-    move by more than ``APART`` against each other, or others are on the loaded arc, a new window begins. For one scene and
-    backend.
+    groove in it responds alike to balls that turn and advance together, but for its ends: the compliance changes slowly.
+    Where balls move by more than ``APART`` against each other, or others are on the loaded arc, a new window begins. For
+    one scene and backend.
     """
 
     #: Length of a window [rad], signed as the balls travel in the nut.
@@ -97,7 +95,15 @@ class Travelling:
 
 
 def in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """Return how a model computes the loads of balls that travel; ahead: 1.0 or -1.0, as they do in the nut."""
+    """Return how a model computes the loads of balls that travel; ahead: 1.0 or -1.0, as they do in the nut.
+
+    Parameters
+    ----------
+    model
+        Name of the model.
+    ahead
+        1.0 or -1.0: sense in which the balls travel in the nut.
+    """
     if model != "refined":
         return AGAIN[model]
     return partial(elastic_loads, whole=Travelling(WINDOW * ahead))

@@ -133,10 +133,8 @@ def friction_state(
     """Return the friction of a solved scene.
 
     Fed back on the positions of the balls, and with neighbours that push each other, where ``friction`` asks for it; with
-    both,
-    neighbours push at the loads that each ball's own friction leaves, as in a run in time. Friction of a ring runs along
-    its
-    groove and moves no ball.
+    both, neighbours push at the loads that each ball's own friction leaves, as in a run in time. Friction of a ring runs
+    along its groove and moves no ball.
 
     Parameters
     ----------

@@ -165,6 +165,14 @@ def feeds_back(scene: Scene, friction: Friction) -> bool:
 
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
-    """Return whether so many balls are solved that kernels are compiled, unless machine code is on disk (``cached``)."""
+    """Return whether so many balls are solved that kernels are compiled, unless machine code is on disk (``cached``).
+
+    Parameters
+    ----------
+    scene
+        Screw or bearing.
+    friction
+        Coefficients of friction.
+    """
     often = feeds_back(scene, friction) or friction.neighbours
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

@@ -512,6 +512,11 @@ def asked(assembly: Assembly) -> float | str:
     """Return the station [m] or housing whose motion and stiffness are reported.
 
     That of the assembly, else the first loaded housing, the first load, the first set.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several sets.
     """
     if assembly.stiffness_at is not None:
         return assembly.stiffness_at

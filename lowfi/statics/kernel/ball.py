@@ -5,10 +5,9 @@ Its centre, and the amplitude of its body's deformation where it is elastic, are
 Packed rows, one per flank SL, SR, NL, NR:
 geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz
 constant C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of
-the contact direction;
-contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m];
-local (4, 3), or (0, 3) for a ball that is rigid beyond its contacts: e [m/N] and h [m/N^(4/3)] of ``contact_law``, and
-between them what a unit amplitude of the ball's body takes from the approach [m].
+the contact direction; contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m]; local (4,
+3), or (0, 3) for a ball that is rigid beyond its contacts: e [m/N] and h [m/N^(4/3)] of ``contact_law``, and between them
+what a unit amplitude of the ball's body takes from the approach [m].
 """
 
 from math import sqrt
@@ -30,10 +29,8 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
     """Write a start for the centre p (2,), relative to the nominal one; return how many diagonal pairs close.
 
     The two-contact solutions of the diagonal pairs that close, or of the only one, whose flanks share the gap; else the
-    mean
-    shift of the flanks. With D = o_a - o_b between opposite groove centres the interference is its nominal value
-    ``closure``
-    (2,) plus |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks).
+    mean shift of the flanks. With D = o_a - o_b between opposite groove centres the interference is its nominal value
+    ``closure`` (2,) plus |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks).
     """
     count = 0
     x, z = 0.0, 0.0
@@ -240,8 +237,8 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     """Write the contacts of a ball that only the diagonal pair a of arcs touches, with the interference ``total`` [m].
 
     In closed form: forces are opposite, so each contact takes its share C/(C_a + C_b) of the interference, on the line of
-    the
-    groove centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball there.
+    the groove centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball
+    there.
     """
     b = 3 - a
     C_pair = geometry[a, HERTZ] + geometry[b, HERTZ]
@@ -373,8 +370,8 @@ def flank_hessian(contact: Array, out: Array) -> None:
     """Write the Hessian of the ball's energy by the motion of its flanks, its centre eliminated.
 
     out (4, 4) of the screw's flanks, or (8, 8) of all [N/m], in the order SL x, SL z, SR x, ... With H the sum of the
-    blocks
-    h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed, not subtracted: no cancellation).
+    blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed, not subtracted: no
+    cancellation).
     """
     out[:, :] = 0.0
     txx, txz, tzz = 0.0, 0.0, 0.0  # H, the sum of all blocks h_s

@@ -118,8 +118,7 @@ def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: fl
     """Return whether the free motions are resisted; write their amplitudes out (k,), and u with them.
 
     Amplitudes a of the free motions R (N, d, k) with (S R)^T u = target (k,). u holds M^-1 b on entry and M^-1 (b + S R a)
-    on
-    return, L the factor of M; hold [N/m]: stiffness added to the free motions.
+    on return, L the factor of M; hold [N/m]: stiffness added to the free motions.
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
@@ -224,10 +223,8 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tu
     """Write and return the same as `full_balls` for balls between two opposite arcs a and b.
 
     v (N, 2): motion of a less that of b. The ball's centre lies on the line of the arcs' centres D + v, and the
-    interference is
-    its nominal value plus |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|, nominal interference,
-    C,
-    e and h of both contacts together; contact (N, 5) as one contact on flank a.
+    interference is its nominal value plus |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|,
+    nominal interference, C, e and h of both contacts together; contact (N, 5) as one contact on flank a.
     """
     pair = contacts.pair
     energy, scale = 0.0, 0.0
@@ -455,8 +452,7 @@ def start_on_springs(given: BodySystem, state: BodyState, options: Options, room
     """Go to the equilibrium of the bodies on one linear spring between opposite flanks in place of two contacts.
 
     Where it can be found. No flank goes further from its opposite than ``options.furthest``, as in ``beam``, unless the
-    loads
-    carry it there: a shaft that only contacts support is far away without their forces.
+    loads carry it there: a shaft that only contacts support is far away without their forces.
     """
     bodies, springs, v = given.bodies, given.springs, room.v
     balls, width = springs.shape[0], springs.shape[1]

@@ -54,14 +54,13 @@ def test_every_model_runs_from_the_command_line(command, model: str) -> None:
 @pytest.mark.parametrize("scene", ["lin-case3", "double-nut"])
 def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command, scene) -> None:
     words = "solve", scene, "--model", "lin", "--balls"
-    out, whole = command.said(*words), command.said(*words, "--assumptions")
+    out, whole = command.said(*words), command.said(*words, "--verbose")
     assert "SL" in out
     behind = ("\nassumed: ", "\nleft out: ", "\nbalance of the ", "\nsolver: ")
     assert not any(text in out for text in behind)
     assert all(text in whole for text in behind)
     count = whole.count("\nassumed: "), whole.count("\nleft out: ")
-    last = "{} assumptions, {} things left out, balance and solver: --assumptions".format(*count)
-    assert out.rstrip().endswith(last)
+    assert out.splitlines()[-1].startswith("--verbose: {} assumptions, {} things left out".format(*count))
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path) -> None:
@@ -113,7 +112,7 @@ def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: P
     (tmp_path / "thesis.txt").write_text("mine")
     assert "--out" in command.refused("report", "--out", tmp_path)
     assert (tmp_path / "thesis.txt").read_text() == "mine"
-    assert "[1/2] hertz" in command.said("report", "--only", "hertz", "--out", tmp_path / "r")
+    assert command("report", "--only", "hertz", "--out", tmp_path / "r").err == ""
     assert 'href="lin.html"' in (tmp_path / "r" / "index.html").read_text()
     assert "Hertz" in (tmp_path / "r" / "lin.html").read_text()
     assert (tmp_path / "r" / "tables" / "hertz-grooves.csv").exists()

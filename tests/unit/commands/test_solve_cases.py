@@ -1,6 +1,7 @@
 """``rollbench solve`` of a scene with load cases: list and summary, loads of all cases, a case that has no equilibrium."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -57,9 +58,9 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
 
 
 def test_text_names_the_worst_cases_and_the_library_has_the_same(tmp_path, command) -> None:
-    text = command.said("solve", written(tmp_path), "--model", "lin", "--assumptions")
+    text = command.said("solve", written(tmp_path), "--model", "lin", "--verbose")
     assert "3 load cases, converged" in text
-    assert "largest in case push" in text
+    assert re.search(r"peak pressure of all cases +\d+ +MPa +case push\n", text)
     assert text.count("assumed: A ring pair with one groove each") == 1, "what is assumed is said once"
     found = rollbench.solve(written(tmp_path), "lin")
     assert [one.loads.shape for one in found.cases.values()] == [(2, 4)] * 3
@@ -102,7 +103,7 @@ def test_friction_of_all_cases_and_its_mean_over_the_revolutions(tmp_path, comma
 def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path, command) -> None:
     said = command.said("report", written(tmp_path), "--out", tmp_path / "page")
     assert said.startswith("Of 3 load cases push is the worst.")
-    assert "of the duty cycle" in said
+    assert "Life: " in said
     found = read(tmp_path / "page")[1]["results"]
     assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
     assert "seconds" in str(found)

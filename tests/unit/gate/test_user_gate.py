@@ -34,8 +34,9 @@ def test_loads_of_another_program(command, tmp_path, factor: float, code: int, w
     file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
     found, out, err = command("check", "two-balls", "--loads", str(file), "--no-compute", "--max-error", "7")
     assert (found, err) == (code, "")
-    assert out.startswith(f"{word}: two-balls, mesys.csv: ")
-    assert " % of the mean load on the worst contact (ball" in out.split("; largest error of a contact load ")[0]
+    assert out.startswith(f"{word}: two-balls by mesys.csv; worst contact ")
+    assert " % of the mean load off (ball" in out.splitlines()[0]
+    assert re.search(rf"^{word.lower()} +largest error of a contact load +[\d.]+ % +0.\d\d % +7 %", out, re.MULTILINE)
     assert "in per cent of a contact's own load, of the mean load for contacts below a tenth of it" in out
 
 

@@ -38,6 +38,6 @@ def test_a_ring_is_warned_of_without_an_efficiency() -> None:
 def test_the_line_above_the_answers_says_what_the_coefficient_would_mean(tmp_path, command, given: str) -> None:
     text = catalogue.scene_text("lin-case1").replace("coefficient = 0.1", f"coefficient = {given}")
     (tmp_path / "my.toml").write_text(text, encoding="utf-8")
-    head = " ".join(command.said("solve", tmp_path / "my.toml", "--model", "lin").split("loads ")[0].split())
+    head = " ".join(command.said("solve", tmp_path / "my.toml", "--model", "lin").split("quantity ")[0].split())
     assert ("overall coefficients" in head, "94.9 %" in head) == (given == "0.01", given == "0.01")
     assert "outside what the models mean" not in head

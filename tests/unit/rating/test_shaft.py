@@ -40,6 +40,30 @@ def test_thk_s_factors_of_the_critical_speed(ends, printed):
     assert 0.8 * critical * 1e6 * 1e-7 == pytest.approx(printed, abs=0.06)
 
 
+def test_thk_s_worked_example_of_a_high_speed_transfer():
+    """General catalogue, A-744 and A-745: roots of 17.5 and 26.4 mm, 1.1 m; half the buckling load 15,500 N, 0.8 n_c 2180
+    and 3294 rpm; a DN of 70,000 allows 3370 rpm of pitch diameter 20.75 mm, 2240 of 31.25."""
+    assert 0.5 * euler(1.1, ("fixed", "fixed"), 17.5e-3, 0.0, 206e9)[0] == pytest.approx(15500.0, rel=3e-3)
+    for root, printed in ((17.5e-3, 2180.0), (26.4e-3, 3294.0)):
+        critical = euler(1.1, ("fixed", "supported"), root, 0.0, 206e9)[1] * 30.0 / pi
+        assert 0.8 * critical == pytest.approx(printed, rel=2e-3)
+    s = scene("unseen-16x5")
+    result = run_model(s, "lin", Options(discretisation=False))
+    ends = (Support(0.0, FIXED), Support(0.05, FIXED))  # so short that it cannot whirl
+    for across, printed in ((20.75e-3, 3370.0), (31.25e-3, 2240.0)):
+        of = replace(
+            s, supports=ends, track=replace(s.track, pitch_radius=0.5 * across), motion=Motion(printed * pi / 30.0)
+        )
+        limits = shaft_limits(replace(of, operation=Operation(dn_limit=70e3)), result)
+        assert limits.allowed_speed * 30.0 / pi == pytest.approx(printed, rel=2e-3)
+        assert limits.dn / (1e-3 * pi / 30.0) == pytest.approx(70e3, rel=2e-3)
+
+
+def test_misumi_s_worked_example():
+    """Economy Series 2025, page 1676: 15 x 5, root 12.5 mm, 820 mm, fixed and supported: 3630 N are allowed."""
+    assert 0.5 * euler(0.82, ("fixed", "supported"), 12.5e-3, 0.0, 206e9)[0] == pytest.approx(3630.0, rel=3e-3)
+
+
 @pytest.mark.parametrize("ends", ENDS)
 def test_a_beam_of_elements_whirls_and_buckles_there(ends):
     """Cubic beam elements of the same bar: lowest frequency and buckling load."""

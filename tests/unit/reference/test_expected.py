@@ -10,8 +10,9 @@ import pytest
 from rollbench.compare import errors, files, running
 from rollbench.compare.reference import computing, jobs, store
 from rollbench.compare.reference import jobs as module
-from rollbench.compare.reference.jobs import Progress, duration, expected, need_memory
+from rollbench.compare.reference.jobs import Progress, expected, need_memory
 from rollbench.compare.reference.tasks import Task
+from rollbench.compare.running import duration
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import load_times
 from rollbench.hifi.setup import TOGETHER
@@ -85,7 +86,7 @@ def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(jobs, "reader_gone", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
-    assert said[-1].startswith(f"interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
+    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
     monkeypatch.setattr(jobs, "reader_gone", lambda: True)
     with pytest.raises(BrokenPipeError):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), said.append)

@@ -49,6 +49,10 @@ def meet(folder) -> int:
     return os.getpid()
 
 
+def nameless(n: int):
+    return lambda x: x + n
+
+
 def fail(kind: str, seconds: float = 0.2):
     time.sleep(seconds)
     if kind == "input":
@@ -280,3 +284,8 @@ def test_certificates_come_together_and_can_be_read(tmp_path):
     with pytest.raises(InputError, match="No such file"):
         parallel.use_tls(name, str(tmp_path / "b.pem"), name)
     parallel.use_tls(None, None, None)
+
+
+def test_a_result_may_be_a_function_without_a_name() -> None:
+    found = dict(parallel.as_done([(nameless, (1,)), (nameless, (2,))], workers=2))
+    assert (found[0](10), found[1](10)) == (11, 12)

@@ -1,5 +1,6 @@
 """Jobs of the 3D reference: plan, what is missing, what is kept and told, levels of the command line."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -53,12 +54,14 @@ def test_the_coarsest_level_comes_first_and_is_told() -> None:
 def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
     known = {k: load(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([known[task.level]], None))
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     engine = jobs.Engine()
     if command == "compare":
         study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
     else:
         run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
     said = capsys.readouterr().err
+    assert "[############............] [1/2]" in said, "half of the bar"
     assert said.index("[1/2] lin-case1: level 1") < said.index("lin-case1, by level 1 alone:") < said.index("[2/2]")
     assert {"compare": "refined is off by", "mesh-study": "largest load, SL"}[command] in said
 

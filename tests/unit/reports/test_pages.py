@@ -115,7 +115,7 @@ class TestPage:
         html.write(report(picture), tmp_path / "out", lines.append)
         page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert "This picture was left out. install libgl1 &amp; co" in page
-        assert lines[0] == "report: 1/2 First & foremost"
+        assert lines[0] == "report: [1/2] First & foremost"
         assert "libgl1" in lines[1]
         assert not list((tmp_path / "out" / "figures").iterdir())
 

@@ -46,6 +46,7 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
 
 def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypatch, capsys):
     jit._announce.cache_clear()
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     jit._announce()
     jit._announce()
     assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1

@@ -174,8 +174,8 @@ def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
     from rollbench.compare.gate.gate import two_opposite_balls
     from rollbench.compare.models.load_cases import Solved
+    from rollbench.compare.results.rows import expected_words
     from rollbench.compare.results.scene_json import case_json
-    from rollbench.compare.text.entries import model_form_words
 
     found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)
@@ -186,7 +186,7 @@ def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
         worth = case_json(Solved(other, result, None, form))["model_form"]
         assert [worth[f"{name}_percent_of_mean"] for name in ("largest", "rms")] == [None, None]
         assert worth["covered"] is False
-        words = model_form_words(form)
+        words = expected_words(form)
         assert "not covered" in words
         assert "%" not in words
 

@@ -1,1 +1,1 @@
-"""What is computed for the thesis's printed numbers, section by section."""
+"""Computed values for the thesis's printed numbers, section by section."""

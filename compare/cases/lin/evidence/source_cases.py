@@ -1,6 +1,6 @@
-"""Cases of the source that evidence, sections, benches and tests vary: read from the shipped scenes, changed by keyword.
+"""Cases of the source as used by evidence, sections, benches and tests: read from the shipped scenes, changed by keyword.
 
-Nothing of a case is written here: its numbers, and what is assumed or inferred, stand in ``compare/scenes``.
+No numbers of a case are written here: they, and what is assumed or inferred, are in ``compare/scenes``.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ BEARINGS = "lin-bearing-pairs"
 
 
 def rotary(name: str, *, printed: bool = False) -> BearingBallScene:
-    """Case "I", "II" or "III" of Table 3.2; printed: with the source's constants and law."""
+    """Return case "I", "II" or "III" of Table 3.2; printed: with the source's constants and law."""
     return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
 def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
-    """A pair of the linear bearing of Table 3.3."""
+    """Return a pair of the linear bearing of Table 3.3."""
     return case(name, LinearPairScene)
 
 
 def k_f() -> float:
-    """Slope of friction force over c/a as the source read it off its Figure 3.11 (appendix G): its formulas need it."""
+    """Return the slope of the friction force over c/a that the source read off its Figure 3.11 for its formulas."""
     return value_of("lin-G", "k_f")
 
 
 def in_3d(study: Study, name: str) -> Mapping[str, float]:
-    """Values of a scene's finest stored run of the 3D model of rolling, such as "force 1-2 N"; empty without one."""
+    """Return values of a scene's finest stored run of the 3D model of rolling, such as "force 1-2 N"; empty without one."""
     from rollbench.compare.studies.rolling.runs import LEVELS, load
 
     run = load(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
@@ -52,12 +52,15 @@ def in_3d(study: Study, name: str) -> Mapping[str, float]:
 
 
 def plain(theta: float | None = None) -> Pair:
-    """The text of 3.4.3 as it stands: no clearance, friction coupled to the loads; another ``theta`` [rad] ahead."""
+    """Return the text of 3.4.3 as it stands: no clearance, friction coupled to the loads; another ``theta`` [rad] ahead."""
     return _with_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
 def inferred(theta: float | None = None) -> Pair:
-    """Inferred, not printed: oversize balls, so that all four contacts carry load; another ``theta`` [rad] ahead."""
+    """Return the pair with inferred (not printed) oversize balls, so that all four contacts carry load.
+
+    Another ``theta`` [rad] ahead.
+    """
     return _with_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
 
 
@@ -66,40 +69,40 @@ def _with_theta(pair: Pair, theta: float | None) -> Pair:
 
 
 def deviation(name: str) -> float:
-    """Deviation theta [rad] of case "a" or "b" of Table 3.7."""
+    """Return the deviation theta [rad] of case "a" or "b" of Table 3.7."""
     return case(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
 def inferred_oversize() -> float:
-    """Oversize of the ball radius [m] inferred from Table 3.7."""
+    """Return the oversize of the ball radius [m] inferred from Table 3.7."""
     return inferred().oversize
 
 
 def table_3_6(**changes: object) -> ScrewGroove:
-    """Screw of Table 3.6; ``changes``: other values."""
+    """Return the screw of Table 3.6; ``changes``: other values."""
     return replace(plain().groove, **changes)  # type: ignore[arg-type]
 
 
 def lin_3_4_4(**changes: object) -> Run:
-    """The run of 3.4.4 with its assumptions; ``changes``: other values."""
+    """Return the run of 3.4.4 with its assumptions; ``changes``: other values."""
     return replace(run_of(3.0), **changes)  # type: ignore[arg-type]
 
 
 def run_of(degrees: float) -> Run:
-    """The shipped run of 3.4.4 with theta of 2 or 3 degrees."""
+    """Return the shipped run of 3.4.4 with theta of 2 or 3 degrees."""
     return case(RUN_SCENES[degrees], ScrewRunScene).run
 
 
 def bearings() -> BearingPairScene:
-    """Both bearings of Table 4.2 and the angles of the load."""
+    """Return both bearings of Table 4.2 and the angles of the load."""
     return case(BEARINGS, BearingPairScene)
 
 
 def four_point(*, tilt: bool = True, **changes: object) -> BearingCase:
-    """Four-point bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
+    """Return the four-point bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
     return replace(bearings().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
 
 
 def double_row(*, tilt: bool = True, **changes: object) -> BearingCase:
-    """Double-row bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
+    """Return the double-row bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
     return replace(bearings().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]

@@ -31,7 +31,7 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 
 
 def places(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Azimuths [rad] of the balls in a pattern of figure 4.2, those that are stacked touching one another.
+    """Return azimuths [rad] of the balls in a pattern of figure 4.2, those that are stacked touching one another.
 
     One side is where the axes of x and of the balls meet; at the other the gap is left in every turn.
     """
@@ -55,18 +55,41 @@ def places(scene: Scene, pattern: str) -> tuple[float, ...]:
 
 
 def with_balls(scene: Scene, pattern: str) -> Scene:
-    """The screw with its balls at the places of a pattern."""
+    """Return the screw with its balls at the places of a pattern."""
     return replace(scene, balls=replace(scene.balls, azimuths=places(scene, pattern)))
 
 
 def axial(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
-    """The axial test: loads as `rollbench solve --curve` takes them, along the axis at the screw's left end, where some of
-    its freedoms are held."""
+    """Solve the axial test.
+
+    Parameters
+    ----------
+    scene
+        The screw.
+    loads
+        Axial loads at the screw's left end, as ``rollbench solve --curve`` takes them.
+    held
+        Fixed freedoms of the left end.
+    """
     return _test(scene, f"{loads}:0mm", held)
 
 
 def conical(scene: Scene, direction: float, reach: float, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
-    """The conical test: loads across the screw in a direction [rad], ``reach`` [m] to the right of the nut's centre."""
+    """Solve the conical test.
+
+    Parameters
+    ----------
+    scene
+        The screw.
+    direction
+        Direction of the lateral load [rad].
+    reach
+        Distance of the load to the right of the nut's centre [m].
+    loads
+        Loads, as ``rollbench solve --curve`` takes them.
+    held
+        Fixed freedoms of the left end.
+    """
     return _test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", held)
 
 
@@ -76,14 +99,17 @@ def _test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Displacement [m] between the ends of a test. Raises ValueError where one has no equilibrium."""
+    """Return the displacement [m] between the ends of a test.
+
+    Raises ValueError where one has no equilibrium.
+    """
     if test.peak_to_peak is None:
         raise ValueError(f"{test.scene}: no equilibrium at the ends of its lash test")
     return test.peak_to_peak
 
 
 def difference(values: list[float]) -> float:
-    """(largest - smallest) / smallest [%] over the patterns: the definition that fits the printed axial one best."""
+    """Return (largest - smallest) / smallest [%] over the patterns: the definition that fits the printed axial one best."""
     return float(error_percent(max(values), min(values)))
 
 
@@ -96,7 +122,10 @@ class Lash:
 
 
 def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
-    """Both tests of a screw, the lateral force at a distance [m] from the nut; held: freedoms of the screw's left end."""
+    """Return both tests of a screw, the lateral force at a distance [m] from the nut.
+
+    held: freedoms of the screw's left end.
+    """
     screws = [with_balls(scene, p) for p in PATTERNS]
     cones = [[peak_to_peak(conical(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
     return Lash(difference([peak_to_peak(axial(s, held=held)) for s in screws]), tuple(map(difference, cones)))
@@ -113,7 +142,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
 def rack() -> Assembly:
-    """The shipped steering gear."""
+    """Return the shipped steering gear."""
     found = catalogue.shipped(RACK)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{RACK} has several sets")
@@ -121,8 +150,10 @@ def rack() -> Assembly:
 
 
 def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
-    """The gear with half of the rack force at either end, at a tie-rod angle [deg]; opposed: the side forces of both ends
-    against one another."""
+    """Return the gear with half of the rack force at either end, at a tie-rod angle [deg].
+
+    opposed: the side forces of both ends against one another.
+    """
     t = np.radians(angle)
     sides = (1.0, -1.0 if opposed else 1.0)
     forces = [(side * 0.5 * RACK_FORCE * float(np.sin(t)), 0.0, 0.5 * RACK_FORCE * float(np.cos(t))) for side in sides]
@@ -131,19 +162,19 @@ def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResu
 
 
 def largest(result: AxisResult) -> tuple[float, float]:
-    """Largest contact loads [N] of ball screw and bearing."""
+    """Return the largest contact loads [N] of ball screw and bearing."""
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
 
 
 def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
-    """Largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
+    """Return the largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
     low, high = largest(at_angle(gear, 0.0)), largest(at_angle(gear, 18.0, opposed=opposed))
     return high[0] / low[0], high[1] / low[1]
 
 
 def section_4_2(sheet: Sheet, study: Study) -> None:
-    """Table 4.1 and sections 4.2.1, 4.2.2."""
+    """Compute the entries of Table 4.1 and sections 4.2.1, 4.2.2."""
     scene = study.scene(SCREW)
     material = scene.balls.material
     given = {
@@ -197,17 +228,17 @@ def _sizing(sheet: Sheet) -> None:
 
 
 def _words(band: tuple[float, float], printed: float) -> str:
-    """A band, and whether the printed value lies in it."""
+    """Return a band, and whether the printed value lies in it."""
     return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if inside(band, printed) else 'without'} it)"
 
 
 def inside(band: tuple[float, float], printed: float) -> bool:
-    """Whether a band holds a printed value, whose last digit is the second after the point."""
+    """Return whether a band holds a printed value, whose last digit is the second after the point."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
 def _loaded(result: AxisResult, i: int) -> Array:
-    """Loads [N] of the contacts of a set that carry."""
+    """Return loads [N] of the contacts of a set that carry."""
     balls = result.sets[i].balls
     if balls is None:
         raise AssertionError("the set has balls")
@@ -243,7 +274,7 @@ class LashPoint:
 
 
 def lash_map(scene: Scene) -> Iterator[LashPoint]:
-    """Each open input of the lash tests changed by itself; the force stays on the longer side of the screw."""
+    """Yield each open input of the lash tests changed by itself; the force stays on the longer side of the screw."""
     usual = scene.screw.outer_diameter, scene.nut.position, REACH, "turning only"
     cases = [("as taken", usual)]
     cases += [("outer diameter", (d, *usual[1:])) for d in DIAMETERS if d != usual[0]]
@@ -269,7 +300,7 @@ class RatioPoint:
 
 
 def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
-    """The gear with its pinion at a station [m], held as named, its bearing by an offset [m] from the nut's centre."""
+    """Return the gear with another station of its pinion [m], restraint, and offset of its bearing from the nut [m]."""
     (support,) = gear.supports
     held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
     sets = []
@@ -282,7 +313,7 @@ def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Asse
 
 
 def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
-    """Ratios over the pinion's station, for each restraint, sense of the side forces, and offset of the bearing.
+    """Yield ratios over the pinion's station, for each restraint, sense of the side forces, and offset of the bearing.
 
     A pinion that holds the rack against tilting keeps the far end's side force from the nut: its sense is of no account.
     """
@@ -296,12 +327,15 @@ def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
 
 @dataclass(frozen=True)
 class RatioBand:
-    """One input that is not printed, its stated range, and the least and largest ratios that it gives, of ball screw and
-    bearing; all else as in the shipped scene."""
+    """Effect of one input that is not printed, all else as in the shipped scene."""
 
+    #: The input.
     changed: str
+    #: Its stated range.
     values: str
+    #: Smallest and largest ratio of the ball screw.
     screw: tuple[float, float]
+    #: Smallest and largest ratio of the bearing.
     bearing: tuple[float, float]
 
 
@@ -310,7 +344,7 @@ BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6)
 
 
 def _changed(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
-    """The gear with its ball screw or its bearing changed."""
+    """Return the gear with its ball screw or its bearing changed."""
     sets = tuple(
         replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) and (s.parts.track.lead > 0.0) == of_nut else s
         for s in gear.sets
@@ -335,7 +369,7 @@ def _turned(scene: Scene, angle: float) -> Scene:
 
 
 def open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
-    """Every input of the ratios that is not printed: words, range, and the gears with it (see `ratios`)."""
+    """Yield every input of the ratios that is not printed: words, range, and the gears with it (see `ratios`)."""
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
     yield "pinion's station", "350 to 750 mm", [(with_layout(gear, z, held, 0.0), False) for z in PINIONS]
     across = with_layout(gear, pinion.at, pinned, 0.0)
@@ -374,7 +408,7 @@ def open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly,
 
 @cache
 def ratio_bands(gear: Assembly) -> tuple[RatioBand, ...]:
-    """Bands of the ratios over each input that is not printed, one at a time."""
+    """Return bands of the ratios over each input that is not printed, one at a time."""
     out = []
     for changed, values, gears in open_inputs(gear):
         screw, bearing = zip(*(ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
@@ -383,12 +417,12 @@ def ratio_bands(gear: Assembly) -> tuple[RatioBand, ...]:
 
 
 def band_of(points: Sequence[RatioPoint]) -> RatioBand:
-    """Bands of the ratios over all layouts together (`ratio_map`)."""
+    """Return bands of the ratios over all layouts together (`ratio_map`)."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "station, restraint, sense and bearing, each with each"
     return RatioBand("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
 
 
 def over_angles(gear: Assembly) -> list[tuple[float, float]]:
-    """Largest loads [N] of ball screw and bearing at the tie-rod angles."""
+    """Return the largest loads [N] of ball screw and bearing at the tie-rod angles."""
     return [largest(at_angle(gear, angle)) for angle in ANGLES]

@@ -34,13 +34,13 @@ from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row,
 
 
 def reference_words(study: Study, name: str) -> str:
-    """Text that says which 3D reference a scene has."""
+    """Return the text that says which 3D reference a scene has."""
     found = study.reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
 
 
 def readings_table(study: Study) -> Table:
-    """Extremes of every reading and what it changes against the first, by the source's and the default model."""
+    """Return extremes of every reading and what it changes against the first, by the source's and the default model."""
     rows: list[Row] = []
     for reading in chapter_2.READINGS:
         for name, first in ((reading.plain, chapter_2.READINGS[0].plain), (reading.offset, chapter_2.READINGS[0].offset)):
@@ -73,7 +73,7 @@ def readings_table(study: Study) -> Table:
 
 
 def choice_rows(found: Sequence[chapter_2.Choice]) -> list[Row]:
-    """Rows of the table of choices."""
+    """Return rows of the table of choices."""
     return [
         {
             "choice": c.label,
@@ -90,7 +90,7 @@ def choice_rows(found: Sequence[chapter_2.Choice]) -> list[Row]:
 
 
 def load_table(study: Study) -> Table:
-    """Loads of all cases and sides, ball by ball."""
+    """Return loads of all cases and sides, ball by ball."""
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -105,7 +105,7 @@ def load_table(study: Study) -> Table:
 
 
 def summary_table(study: Study) -> Table:
-    """Largest and smallest load per side, balance and residual of each case."""
+    """Return the largest and smallest load per side, balance and residual of each case."""
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -132,12 +132,12 @@ def summary_table(study: Study) -> Table:
 
 
 def pairs_apart(study: Study) -> float:
-    """Largest difference of opposite contacts of a ball in all case studies [N]."""
+    """Return the largest difference of opposite contacts of a ball in all case studies [N]."""
     return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
 
 
 def figures(study: Study) -> tuple[Figure, ...]:
-    """Load distributions of cases 1 to 3 and the centreline of case 1."""
+    """Draw the load distributions of cases 1 to 3 and the centreline of case 1."""
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
     case2 = study.solve("lin-case2")
@@ -183,17 +183,17 @@ def figures(study: Study) -> tuple[Figure, ...]:
 
 
 def oversized(scene: Scene) -> str:
-    """The balls of a scene whose radii are off, in words."""
+    """Return the balls of a scene whose radii are off, in words."""
     return "; ".join(f"ball {ball} oversized by {1e6 * radius:g} µm" for ball, radius in scene.errors.balls.listed)
 
 
 def offset_of(scene: Scene) -> float:
-    """Largest displacement [m] that a support of a scene prescribes."""
+    """Return the largest displacement [m] that a support of a scene prescribes."""
     return max(abs(value) for support in scene.supports for freedom, value in support.fixed if freedom.startswith("u"))
 
 
 def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
-    """3D picture of a loaded screw."""
+    """Return a 3D picture of a loaded screw."""
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Case 3 with offset: contact forces on the balls"
@@ -203,7 +203,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
 
 
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("cases 1, 2, 3 on four models")
     step("what the open choices change")
     rows = choice_rows(study.once(chapter_2.choices))
@@ -240,14 +240,14 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
-    """Band from the 5th to the 95th percentile of a side's loads over the ball number."""
+    """Return the band from the 5th to the 95th percentile of a side's loads over the ball number."""
     low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
     balls = [float(i + 1) for i in range(low.size)]
     return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
 
 
 def errors_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("profile and pitch errors")
     base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
     ensembles = {}
@@ -323,7 +323,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("Table B.1")
     case = study.scene("lin-case1")
     compared = [
@@ -370,7 +370,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def equivalent_errors(scene: Scene) -> Panel:
-    """Errors along the nominal contact normal over the azimuth (Lin 4.2, 4.4)."""
+    """Return errors along the nominal contact normal over the azimuth (Lin 4.2, 4.4)."""
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
@@ -389,7 +389,7 @@ def equivalent_errors(scene: Scene) -> Panel:
 
 
 def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     panels = [equivalent_errors(study.scene("lin-pitch-4p1"))]
     rows: list[Row] = []
     for screw, label in SCREWS.items():
@@ -455,7 +455,7 @@ SCENES = (
 
 
 def agreement(study: Study, name: str) -> Row:
-    """Differences of the source's solver from the energy solver on one scene, in per cent of the mean load."""
+    """Return differences of the source's solver from the energy solver on one scene, in per cent of the mean load."""
     scene, by_energy = study.scene(name), study.solve(name)
     solver = by_energy.solver
     row: Row = {
@@ -479,7 +479,7 @@ def agreement(study: Study, name: str) -> Row:
 
 
 def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     rows = []
     for name in SCENES:
         step(f"both solvers on {name}")

@@ -1,5 +1,7 @@
-"""Lin's friction in the report: 3.2 and 3.3 (one ball in a rotary bearing, balls in contact in a linear bearing), then 3.4
-and 4.3 (two balls of a ball screw, a whole screw in time, bearings in pairs)."""
+"""Page on Lin's friction: 3.2 and 3.3 (one ball of a rotary bearing, balls of a linear bearing), 3.4 and 4.3.
+
+The latter are two balls of a ball screw, a whole screw in time, and bearings in pairs.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,7 @@ from rollbench.reports.content import Figure, Panel, Section, Series, Table, Tex
 
 
 def balance_table() -> Table:
-    """Cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
+    """Return cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
     table = Table.of("friction-balance", "Rotary bearing: balance of power", balance_rows())
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
@@ -63,7 +65,7 @@ def balance_table() -> Table:
 
 
 def sensitivity_table() -> Table:
-    """The linear pair under each assumption on loads and on friction between the balls."""
+    """Return the linear pair under each assumption on loads and on friction between the balls."""
     printed = entry("lin-3.5", "a_force_numerical")
     table = Table.of("friction-sensitivity", "Linear pair: what the load assumption changes", sensitivity_rows())
     target = printed.value or 0.0
@@ -82,13 +84,13 @@ def sensitivity_table() -> Table:
 
 
 def stability_table() -> Table:
-    """Summary of the linear pair's extremes."""
+    """Return the summary of the linear pair's extremes."""
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
     return Table.of("friction-stability", "Linear pair: extreme cases", pair_rows(), note)
 
 
 def root_table() -> Table:
-    """Root finding as printed against least dissipation."""
+    """Return the root finding as printed against least dissipation."""
     note = (
         "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
         "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
@@ -100,7 +102,7 @@ def root_table() -> Table:
 
 
 def torque_figure() -> Figure:
-    """Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
+    """Draw Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
     true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
     good = np.array([s.motion.status == "exact" for s in printed])
@@ -136,7 +138,7 @@ def torque_figure() -> Figure:
 
 
 def velocity_panel(case: str, s: Solution, title: str) -> Panel:
-    """Velocity of the ball against each loaded groove along the contact's major axis."""
+    """Return the velocity of the ball against each loaded groove along the contact's major axis."""
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
     for i in np.flatnonzero(s.load.force > 0.0):
@@ -147,7 +149,7 @@ def velocity_panel(case: str, s: Solution, title: str) -> Panel:
 
 
 def velocity_figure() -> Figure:
-    """Figure 3.8 as curves: cases I to III, right and as printed."""
+    """Draw Figure 3.8 as curves: cases I to III, right and as printed."""
     panels = [velocity_panel(case, right(case), "right") for case in CASES]
     panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
     caption = (
@@ -159,7 +161,7 @@ def velocity_figure() -> Figure:
 
 
 def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
-    """Numerical model, formula and their difference over rho, one curve per theta."""
+    """Return the numerical model, formula and their difference over rho, one curve per theta."""
     x = numbers(m.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
@@ -172,7 +174,7 @@ def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
 
 
 def map_figures() -> tuple[Figure, Figure]:
-    """Figures 3.14 and 3.15 as families of curves."""
+    """Draw Figures 3.14 and 3.15 as families of curves."""
     m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
     short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
@@ -212,7 +214,7 @@ INTRODUCTION = (
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("velocities of the rotary bearing")
     study.uses((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
     drawn = [velocity_figure()]
@@ -238,7 +240,7 @@ DOTS = 66
 
 
 def torque_panel(title: str, r: History) -> Panel:
-    """Torque of a run against time, split (Figure 3.25)."""
+    """Return the torque of a run against time, split (Figure 3.25)."""
     time = numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
     parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
     curves = [Series(name, time, numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
@@ -246,14 +248,14 @@ def torque_panel(title: str, r: History) -> Panel:
 
 
 def theta_panel(case: Run) -> Panel:
-    """Assumed deviation of the contact angles over the azimuth on the screw (Figure 3.23)."""
+    """Return the assumed deviation of the contact angles over the azimuth on the screw (Figure 3.23)."""
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
     curve = Series("assumed", numbers(np.degrees(phi)), numbers(np.degrees(deviation(case, phi))), "line")
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
 def contact_panels(r: History) -> tuple[Panel, Panel]:
-    """Places of touching neighbours and their groups over time (Figure 3.24)."""
+    """Return places of touching neighbours and their groups over time (Figure 3.24)."""
     along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
     some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
@@ -268,12 +270,12 @@ def contact_panels(r: History) -> tuple[Panel, Panel]:
 
 
 def amplitude(r: History) -> str:
-    """Amplitude of the deviation of a run, in words."""
+    """Return the amplitude of the deviation of a run, in words."""
     return f"θ of {np.degrees(r.setting.amplitude):g}°"
 
 
 def run_figure() -> Figure:
-    """Figures 3.23 to 3.25."""
+    """Draw Figures 3.23 to 3.25."""
     three, two, open_grooves = screw.screw_run(3.0), screw.screw_run(2.0), screw.loose_run()
     panels = (
         theta_panel(three.setting),
@@ -297,7 +299,7 @@ def run_figure() -> Figure:
 
 
 def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
-    """Force and increase over oversize, a curve for each load on the screw."""
+    """Return the force and increase over oversize, a curve for each load on the screw."""
     m, x = screw.pair_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "not coupled" if coupling == "none" else "friction moves the balls"
     panels = []
@@ -314,14 +316,14 @@ def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
 
 
 def plain_ratio(case: str, coupling: Coupling) -> float:
-    """Force of a pair without oversize at ``LOAD`` over the printed one."""
+    """Return the force of a pair without oversize at ``LOAD`` over the printed one."""
     m = screw.pair_map(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
     return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
 
 
 def meetings(key: str) -> str:
-    """Oversizes at which the curve of ``LOAD``, not coupled, crosses the printed value of each case, in words."""
+    """Return oversizes at which the curve of ``LOAD``, not coupled, crosses the printed value of each case, in words."""
     words = []
     for case in ("a", "b"):
         m, printed = screw.pair_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
@@ -331,14 +333,14 @@ def meetings(key: str) -> str:
 
 
 def crossings(values: Array, level: float) -> list[float]:
-    """Oversizes [µm] at which values over ``OVERSIZE`` cross a level, by straight lines between them."""
+    """Return oversizes [µm] at which values over ``OVERSIZE`` cross a level, by straight lines between them."""
     off, x = values - level, 1e6 * np.array(screw.OVERSIZE)
     k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
     return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
 
 
 def map_figure() -> Figure:
-    """Maps of the pair over oversize and load, as curves."""
+    """Draw maps of the pair over oversize and load, as curves."""
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in screw_map_panels(case, coupling)]
     caption = (
@@ -355,12 +357,12 @@ def map_figure() -> Figure:
 
 
 def onset_of(found: TorqueCurve) -> float:
-    """First load angle [deg] at which a ball takes more than two contacts."""
+    """Return the first load angle [deg] at which a ball takes more than two contacts."""
     return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
 
 
 def bearing_figure() -> Figure:
-    """Torque against load angle of both bearings (Figure 4.7)."""
+    """Draw the torque against load angle of both bearings (Figure 4.7)."""
     curves = [
         ("four-point, tilt free", screw.curve("4P", True)),
         ("four-point, tilt held", screw.curve("4P", False)),
@@ -399,7 +401,7 @@ def bearing_figure() -> Figure:
 
 
 def readings_table() -> Table:
-    """Readings of Table 3.7 side by side."""
+    """Return readings of Table 3.7 side by side."""
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA}
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
@@ -410,7 +412,7 @@ def readings_table() -> Table:
 
 
 def run_table() -> Table:
-    """Sensitivity of the whole run to what 3.4.4 does not print."""
+    """Return the sensitivity of the whole run to what 3.4.4 does not print."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
@@ -423,7 +425,7 @@ def run_table() -> Table:
 
 
 def run_reading_table() -> Table:
-    """What 3.4.4 leaves open, reading by reading, and what each misses of the printed numbers."""
+    """Return what 3.4.4 leaves open, reading by reading, and what each misses of the printed numbers."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
@@ -438,7 +440,7 @@ def run_reading_table() -> Table:
 
 
 def bearing_table() -> Table:
-    """Table 4.2's bearings: ratio of torques under varied assumptions."""
+    """Return the bearings of Table 4.2: ratio of torques under varied assumptions."""
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
@@ -448,7 +450,7 @@ def bearing_table() -> Table:
 
 
 def onset_table(study: Study) -> Table:
-    """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
+    """Return how soon balls meet (4.3.2), by kind of error and by how unloaded balls move."""
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
         "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
@@ -458,7 +460,7 @@ def onset_table(study: Study) -> Table:
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
-    """Text on the tables of readings and of the whole run."""
+    """Return the text on the tables of readings and of the whole run."""
     return Text((_of_the_pair(pairs), _of_the_run(runs)))
 
 
@@ -499,7 +501,7 @@ def _of_the_run(runs: Table) -> str:
 
 
 def screw_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("readings and maps of two balls")
     pairs = (readings_table(), map_figure())
     step("whole screw and what its assumptions change")

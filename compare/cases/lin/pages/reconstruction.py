@@ -1,4 +1,4 @@
-"""Where the printed errors of 2.4.1 come from: readings of what the text leaves open, combined; other statements."""
+"""Page on the origin of the printed errors of 2.4.1: combined readings of what the text leaves open; other statements."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ FORCES = {
 
 
 def other_table(study: Study) -> Table:
-    """Each statement, what is computed for it, and what follows."""
+    """Return each statement, what is computed for it, and what follows."""
     rows = [_times(study), _lateral(study), *(_case_3(study, model) for model in ("lin", DEFAULT)), *map(_force, FORCES)]
     return Table.of("reconstruction-others", "Other statements that compare the source's model with ANSYS", rows)
 
@@ -61,7 +61,7 @@ def _statement(place: str, printed: str, computed: str, verdict: str) -> Row:
 
 
 def _times(study: Study) -> Row:
-    """Times of the source's machine beside that of this project's 3D model on a mesh of the same size."""
+    """Return the printed run times and that of the 3D model here on a mesh of the same size."""
     run = load(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -78,7 +78,7 @@ def _times(study: Study) -> Row:
 
 
 def _lateral(study: Study) -> Row:
-    """Figure 2.10: the largest lateral displacement of the centreline by both models, at the stations of the 3D model."""
+    """Compare Figure 2.10: the largest lateral displacement of the screw's axis by both models."""
     low, found = study.solve("lin-case1"), study.reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T
@@ -95,7 +95,7 @@ def _lateral(study: Study) -> Row:
 
 
 def _case_3(study: Study, model: str) -> Row:
-    """Which reading of the right end has the printed shape: by far the most change on SR and NL of the last balls."""
+    """Return which reading of the right end has the printed shape: largest change on SR and NL of the last balls."""
     largest, right = [], []
     for reading in READINGS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
@@ -112,13 +112,13 @@ def _case_3(study: Study, model: str) -> Row:
 
 
 def has_shape(change: Array) -> bool:
-    """Whether the largest change of any contact ``(n, 4)`` is a rise on SR or NL of one of the last balls."""
+    """Return whether the largest change of any contact ``(n, 4)`` is a rise on SR or NL of one of the last balls."""
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)
 
 
 def _force(case: str) -> Row:
-    """A ball-to-ball force: the source's difference beside what bodies, and elements of its size, change in 3D rolling."""
+    """Compare a ball-to-ball force: the source's difference, and the effect of bodies and element size in 3D rolling."""
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
     scene = cast("KindScene", catalogue.shipped(name))
@@ -158,7 +158,7 @@ ABOUT_IT = (
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report, which opens with the answer."""
+    """Return the section of the report, which opens with the answer."""
     step("combinations of readings")
     found = study.once(combined.every_combination)
     return Section(
@@ -186,7 +186,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def names(readings: Combination) -> str:
-    """A combination in words."""
+    """Return a combination in words."""
     return "; ".join(f"{r.choice}: {r.label}" for r in readings) or "as by default"
 
 
@@ -195,24 +195,26 @@ def _four(values: Sequence[float]) -> str:
 
 
 def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
-    """By how much [points] the largest of four errors falls, and the RMS rises, from case 1 to case 2."""
+    """Return by how much [points] the largest of four errors falls, and the RMS rises, from case 1 to case 2."""
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
 def conclusion(found: list[combined.Combined]) -> str:
-    """That the printed error is not identified, its values by every combination, and what the nearest one misses."""
+    """Return the conclusion: the printed error is not identified; its values by every combination, and the nearest."""
     errors = [c.errors["own"][0] for c in found if not c.against_text]
     missed = float(np.sqrt(np.mean(combined.nearest(found).misses ** 2)))
     return (
         f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified: it is "
-        f"{found[0].errors['own'][0]:.2f} % by default and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
-        "combinations of readings of what the text leaves open; the nearest of them misses the two ratios and four errors "
+        f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as readings are (table "
+        f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
+        f"combinations of readings of what the text leaves open; {len(found) - len(errors)} more are against it. "
+        "The nearest of them misses the two ratios and four errors "
         f"that are printed by {missed:.2f} % (root mean square)."
     )
 
 
 def first_paragraph(found: list[combined.Combined]) -> str:
-    """The answer: not identified; two explanations, and what each misses."""
+    """Return the answer: not identified; two explanations, and what each misses."""
     printed, shown = combined.printed_errors(), combined.explanations(found)
     near, soft = (
         shown["nearest in the ratio, no penalty"],
@@ -235,7 +237,7 @@ def first_paragraph(found: list[combined.Combined]) -> str:
 
 
 def _given(c: combined.Combined) -> str:
-    """What one combination gives."""
+    """Describe the results of one combination."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_four(c.errors['own'])}, {_fallen(c):.0f} % of "
         "the printed fall"
@@ -243,17 +245,17 @@ def _given(c: combined.Combined) -> str:
 
 
 def _fallen(c: combined.Combined) -> float:
-    """Fall of the largest error from case 1 to case 2, per cent of the printed one."""
+    """Return the fall of the largest error from case 1 to case 2, per cent of the printed one."""
     return 100.0 * fall_and_rise(c.errors["own"])[0] / fall_and_rise(combined.printed_errors())[0]
 
 
 def _span(values: Sequence[float], digits: int = 2) -> str:
-    """The first and the last of some values that rise or fall."""
+    """Return the first and the last of some values that rise or fall."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
 def penalty_paragraph(study: Study) -> str:
-    """What the printed kind of contact says of penetration, how soft the computed penalties are, and what the mesh does."""
+    """Return a paragraph on penetration by the printed kind of contact, the computed penalties, and the mesh."""
     soft = [(r, combined.softened(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
@@ -273,7 +275,7 @@ def penalty_paragraph(study: Study) -> str:
 
 
 def scatter_paragraph(study: Study, found: list[combined.Combined]) -> str:
-    """How large a scatter of the mesh would have to be for what the combination that is nearest in the ratio lacks."""
+    """Return a paragraph on the scatter of the mesh that the combination nearest in the ratio would need."""
     falls, rises = fall_and_rise(combined.printed_errors())
     best = combined.nearest(combined.without_penalty(found), 2)
     loads = combined.low_loads(study, best.low), combined.solid_loads(study, best.solid)
@@ -293,7 +295,7 @@ def scatter_paragraph(study: Study, found: list[combined.Combined]) -> str:
 
 
 def friction_paragraph(study: Study) -> str:
-    """What the printed coefficient of friction does to the loads in 3D: of balls that roll, and of balls that do not."""
+    """Return a paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls."""
     scene, base = study.scene(CASES[0]), combined.solid_loads(study, ())
     changed = {r.key: combined.solid_loads(study, (r,)) for r in SOLID if r.choice == FRICTION}
     moved = {key: float(error_percent(combined.ratio(loads[0]), combined.ratio(base[0]))) for key, loads in changed.items()}
@@ -317,7 +319,7 @@ def friction_paragraph(study: Study) -> str:
 
 
 def explanation_table(found: list[combined.Combined]) -> Table:
-    """What the explanations give, the printed numbers first."""
+    """Return what the explanations give, the printed numbers first."""
     printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
     given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.explanations(found).items()}
     rows: list[Row] = [
@@ -327,7 +329,7 @@ def explanation_table(found: list[combined.Combined]) -> Table:
 
 
 def missed_table(found: list[combined.Combined]) -> Table:
-    """What each explanation misses: computed less printed."""
+    """Return what each explanation misses: computed less printed."""
     printed = fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
     for name, c in combined.explanations(found).items():
@@ -342,7 +344,7 @@ def missed_table(found: list[combined.Combined]) -> Table:
 
 
 def _six(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Cells of both ratios and four errors."""
+    """Return cells of both ratios and four errors."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
         Quantity("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
@@ -366,7 +368,7 @@ def _cells(c: combined.Combined) -> Row:
 
 
 def one_at_a_time(found: list[combined.Combined]) -> Table:
-    """Every reading alone, the other model by default."""
+    """Return every reading alone, the other model by default."""
     base, rows = found[0], []
     for c in found:
         if len(c.low) + len(c.solid) > 1:
@@ -384,7 +386,7 @@ def one_at_a_time(found: list[combined.Combined]) -> Table:
 
 
 def combination_table(found: list[combined.Combined]) -> Table:
-    """Every combination, and the root mean square of what it misses."""
+    """Return every combination, and the root mean square of what it misses."""
     rows = [
         _row(c)
         | {"text": "against it" if c.against_text else "silent"}
@@ -395,7 +397,9 @@ def combination_table(found: list[combined.Combined]) -> Table:
         "The words of the keys stand in the table before, in its order; base: as by default. Misses: ratios in per cent, "
     )
     note += "errors of each load in points."
-    return Table.of("reconstruction-combinations", f"All {len(found)} combinations of readings", rows, note)
+    return Table.of(
+        "reconstruction-combinations", f"All {len(found)} combinations of readings, with those against the text", rows, note
+    )
 
 
 def _row(c: combined.Combined) -> Row:
@@ -404,7 +408,7 @@ def _row(c: combined.Combined) -> Row:
 
 
 def figure(found: list[combined.Combined]) -> Figure:
-    """Ratios of all combinations, and their errors in both cases with the printed ones."""
+    """Draw ratios of all combinations, and their errors in both cases with the printed ones."""
     shown, aim = [*combined.explanations(found).values()], combined.printed_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()

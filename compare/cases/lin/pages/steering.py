@@ -33,7 +33,7 @@ SENSE = (
 
 
 def lash_figure(scene: Scene) -> Figure:
-    """Curves of both tests for the four patterns, and the conical one over the direction of its force."""
+    """Draw curves of both tests for the four patterns, and the conical one over the direction of its force."""
     around, course = np.linspace(0.0, 180.0, 13), "-200N:200N:17"
     degrees = [float(d) for d in around]
     axial, conical, peaks = [], [], []
@@ -62,7 +62,7 @@ def _series(name: str, test: LoadCurve) -> Series:
 
 
 def lash_rows(scene: Scene) -> list[Row]:
-    """Differences over what is not printed."""
+    """Return differences over what is not printed."""
     return [
         {
             "changed": p.changed,
@@ -80,13 +80,13 @@ def lash_rows(scene: Scene) -> list[Row]:
 
 
 def _ordered(found: steering.Lash) -> str:
-    """In how many of the directions the axial tests differ less."""
+    """Return in how many of the directions the axial tests differ less."""
     count = sum(found.axial < x for x in found.conical)
     return f"{count} of {len(found.conical)} directions"
 
 
 def rack_figure(points: list[steering.RatioPoint]) -> Figure:
-    """Ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
+    """Draw ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
     gear = rack()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
@@ -114,7 +114,7 @@ def rack_figure(points: list[steering.RatioPoint]) -> Figure:
 
 
 def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[steering.RatioPoint]]:
-    """Points with the bearing at the nut's centre by restraint and sense."""
+    """Return points with the bearing at the nut's centre by restraint and sense."""
     out: dict[tuple[str, bool], list[steering.RatioPoint]] = {}
     for p in points:
         if p.offset == 0.0:
@@ -123,7 +123,7 @@ def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[s
 
 
 def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Ratios of every layout."""
+    """Return ratios of every layout."""
     return [
         {
             Quantity("hold", "pinion", "", "s"): p.hold,
@@ -138,7 +138,7 @@ def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
 
 
 def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Bands of the ratios over what is not printed, and whether the printed values lie in them."""
+    """Return bands of the ratios over what is not printed, and whether the printed values lie in them."""
     rows = []
     for b in (*steering.ratio_bands(rack()), steering.band_of(points)):
         row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}
@@ -156,7 +156,7 @@ def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report."""
+    """Return the section of the report."""
     step("lash tests")
     scene = study.scene(SCREW)
     study.uses((RACK,))

@@ -1,5 +1,4 @@
-"""The tables of the thesis as it prints them, in its order, with what is computed for each number and our run times; the
-sentences with numbers; figures of what they say."""
+"""Page with the tables of the thesis as it prints them, with computed numbers and run times, sentences and figures."""
 
 from __future__ import annotations
 
@@ -7,12 +6,13 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from rollbench.compare.case import CASES
-from rollbench.compare.cases.lin.evidence import chapter_2, source_cases
+from rollbench.compare.cases.lin.evidence import chapter_2
+from rollbench.compare.cases.lin.evidence.rotary_linear import pair
 from rollbench.compare.cases.lin.pages.friction import bearing_figure, torque_figure
-from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, seconds
+from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, Seconds, seconds
 from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, tables, value_of
 from rollbench.compare.reference.convergence import representative_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
@@ -20,7 +20,7 @@ from rollbench.compare.reference.store import load, shipped_store
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.sections.source_tables import AGAINST, Layout, by_place, compared, how, in_layout, inputs, layouts
+from rollbench.compare.sections.source_tables import Layout, by_place, compared, how, in_layout, inputs, layouts
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.compare.studies.run_times import times_of
@@ -32,118 +32,155 @@ LIN = next(case for case in CASES if case.name == "lin")
 MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and the source's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
 
-PRINTED_SECONDS = Quantity("s_printed", "seconds, printed", "s", "g4")
-LOW = {"cold": Quantity("low_cold", "low-order, cold", "s", "g3"), "further": Quantity("low_further", "further", "s", "g3")}
-SOLID = {"cold": Quantity("3d_cold", "3D, cold", "s", "g3"), "further": Quantity("3d_further", "3D, further", "s", "g3")}
-OLDER = Quantity("older", "not of this measuring run", "", "s")
-ELEMENTS = {
-    "printed": Quantity("n_printed", "elements, printed", "", "s"),
-    "low": Quantity("n_low", "elements, low-order, ours", "", "s"),
-    "3D": Quantity("n_3d", "elements, 3D, ours", "", "s"),
+LOW = Quantity("cold", "ours, cold", "s", "g3"), Quantity("further", "ours, further", "s", "g3")
+RATIO = {
+    "printed": Quantity("r_printed", "faster than ANSYS, printed", "times", "g4"),
+    "cold": Quantity("r_cold", "faster than 3D, ours, cold", "times", "g3"),
+    "further": Quantity("r_further", "further", "times", "g3"),
 }
-INFERRED_3D = Quantity("3d_inferred", "3D, inferred reading", "", "g5")
+OLDER = Quantity("older", "of another measuring run", "", "s")
+ELEMENTS = Quantity("n_printed", "elements, printed", "", "s"), Quantity("n_ours", "elements, ours", "", "s")
 SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f")
+DIAGONAL = Quantity("diagonal", "low-order, loads equal on each diagonal", "", "g5")
+OTHER_GROOVE = Quantity("groove", f"low-order, groove of {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
 
-
-def costs(study: Study, way: str, name: str) -> Row:
-    """Seconds of ours, cold and further: ``way`` of a scene, and of its 3D model."""
-    low, solid = seconds(study, name, way), seconds(study, name, "3D")
-    cells: Row = {LOW["cold"]: low.cold, LOW["further"]: low.further}
-    return cells | {SOLID["cold"]: solid.cold, SOLID["further"]: solid.further, OLDER: solid.older}
+#: Scene, and what is timed of it, by entry of a printed time.
+TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
+TIMED |= {f"lin-2.2:time_ansys_{k}": (name, "3D") for k, name in STATIC.items()}
+TIMED |= {
+    f"lin-3.5:{case}_time_{column}": (name, way)
+    for case, name in LINEAR.items()
+    for column, way in (("numerical", "numerical"), ("analytic", "formula"), ("ansys", "3D"))
+}
+TIMED |= {f"lin-3.7:time_{case}": (name, "numerical") for case, name in SCREW.items()}
+TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.items()}
 
 
 def printed_seconds(name: str) -> float:
-    """A printed time in seconds."""
+    """Return a printed time in seconds."""
     one = entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
 def count(table: str, key: str) -> str:
-    """A printed number of elements."""
+    """Return a printed number of elements."""
     return f"{value_of(table, key):,.0f}"
 
 
 def solid_size(study: Study, name: str) -> str:
-    """Size of the finest 3D model of a scene, in words."""
+    """Return the size of the finest 3D model of a scene, in words."""
     if name in STATIC.values():
         found = study.reference(name)
-        return "" if found is None else f"{found.best.unknowns:,} unknowns (level {found.best.level})"
+        return (
+            "" if found is None else f"{found.best.unknowns:,} unknowns of the equivalent mesh (level {found.best.level})"
+        )
     run = rolling.load(case_of(name, KindScene), max(rolling.LEVELS), study.stores or (shipped_store(),))
     return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
 
 
-def of_2_2(study: Study) -> dict[str, Row]:
-    """Seconds and elements of Table 2.2."""
-    more: dict[str, Row] = {}
-    for k, name in STATIC.items():
-        ours = len(fixed_partition(study.scene(name))) - 1
-        source = chapter_2.partition_elements(study)
-        low = {q: v for q, v in costs(study, "lin", name).items() if q in LOW.values()}
-        solid = {q: v for q, v in costs(study, "lin", name).items() if q not in LOW.values()}
-        more[f"lin-2.2:time_proposed_{k}"] = {
-            PRINTED_SECONDS: printed_seconds(f"lin-2.2:time_proposed_{k}"),
-            **low,
-            ELEMENTS["printed"]: count("lin-2.2", "elements_proposed"),
-            ELEMENTS["low"]: f"{ours} ({source} with the source's partition)",
-        }
-        more[f"lin-2.2:time_ansys_{k}"] = {
-            PRINTED_SECONDS: printed_seconds(f"lin-2.2:time_ansys_{k}"),
-            **solid,
-            ELEMENTS["printed"]: count("lin-2.2", "elements_ansys"),
-            ELEMENTS["3D"]: solid_size(study, name),
-        }
-    return more
+def low_size(study: Study, name: str) -> str:
+    """Beam elements of ours, and of the source's partition."""
+    return (
+        f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with the source's partition)"
+    )
 
 
-def of_3_4(study: Study) -> dict[str, Row]:
-    """The 3D value of Table 3.4 has the loads of the reading that gives the printed digits."""
-    found = {f.printed.name: f for f in evidence(study, "lin-3.4")}
-    keys = [name for name in found if name.startswith("lin-3.4:a_eps") and name.endswith("numerical")]
-    return {name: {AGAINST: error(found[name].as_printed, found[name].reference)} for name in keys}
+def sizes(study: Study, name: str, way: str) -> tuple[str, str]:
+    """Elements of a timed model, printed and ours; empty where it has none."""
+    if way == "lin":
+        return count("lin-2.2", "elements_proposed"), low_size(study, name)
+    if way != "3D":
+        return "", ""
+    table, key = ("lin-2.2", "elements_ansys") if name in STATIC.values() else ("lin-3.5", "elements_ansys")
+    if name in SCREW.values():
+        table, key = "lin-3.7", f"elements_{name[-1]}"
+    return count(table, key), solid_size(study, name)
+
+
+def faster(slow: float | None, fast: float | None) -> float | None:
+    """Return how many times faster one of two times is; None without one of them."""
+    return None if not slow or not fast else slow / fast
+
+
+def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
+    """Run times and elements of a layout, printed and ours, with the ratios that the text speaks of."""
+    names = [
+        (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
+    ]
+    ansys = {TIMED[n][0]: printed_seconds(n) for _, _, n in names if TIMED[n][1] == "3D"}
+    rows: list[Row] = []
+    for label, head, name in names:
+        scene, way = TIMED[name]
+        own = seconds(study, scene, way)
+        solid, slow = (Seconds(), None) if way == "3D" else (seconds(study, scene, "3D"), ansys[scene])
+        rows.append(
+            {
+                Quantity("label", "number", "", "s"): label,
+                Quantity("column", "column", "", "s"): head,
+                Quantity("printed", "printed", "", "s"): f"{found[name].printed.printed} {found[name].printed.unit}",
+                RATIO["printed"]: faster(slow, printed_seconds(name)),
+                LOW[0]: own.cold,
+                LOW[1]: own.further,
+                OLDER: own.older,
+                RATIO["cold"]: faster(solid.cold, own.cold),
+                RATIO["further"]: faster(solid.further, own.further),
+                **dict(zip(ELEMENTS, sizes(study, scene, way), strict=True)),
+                "verdict": found[name].verdict,
+                "how": f"how-{found[name].printed.table}",
+            }
+        )
+    note = f"The text: {SPEED[layout.number]}. {times_note(study)}"
+    return Table.of(
+        layout.stem("times"), f"Table {layout.number}: run times and elements, printed and ours", rows, note, unfolded=True
+    )
 
 
 def error(value: float | None, reference: float | None) -> float | None:
-    """Error [%], None without one of the two."""
+    """Return the error [%], None without one of the two."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 
-def of_3_5(study: Study) -> dict[str, Row]:
-    """Seconds, elements and printed differences of Table 3.5."""
-    more: dict[str, Row] = {}
-    for case, name in LINEAR.items():
-        for way, own in (("numerical", "numerical"), ("analytic", "formula"), ("ansys", "numerical")):
-            cells: Row = {PRINTED_SECONDS: printed_seconds(f"lin-3.5:{case}_time_{way}"), **costs(study, own, name)}
-            if way == "ansys":
-                cells |= {ELEMENTS["printed"]: count("lin-3.5", "elements_ansys"), ELEMENTS["3D"]: solid_size(study, name)}
-                cells |= dict.fromkeys(LOW.values())
-            more[f"lin-3.5:{case}_force_{way}"] = cells
-    more["lin-3.5:a_force_numerical"][SOURCES_OWN] = value_of("lin-3.5", "error_numerical")
+def of_3_4(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+    """Deviations of Table 3.4 with the loads that 3.3.4.1 takes for the formula."""
+    found = {case: 100.0 * pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
+    cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
+    return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
+
+
+def of_3_5(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+    """Return the printed differences of Table 3.5, and the force with the loads that 3.3.4.1 takes for the formula."""
     low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
-    more["lin-3.5:a_force_analytic"][SOURCES_OWN] = float(error_percent(low, ansys))
-    return more
+    numerical: Row = {SOURCES_OWN: value_of("lin-3.5", "error_numerical"), DIAGONAL: pair(loads="diagonal").force}
+    return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": {SOURCES_OWN: error(low, ansys)}}
 
 
-def of_3_7(study: Study) -> dict[str, Row]:
-    """Seconds, elements, printed differences of Table 3.7, and the 3D value in the inferred reading."""
-    more: dict[str, Row] = {}
-    for case, name in SCREW.items():
-        inferred: Row = {INFERRED_3D: source_cases.in_3d(study, f"{name}-inferred").get("force 1-2 N")}
-        ours = costs(study, "numerical", name)
-        size: Row = {ELEMENTS["printed"]: count("lin-3.7", f"elements_{case}"), ELEMENTS["3D"]: solid_size(study, name)}
-        low: Row = {PRINTED_SECONDS: printed_seconds(f"lin-3.7:time_{case}"), **ours, **inferred}
-        more[f"lin-3.7:force_{case}"] = low | {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")}
-        solid = ours | dict.fromkeys(LOW.values())
-        more[f"lin-3.7:ansys_{case}"] = {
-            PRINTED_SECONDS: printed_seconds(f"lin-3.7:time_ansys_{case}"),
-            **solid,
-            **size,
-            **inferred,
-        }
-    return more
+def of_3_7(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+    """Return the printed differences of Table 3.7."""
+    return {f"lin-3.7:force_{case}": {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")} for case in SCREW}
+
+
+def of_b_1(study: Study) -> dict[str, Row]:
+    """Right values of Table B.1 with the groove that its numbers belong to."""
+    scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
+    return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.right_b_1(scene).items()}
 
 
 #: Further cells by table, and why a number has no 3D value, by the start of its key.
-MORE: Mapping[str, Callable[[Study], dict[str, Row]]] = {"2.2": of_2_2, "3.4": of_3_4, "3.5": of_3_5, "3.7": of_3_7}
+MORE: Mapping[str, Callable[[Study], dict[str, Row]]] = {"3.4": of_3_4, "3.5": of_3_5, "3.7": of_3_7, "B.1": of_b_1}
+#: What the text says of run times, by the number of their table.
+SPEED = {
+    "2.2": "over 6800 times faster (2.4.1.4)",
+    "3.5": "three orders of magnitude, the formula another two (3.3.5); at least three (3.5)",
+    "3.7": "three orders of magnitude (3.4.3); at least three (3.5)",
+}
+#: Note of a table, by its number.
+NOTES = {
+    "3.2": "Case (I), P_f,IL and P_f,OR against 3D: the contact that sticks between rigid bodies creeps by its elasticity "
+    "in 3D, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
+    "3.4": "Low-order, ours, as in Table 3.5: loads in balance at the stated contact angles, which the 3D model has too.",
+    "3.5": "Low-order, ours, as in Table 3.4: loads in balance at the stated contact angles, which the 3D model has too.",
+    "B.1": "Low-order, ours: groove of Table 2.1, 3.254 mm, as the text says; the printed values belong to another.",
+}
 WHY = {
     "lin-3.2:F_": "none: statics",
     "lin-3.2:P_": "none: no contact",
@@ -163,30 +200,22 @@ WHY = {
 
 
 def why(name: str) -> str:
-    """Why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
+    """Return why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
 def ours(study: Study) -> dict[str, str]:
-    """What stands for ours in the source's own layout where it is no value: times and sizes."""
-    out: dict[str, str] = {}
+    """Return what stands for ours in the source's layout where it is no value: times and sizes."""
 
-    def words(cold: float | None, further: float | None, older: str = "") -> str:
-        return older or ("not measured" if cold is None else f"{cold:.3g} s cold, {further or 0.0:.2g} s further")
+    def words(name: str, way: str) -> str:
+        found = seconds(study, name, way)
+        return found.older or (
+            "–" if found.cold is None else f"{found.cold:.3g} s cold, {found.further or 0.0:.2g} s further"
+        )
 
-    for k, name in STATIC.items():
-        low, solid = seconds(study, name, "lin"), seconds(study, name, "3D")
-        out[f"lin-2.2:time_proposed_{k}"] = words(low.cold, low.further)
-        out[f"lin-2.2:time_ansys_{k}"] = words(solid.cold, solid.further, solid.older)
-    out["lin-2.2:elements_ansys"] = solid_size(study, STATIC[1])
-    for case in "ab":
-        for way, own in (("numerical", "numerical"), ("analytic", "formula"), ("ansys", "3D")):
-            found = seconds(study, LINEAR[case], own)
-            out[f"lin-3.5:{case}_time_{way}"] = words(found.cold, found.further)
-        for key, own in (("time", "numerical"), ("time_ansys", "3D")):
-            found = seconds(study, SCREW[case], own)
-            out[f"lin-3.7:{key}_{case}"] = words(found.cold, found.further)
-        out[f"lin-3.7:elements_{case}"] = solid_size(study, SCREW[case])
+    out = {name: words(*of) for name, of in TIMED.items()}
+    out |= {"lin-2.2:elements_proposed": low_size(study, STATIC[1]), "lin-2.2:elements_ansys": solid_size(study, STATIC[1])}
+    out |= {f"lin-3.7:elements_{case}": solid_size(study, name) for case, name in SCREW.items()}
     return out | {"lin-3.5:elements_ansys": solid_size(study, LINEAR["a"])}
 
 
@@ -194,7 +223,7 @@ def ours(study: Study) -> dict[str, str]:
 
 
 def load_figure(study: Study) -> Figure:
-    """Loads over the ball's number in the case studies: ours, 3D, and what the text says (Figures 2.9, 2.11, 2.12)."""
+    """Draw loads over the ball's number in the case studies: ours, 3D, and what the text says (Figures 2.9, 2.11, 2.12)."""
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
@@ -230,7 +259,7 @@ MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _ratio_mark, 2: _ball
 
 
 def mesh_figure(study: Study) -> Figure:
-    """Error over the cell size: static loads, and ball-to-ball forces; with the printed differences from ANSYS."""
+    """Draw the error over the cell size: static loads, and ball-to-ball forces; with the printed differences from ANSYS."""
     static, balls = [], []
     for name in STATIC.values():
         found = study.reference(name)
@@ -267,7 +296,7 @@ def mesh_figure(study: Study) -> Figure:
 
 
 def answers_rows(study: Study) -> Iterator[Row]:
-    """Loads and errors of the case studies, as ``rollbench compare`` prints them."""
+    """Yield loads and errors of the case studies, as ``rollbench compare`` prints them."""
     for k, name in STATIC.items():
         found = study.reference(name)
         if found is None:
@@ -294,9 +323,13 @@ def answers_rows(study: Study) -> Iterator[Row]:
 
 
 def answers_table(study: Study) -> Table:
-    """Table of `answers_rows`."""
+    """Return the table of `answers_rows`."""
     title = "Case studies: loads and errors, as rollbench compare prints them"
-    return Table.of("lin-answers", title, answers_rows(study), "Again by: rollbench compare lin-case1, and so on.")
+    note = (
+        "Case 3: the right end is held in x and y, as a bearing holds it; the text's reading, in x alone, changes loads as "
+        "table cases-readings says. Again by: rollbench compare lin-case1, and so on."
+    )
+    return Table.of("lin-answers", title, answers_rows(study), note)
 
 
 FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
@@ -315,7 +348,7 @@ GUIDE = (
 
 
 def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Sections of the report."""
+    """Return the sections of the report."""
     step("printed numbers of the thesis")
     names = [name for name in tables() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(study, *names)}
@@ -335,7 +368,7 @@ def section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
 
 
 def conclusion(found: Iterable[Evidence]) -> str:
-    """How many of the printed numbers come out."""
+    """Return how many of the printed numbers come out."""
     numbers = [f for f in found if not f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
@@ -348,26 +381,27 @@ def conclusion(found: Iterable[Evidence]) -> str:
 
 
 def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
-    """Section of one table of the thesis, or of its sentences."""
+    """Return the section of one table of the thesis, or of its sentences."""
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
         items.append(inputs(layout, found))
     else:
         if layout.kind == "results":
             items.append(in_layout(layout, found, ours(study)))
-        timed = layout.number in ("2.2", "3.5", "3.7")
         more = MORE[layout.number](study) if layout.number in MORE else {}
         reasons = {name: why(name) for name in layout.names}
-        columns = [name for name in layout.names if "elements" in name or (timed and "time" in name and "2.2" not in name)]
-        items.append(compared(layout, found, more, reasons, columns, times_note(study) if timed else ""))
+        items.append(compared(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
+        if any(name in TIMED for name in layout.names):
+            items.append(times_table(study, layout, found))
     items += [draw(study) for draw in FIGURES.get(layout.number, ())]
     return Section(f"lin-table-{layout.number}", layout.heading, items)
 
 
 def times_note(study: Study) -> str:
-    """What the seconds are of."""
+    """Return a note on the conditions of the run times."""
     kept = study.once(times_of, "lin")
     return (
-        f"Printed seconds: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next "
-        f"load case there. {'No run times are kept.' if kept is None else kept} Again by: rollbench bench --source lin."
+        f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "
+        "there; ANSYS rows: 3D, ours. Empty: not measured. Of another measuring run: its time, with its version; no "
+        f"ratio is made of it. {'No run times are kept.' if kept is None else kept} Again by: rollbench bench --source lin."
     )

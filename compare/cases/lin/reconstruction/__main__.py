@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rollbench.compare.cases.lin.reconstruction.readings import RUNS, complete
-from rollbench.compare.text.printing import on_terminal
+from rollbench.compare.running import on_terminal
 from rollbench.meshes.cache import default_root
 
 complete(on_terminal, default_root())

@@ -58,25 +58,30 @@ MU = 0.01
 
 
 def slack(scene: Scene) -> float:
-    """h [m]: the arc's radius less the ball's. Raises ValueError for grooves of different radii."""
+    """Return h [m]: the arc's radius less the ball's.
+
+    Raises ValueError for grooves of different radii.
+    """
     if scene.screw.groove_radius != scene.nut.groove_radius:
         raise ValueError("arcs of different radii: a ball that rolls leaves the line of their centres")
     return scene.screw.groove_radius - scene.balls.radius
 
 
 def closure(scene: Scene, phi: float = MU) -> float:
-    """What a ball is larger by [m in radius] in effect whose normals are turned by ``phi`` [rad]."""
+    """Return the effective oversize of the ball radius [m] if the normals are turned by ``phi`` [rad]."""
     return 0.5 * slack(scene) * phi**2
 
 
 def tilt_that_slides(scene: Scene) -> float:
-    """Tilt [rad] of one groove against the other in their section at which a ball that rolled there begins to slide."""
+    """Return the tilt of one groove against the other [rad] at which a rolling ball begins to slide."""
     return 2.0 * MU * slack(scene) / scene.screw.groove_radius
 
 
 def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
-    """The scene with these balls, from 1 (all unless given), as far beside the lines of their arcs' centres as friction can
-    hold them."""
+    """Return the scene with balls as far from the lines of their arcs' centres as friction can hold them.
+
+    ``balls``: numbers from 1; all unless given.
+    """
     oversize, gap = dict(scene.errors.balls.listed), closure(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
         oversize[k] = oversize.get(k, 0.0) + gap
@@ -85,7 +90,7 @@ def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
 
 
 def largest_change(scene: Scene, of: Callable[[Scene], float]) -> float:
-    """Relative change of a quantity ``of`` a scene by friction on those balls alone by which it rises."""
+    """Return the relative change of a quantity ``of`` a scene by friction on those balls alone by which it rises."""
     base = of(scene)
     return of(off_line(scene, [k for k in range(1, scene.ball_count + 1) if of(off_line(scene, (k,))) > base])) / base - 1.0
 
@@ -102,19 +107,25 @@ PENALTY_LEVEL = 2
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of one open choice: key, what is open, what it is read as; ingredients of the low-order model, or what
-    it makes of a scene in 3D; level of the 3D mesh; by_text: why the text speaks against it (empty: it does not); sliding:
-    coefficient with which grooves slide on balls that do not turn, in 3D; penalty: of the contacts in 3D, as a share of
-    E/h (0: none, contacts do not penetrate)."""
+    """One reading of one open choice."""
 
+    #: Key.
     key: str
+    #: What is open.
     choice: str
+    #: How it is read.
     label: str
+    #: Ingredients of the low-order model.
     ingredients: dict[str, Any] = field(default_factory=dict, hash=False)
+    #: Change of the scene in 3D.
     change: Any = None
+    #: Mesh level in 3D.
     level: int = LEVEL
+    #: Why the text contradicts it; empty if it does not.
     by_text: str = ""
+    #: Coefficient with which grooves slide on balls that do not turn, in 3D.
     sliding: float = 0.0
+    #: Penalty of the contacts in 3D, over E/h; 0: no penetration.
     penalty: float = 0.0
 
 
@@ -174,7 +185,7 @@ def key_of(readings: Combination) -> str:
 
 
 def together(readings: tuple[Reading, ...], most: int) -> list[Combination]:
-    """All combinations of up to ``most`` readings of different choices."""
+    """Return all combinations of up to ``most`` readings of different choices."""
     found: list[Combination] = [()]
     for count in range(1, most + 1):
         found += [c for c in combinations(readings, count) if len({r.choice for r in c}) == count]
@@ -182,20 +193,20 @@ def together(readings: tuple[Reading, ...], most: int) -> list[Combination]:
 
 
 def low_scene(scene: Scene, readings: Combination) -> Scene:
-    """A scene as the low-order model reads it."""
+    """Return a scene as the low-order model reads it."""
     ingredients = {k: v for r in readings for k, v in r.ingredients.items()}
     return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
 
 def solid_scene(scene: Scene, readings: Combination) -> Scene:
-    """A scene as the 3D model reads it, and not its mesh."""
+    """Return a scene as the 3D model reads it, and not its mesh."""
     for r in readings:
         scene = scene if r.change is None else r.change(scene)
     return scene
 
 
 def level_of(readings: Combination) -> int:
-    """Mesh level of a combination."""
+    """Return the mesh level of a combination."""
     return min((r.level for r in readings), default=LEVEL)
 
 
@@ -212,19 +223,19 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def wanted() -> list[Combination]:
-    """Combinations of the 3D model that have runs: none, every reading alone, all pairs and triples of `MOVERS`."""
+    """Return combinations of the 3D model that have runs: none, every reading alone, all pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
     return [*together(SOLID, 1), *(c for c in together(movers, 3) if len(c) > 1)]
 
 
 def scenes(readings: Combination) -> tuple[Scene, ...]:
-    """The cases by a combination, which share a set-up; named after both."""
+    """Return the cases by a combination, which share a set-up; named after both."""
     name = key_of(readings).replace("/", "-")
     return tuple(replace(solid_scene(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
-    """Converged runs of the cases, on their level unless another is given; None where one is missing."""
+    """Return the converged runs of the cases, on their level unless another is given; None where one is missing."""
     level = level_of(readings) if level is None else level
     found = [load(scene, level, stores=[RUNS]) for scene in scenes(readings)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
@@ -232,13 +243,16 @@ def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, .
 
 
 def stored(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
-    """Loads ``(n, 4)`` [N] of the cases, as `stored_runs`."""
+    """Return the loads of the cases, each ``(n, 4)`` [N], as `stored_runs`."""
     runs = stored_runs(readings, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
 def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
-    """Compute and keep the runs that are missing. Raises ValueError for one that does not converge."""
+    """Compute and keep the runs that are missing.
+
+    Raises ValueError for one that does not converge.
+    """
     for readings, level in [*((r, level_of(r)) for r in wanted()), (FINER, PENALTY_LEVEL + 1)]:
         if stored(readings, level) is not None:
             continue
@@ -272,16 +286,29 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def share_of_closure(solid: tuple[Array, ...]) -> float:
-    """Relative change of a ball's load over that of one of its approaches, from loads of cases 1 and 2 in 3D ``(n, 4)``."""
+    """Return the relative change of a ball's load over that of one of its approaches.
+
+    ``solid``: loads of cases 1 and 2 in 3D, each (n, 4) [N].
+    """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
 def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
-    """Largest and RMS error of case 1, then of case 2, ``(DRAWN, 4)`` [%], with every contact's approach scattered by
-    ``percent``, the two cases meshed apart; loads ``(n, 4)`` [N] of both; of_load: of each load, else of the mean load.
+    """Return the largest and RMS error of case 1, then of case 2, with randomly scattered approaches, (DRAWN, 4) [%].
 
-    Of both flanks the screw's: a ball in two-point contact has one load.
+    Of both flanks the screw's: a ball in two-point contact has one load. The two cases are meshed separately.
+
+    Parameters
+    ----------
+    low
+        Loads of both cases by the low-order model, each (n, 4) [N].
+    solid
+        Loads of both cases in 3D, each (n, 4) [N].
+    percent
+        Scatter of every contact's approach [%].
+    of_load
+        Whether errors are of each load instead of the mean load.
     """
     rng, share, out = np.random.default_rng(1), share_of_closure(solid), []
     for a, b in zip(low, solid, strict=True):
@@ -294,7 +321,7 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
 
 
 def probability(errors: Array, falls: float, rises: float) -> float:
-    """Share of `drawn_errors` whose largest error falls and whose RMS rises by so much [%] or more from case 1 to 2."""
+    """Return the share of `drawn_errors` whose largest error falls, and whose RMS rises, by given values or more [%]."""
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
 
@@ -336,36 +363,38 @@ class Combined:
 
 
 def printed_ratio() -> float:
-    """The ratio that the text prints for both models."""
+    """Return the ratio that the text prints for both models."""
     return value_of("lin-2.4.1", "case1_ratio")
 
 
 def ratio(load: Array) -> float:
-    """Largest over smallest load of SL."""
+    """Return the largest over smallest load of SL."""
     return float(load[:, 0].max() / load[:, 0].min())
 
 
 def errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
-    """Largest and RMS error of cases 1 and 2 [%] by definition; loads ``(n, 4)`` [N] of both cases."""
+    """Return the largest and RMS error of cases 1 and 2 [%] by definition; loads ``(n, 4)`` [N] of both cases."""
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
     return {"own": of_load, "mean": tuple(x for e in found for x in (e.max_percent, e.rms_percent))}
 
 
 def low_readings() -> list[Combination]:
-    """Combinations of the low-order model: none, every reading alone, pairs and triples of `LOW_MOVERS`."""
+    """Return combinations of the low-order model: none, every reading alone, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
     return [*together(LOW, 1), *(c for c in together(movers, 3) if len(c) > 1)]
 
 
 def low_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
-    """Loads of the cases by the low-order model."""
+    """Return loads of the cases by the low-order model."""
     return tuple(study.solve(low_scene(catalogue.scene(c), readings), "lin").load for c in CASES)
 
 
 def solid_loads(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
-    """Loads of the cases by the 3D model, on their mesh level unless another is given. Raises LookupError where a run is
-    missing."""
+    """Return loads of the cases by the 3D model, on their mesh level unless another is given.
+
+    Raises LookupError where a run is missing.
+    """
     return tuple(run.load for run in study.once(_runs, readings, level))
 
 
@@ -377,32 +406,40 @@ def _runs(study: Study, readings: Combination, level: int | None = None) -> tupl
 
 
 def every_combination(study: Study) -> list[Combined]:
-    """All combinations, the defaults first. Raises LookupError where a run is missing."""
+    """Return all combinations, the defaults first.
+
+    Raises LookupError where a run is missing.
+    """
     low = [(c, low_loads(study, c)) for c in low_readings()]
     solid = [(c, solid_loads(study, c)) for c in wanted()]
     return [Combined(a, b, ratio(x[0]), ratio(y[0]), errors(x, y)) for a, x in low for b, y in solid]
 
 
 def printed_errors() -> tuple[float, ...]:
-    """The four printed errors [%]."""
+    """Return the four printed errors [%]."""
     return tuple(value_of("lin-2.4.1", key) for key in ERRORS)
 
 
 def nearest(found: list[Combined], first: int = 6) -> Combined:
-    """The combination that the text does not speak against with the smallest root mean square of its ``first`` misses: 2,
-    of the ratios; 6, of all that is printed."""
+    """Return the combination nearest to the printed numbers that the text does not contradict.
+
+    By the root mean square of its ``first`` deviations: 2, of the ratios; 6, of all that is printed.
+    """
     allowed = [c for c in found if not c.against_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
 
 
 def without_penalty(found: list[Combined]) -> list[Combined]:
-    """Combinations whose contacts do not penetrate."""
+    """Return combinations whose contacts do not penetrate."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
 
 def explanations(found: list[Combined]) -> dict[str, Combined]:
-    """Combinations that are shown one by one, in words: the defaults, the nearest in the printed ratio (without a penalty,
-    one of which gives any ratio), softer contacts with all else by default, the nearest in all that is printed."""
+    """Return the combinations that are shown one by one, with their names.
+
+    They are the defaults, the nearest in the printed ratio (without a penalty, one of which gives any ratio), softer
+    contacts with all else by default, and the nearest in all that is printed.
+    """
     softer = {
         f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)
     }
@@ -415,10 +452,10 @@ def explanations(found: list[Combined]) -> dict[str, Combined]:
 
 
 def softened(study: Study, readings: Combination) -> float:
-    """What a penalty adds to the approach of a contact, by Hertz under the mean load, as a share of it.
+    """Return what a penalty adds to the approach of a contact, by Hertz under the mean load, as a share of it.
 
-    By the shaft's axial motion in case 1, which both contacts of a ball add to: the force on it is the same, and so, on
-    the mean, is what its bodies do.
+    By the shaft's axial motion in case 1, which both contacts of a ball add to: the force on it is the same, and so, on the
+    mean, is what its bodies do.
     """
     scene = catalogue.scene(CASES[0])
     still, moved = (study.once(_runs, r)[0] for r in ((), readings))

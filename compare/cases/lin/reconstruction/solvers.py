@@ -28,7 +28,7 @@ LARGER = 1.45
 
 
 def penalised(setup: Setup, penalty: float) -> Setup:
-    """The set-up with springs of ``penalty`` [N/m3] times the hat's area in series at every pair of contact nodes."""
+    """Return the set-up with a spring at every pair of contact nodes: ``penalty`` [N/m3] times the area of its hat."""
     patches = {
         side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
         for side, pair in setup.patches.items()
@@ -37,8 +37,11 @@ def penalised(setup: Setup, penalty: float) -> Setup:
 
 
 def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
-    """Runs of scenes of one geometry, made from those without a penalty; share: of E/h, Young's modulus of the balls
-    over the size of the source's elements. Raises ValueError where one does not converge."""
+    """Return runs of scenes of one geometry, made from those without a penalty.
+
+    share: of E/h, Young's modulus of the balls over the size of the source's elements. Raises ValueError where one does not
+    converge.
+    """
     settings = settings_of(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
     penalty = share * scenes[0].balls.material.youngs_modulus / settings.tet
@@ -64,21 +67,20 @@ def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cac
 
 
 class Dragging(Case):
-    """A load case whose contacts slide across their grooves, with ``mu`` times their loads against an axial motion of the
-    screw with its load (negative: against one back).
+    """A load case whose contacts slide across their grooves, with ``mu`` times their loads.
 
-    The frictions of a ball's two contacts balance. On a body, a force across a contact's load is taken as one through the
-    arc's centre, which normal forces on its nodes make; its moment about that centre, the arc's radius times mu times the
-    load, is left out.
+    They resist an axial motion of the screw in the direction of its load (negative ``mu``: against it). The frictions of a
+    ball's two contacts balance. On a body, a force across a contact's load is taken as one through the arc's centre, which
+    normal forces on its nodes make; its moment about that centre, the arc's radius times mu times the load, is neglected.
     """
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
-        """A case of one set."""
+        """Make a load case of one set."""
         super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.of(scene), mounted_screw(setup, scene))
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def after(self, last: Round, *, moving: bool) -> Round:
-        """The next round, with the friction of the last one's loads."""
+        """Return the next round, with the friction of the last one's loads."""
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
         self.load_motion = modal_motion(self.C, self.at_rest)
@@ -86,7 +88,7 @@ class Dragging(Case):
         return super().after(last, moving=moving)
 
     def across(self, last: Round) -> Array:
-        """Forces ``(balls, n)`` [N] along the nodes' normals whose resultants are the contacts' friction."""
+        """Return forces ``(balls, n)`` [N] along the nodes' normals whose resultants are the contacts' friction."""
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
         out = np.zeros_like(forces)
@@ -100,8 +102,10 @@ class Dragging(Case):
 
 
 def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
-    """Runs of one geometry with the loads and contact angles of balls that do not turn. Raises ValueError where they do not
-    settle."""
+    """Return runs of one geometry with the loads and contact angles of balls that do not turn.
+
+    Raises ValueError where they do not settle.
+    """
     settings = settings_of(scenes, runs[0].level)
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
     out = []

@@ -1,4 +1,4 @@
-"""Smith (1994): the computed value beside every printed number and claim, with evidence.
+"""Smith (1994): computed values of every printed number and claim.
 
 Printed data: ``printed/smith-*``.
 """

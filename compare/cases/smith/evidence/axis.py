@@ -1,6 +1,6 @@
-"""Smith (1994), chapters 4 and 5: the axis with its supports; measurements, claims about them, the reduced preload of 5.3.
+"""Smith (1994), chapters 4 and 5: the axis with its supports, measurements, claims, the reduced preload of 5.3.
 
-Its layouts are scenes over the nut's position, beside closed formulas and the sum in series.
+Its layouts are scenes over the nut's position, compared with closed formulas and with the sum in series.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Layout:
     right: tuple[int, ...]
 
     def rows(self, end: str) -> BearingSet:
-        """Rows of an end by their laws."""
+        """Return rows of an end by their laws."""
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
             return bearings.bearing_set(self.kind, end)
@@ -84,7 +84,7 @@ class Ends:
 
 @cache
 def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> Ends:
-    """Rows by their laws, all of an end at one place, and a bar: the stretch is that of the ends, preload included.
+    """Return rows by their laws, all of an end at one place, and a bar: the stretch is that of the ends, preload included.
 
     place: of the nut over the length; applied: force [N] on the screw there, towards the left end.
     """
@@ -107,7 +107,7 @@ def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED)
 
 
 def by_scene(study: Study, layout: Layout, place: float) -> Ends:
-    """The same by the scene: beam, contacts, rows apart from one another."""
+    """Return the same by the scene: beam, contacts, rows apart from one another."""
     return study.once(_by_scene, layout, place)
 
 
@@ -125,7 +125,7 @@ def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG0
 
 
 def in_series(layout: Layout) -> float:
-    """The source's sum (4.6) of both ends and the whole screw between rigid walls, without the nut [N/m].
+    """Return the source's sum (4.6) of both ends and the whole screw between rigid walls, without the nut [N/m].
 
     nan for a fixed-supported screw, for which it has none.
     """
@@ -137,7 +137,7 @@ def in_series(layout: Layout) -> float:
 
 
 def layout_words(study: Study, layout: Layout) -> str:
-    """A layout with the load in the middle by scene and by formulas in one sentence, in the source's units."""
+    """Return a layout with the load in the middle by scene and by formulas in one sentence, in the source's units."""
     scene, closed = by_scene(study, layout, 0.5), by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
@@ -145,7 +145,7 @@ def layout_words(study: Study, layout: Layout) -> str:
 
 
 def every_place(study: Study) -> Iterator[tuple[Layout, float, Ends, Ends]]:
-    """Each layout at each place: by the scene, by formulas."""
+    """Yield each layout at each place: by the scene, by formulas."""
     for layout in LAYOUTS:
         for place in PLACES:
             yield layout, place, by_scene(study, layout, place), by_formulas(layout, place)
@@ -163,13 +163,13 @@ KINDS = ("ball", "taper")
 
 
 def pull() -> float:
-    """Tension [N] of the stretched screw between rigid supports: the load of either end."""
+    """Return the tension [N] of the stretched screw between rigid supports: the load of either end."""
     return tension(bearings.axis(), bearings.STRETCH)
 
 
 @cache
 def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> SetState:
-    """Equilibrium of the set of an end: "preload", after the "stretch", or with the load "applied" at mid-screw."""
+    """Return the equilibrium of the bearings of an end under "preload", "stretch", or with the load "applied"."""
     rows = bearings.bearing_set(kind, end, preload)
     if state == "preload":
         return equilibrium(rows)
@@ -178,13 +178,13 @@ def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD
 
 
 def _ends(tensile: float) -> dict[str, float]:
-    """Thrust [N] of either end with the load of 4.2 on the nut in the middle, towards the left end."""
+    """Return the thrust [N] of either end with the load of 4.2 on the nut in the middle, towards the left end."""
     left, right = support_loads(bearings.axis(), 0.5 * bearings.axis().length, -bearings.APPLIED, tensile)
     return {"left": left, "right": right}
 
 
 def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Loads [lbf] of the rows by the source's sharing from its preload [lbf]: half the stretch an end, all of it a side."""
+    """Return the loads of the rows by the source's sharing [lbf]: half the stretch at each end, all of it on one side."""
     loads = as_printed.shared_loads(preload, bearings.DIRECTIONS[kind][end], 0.5 * round(pull() / bearings.POUND, -1))
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0
@@ -195,7 +195,7 @@ def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -
 
 
 def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Stretch and warming."""
+    """Compute stretch and warming."""
     a = bearings.axis()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
     e.numbers(
@@ -217,7 +217,7 @@ def section_4_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def section_4_2(e: Sheet, study: Study) -> None:
-    """Loads and stiffness of the supports, stiffness of the axis."""
+    """Compute loads and stiffness of the supports, stiffness of the axis."""
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
             _support(e, kind, end)
@@ -244,7 +244,7 @@ def section_4_2(e: Sheet, study: Study) -> None:
 
 
 def _support(e: Sheet, kind: str, end: str) -> None:
-    """Loads and stiffnesses of the rows of one end."""
+    """Compute loads and stiffnesses of the rows of one end."""
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
@@ -262,13 +262,13 @@ def _support(e: Sheet, kind: str, end: str) -> None:
 
 
 def topology(supports: float) -> float:
-    """Right stiffness [N/m] of the carriage in the middle, on equal supports [N/m]."""
+    """Return the right stiffness [N/m] of the carriage in the middle, on equal supports [N/m]."""
     a = bearings.axis(supports, supports)
     return float(axis_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
 def _total(e: Sheet, kind: str, as_scenes: str) -> None:
-    """Stiffness of the axis as printed, and in the right topology with the printed and with our bearings."""
+    """Compute the stiffness of the axis as printed, and in the right topology with printed and computed bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
     right = topology(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
@@ -280,7 +280,7 @@ def _total(e: Sheet, kind: str, as_scenes: str) -> None:
 
 
 def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Torque budget."""
+    """Compute the torque budget."""
     rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
     e.number("nut", 18.0)
     shaft = shaft_inertia(STEEL, 2.0 * float(np.sqrt(bearings.axis().area / np.pi)), bearings.axis().length)
@@ -299,7 +299,7 @@ def section_4_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def _drive(e: Sheet) -> None:
-    """Section 5.1."""
+    """Compute the entries of section 5.1."""
     warming = unloading_warming(bearings.axis(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
     e.numbers(
         {
@@ -317,7 +317,7 @@ def _drive(e: Sheet) -> None:
 
 
 def _torque_tests(e: Sheet) -> None:
-    """Section 5.2.1: sums of printed parts against the tests."""
+    """Compute the entries of section 5.2.1: sums of printed parts against the tests."""
     off = {}
     for kind in KINDS:
         for when in ("start", "constant"):
@@ -336,7 +336,7 @@ def _torque_tests(e: Sheet) -> None:
 
 
 def _stiffness_tests(e: Sheet) -> None:
-    """Section 5.2.2: the tests against the right topology, and the claim as it stands."""
+    """Compute the entries of section 5.2.2: the tests against the right topology, and the claim as it stands."""
     off = []
     for kind in KINDS:
         right = topology(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
@@ -349,7 +349,7 @@ def _stiffness_tests(e: Sheet) -> None:
 
 
 def _heat(e: Sheet) -> None:
-    """Section 5.2.4."""
+    """Compute the entries of section 5.2.4."""
     torque = {
         "rise_ball": value_of("smith-2.3", "M_test_3"),
         "rise_nut": value_of("smith-4.3", "nut"),
@@ -363,16 +363,17 @@ def _heat(e: Sheet) -> None:
 
 
 def unseating_load(preload: float) -> float:
-    """Load [N] on the carriage, in the middle, that takes the last load off the outer row of an end under stretch.
+    """Return the load on the carriage in the middle [N] that unloads the outer row of an end under stretch.
 
-    The end must be pulled inwards beyond the tension by what its set still holds; half of a load in the middle goes to it.
+    The end must be pulled inwards beyond the tension by what its set still carries; half of a load in the middle goes to
+    it.
     """
     share = support_loads(bearings.axis(), 0.5 * bearings.axis().length, 1.0)[0]
     return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - pull()) / share
 
 
 def _reduced(e: Sheet) -> None:
-    """Section 5.3."""
+    """Compute the entries of section 5.3."""
     for end in ("left", "right"):
         printed = printed_loads("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
         ours = end_state("taper", end, "stretch", REDUCED)
@@ -388,6 +389,6 @@ def _reduced(e: Sheet) -> None:
 
 
 def chapter_5(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Every entry of chapter 5."""
+    """Compute all entries of chapter 5."""
     for fill in (_drive, _torque_tests, _stiffness_tests, _heat, _reduced):
         fill(e)

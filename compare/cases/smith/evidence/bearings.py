@@ -98,14 +98,14 @@ DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
 
 @cache
 def ball_bearing() -> BallBearing:
-    """MM35BS72 of figure 2-10; the outer groove is 0.53 D, which prints as 0.182188 in."""
+    """Return the bearing MM35BS72 of figure 2-10; the outer groove is 0.53 D, which prints as 0.182188 in."""
     d = 0.34375 * INCH
     return BallBearing(18, d, 1.817159 * INCH, 2.520305 * INCH, 0.52 * d, 0.53 * d, YOUNG, POISSON)
 
 
 @cache
 def taper_bearing() -> TaperedBearing:
-    """Prototype of figure 3-6."""
+    """Return the prototype of figure 3-6."""
     return TaperedBearing(
         16, 0.33 * INCH, 0.49 * INCH, float(np.radians(30.8)), float(np.radians(4.0)), YOUNG, POISSON, RING_DEPTH
     )
@@ -113,7 +113,7 @@ def taper_bearing() -> TaperedBearing:
 
 @cache
 def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
-    """Set of an end: ball bearings ground with the gap of one bearing under the preload, tapered rows preloaded to it."""
+    """Return the bearings of an end: ball bearings ground with the gap under the preload, or preloaded tapered rows."""
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
         row = BallRow(ball_bearing())
@@ -122,7 +122,7 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
 
 
 def axis(left: float = np.inf, right: float = np.inf) -> Axis:
-    """Screw of 4.1 on supports of a stiffness [N/m]."""
+    """Return the screw of 4.1 on supports of a stiffness [N/m]."""
     return Axis(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
 
 
@@ -141,26 +141,26 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 @cache
 def state(load: float) -> ThrustState:
-    """The bearing under a thrust [N], right."""
+    """Return the bearing under a thrust [N], right."""
     return thrust_state(ball_bearing(), displacement(ball_bearing(), load))
 
 
 @cache
 def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
-    """Figure 2-10 at a thrust [lbf]."""
+    """Return Figure 2-10 at a thrust [lbf]."""
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
     return as_printed.spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
 
 def sheet_tangent(pounds: float) -> float:
-    """Slope of the sheet's own load-deflection curve [lbf/in], central difference of a thousandth."""
+    """Return the slope of the sheet's own load-deflection curve [lbf/in], central difference of a thousandth."""
     step = 1e-3 * pounds
     return 2.0 * step * 25.4 / (sheet(pounds + step).deflection - sheet(pounds - step).deflection)
 
 
 def table_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Table 2-1 from exact elliptic integrals."""
+    """Compute the entries of Table 2-1 from exact elliptic integrals."""
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
@@ -194,7 +194,7 @@ def _inputs(e: Sheet) -> None:
 
 
 def _cells(e: Sheet) -> None:
-    """Cells of figure 2-10 that depend on the contact angle under load."""
+    """Compute the cells of figure 2-10 that depend on the contact angle under load."""
     source, s = sheet(SHEET_LOAD / POUND), state(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
@@ -229,7 +229,7 @@ def _cells(e: Sheet) -> None:
 
 
 def _triplex(e: Sheet) -> None:
-    """Section 2.1.2."""
+    """Compute the entries of section 2.1.2."""
     for load in (1500.0, 1020.0):
         e.number(
             f"delta_{load:.0f}", float(state(load * POUND).displacement) / INCH, as_printed=sheet(load).deflection / 25.4
@@ -246,7 +246,10 @@ def _triplex(e: Sheet) -> None:
 
 
 def fit_range() -> tuple[float, float, float]:
-    """Ends of the range of F(p) around that of the sheet in which the fit 2.18 is within 2 %; its error [%] at 0.5."""
+    """Return ends of the range of F(p) around that of the sheet in which the fit 2.18 is within 2 %.
+
+    Its error [%] at 0.5.
+    """
 
     def off(difference: float) -> float:
         return abs(float(error_percent(as_printed.fitted(difference, "approach"), contact_parameters(difference)[0])))
@@ -260,7 +263,7 @@ def fit_range() -> tuple[float, float, float]:
 
 
 def section_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Figure 2-10 and section 2.1.2."""
+    """Compute the entries of Figure 2-10 and section 2.1.2."""
     _inputs(e)
     _cells(e)
     _triplex(e)
@@ -273,7 +276,7 @@ def section_2_1(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Table 2-2: right tangent stiffness beside both printed columns, the sheet's own tangent as printed."""
+    """Compute the entries of Table 2-2: right tangent stiffness, both printed columns, and the tangent as printed."""
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
@@ -295,7 +298,7 @@ def section_2_2(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table t
 
 
 def section_2_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Torque of the ball bearing."""
+    """Compute the torque of the ball bearing."""
     b = ball_bearing()
     e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
     e.number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
@@ -356,43 +359,43 @@ CROWN, SLICES = 2.0, 101
 
 @cache
 def right() -> CombinedState:
-    """Figure 3-6 with line contacts, roller by roller."""
+    """Return Figure 3-6 with line contacts, roller by roller."""
     return combined(taper_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
 def contacts() -> RollerContacts:
-    """Contacts of a roller under the thrust of the sheet."""
+    """Return contacts of a roller under the thrust of the sheet."""
     b = taper_bearing()
     return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
 def tangent(pounds: float, depth: float = RING_DEPTH) -> float:
-    """Right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
+    """Return the right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
     row = TaperedRow(replace(taper_bearing(), depth=depth))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
 def crowned(pounds: float) -> float:
-    """Stiffness [lbf/in] at a thrust [lbf] with crowned rollers, in slices: what a crown could explain."""
+    """Return the stiffness [lbf/in] at a thrust [lbf] with crowned rollers, in slices: what a crown could explain."""
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
 def printed_deflection(pounds: float, length: float, diameter: float, cup: float, roller: float) -> float:
-    """Axial deflection [in] by 3.17-3.21 as printed, pure thrust [lbf]; lengths [in], angles [rad]."""
+    """Return the axial deflection [in] by 3.17-3.21 as printed, pure thrust [lbf]; lengths [in], angles [rad]."""
     line = pounds / (taper_bearing().rollers * np.sin(cup) * length)
     return as_printed.roller_approach(float(line), diameter, cup, roller) / float(np.sin(cup))
 
 
 def sheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
-    """The same with the inputs of figure 3-6 [in]."""
+    """Return the same with the inputs of figure 3-6 [in]."""
     b = taper_bearing()
     return printed_deflection(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
 
 
 def rounding_range() -> tuple[float, float]:
-    """Least and greatest deflection [in] as printed over all roundings of the printed inputs."""
+    """Return the least and greatest deflection [in] as printed over all roundings of the printed inputs."""
     b = taper_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
@@ -404,7 +407,7 @@ def rounding_range() -> tuple[float, float]:
 
 
 def taper_sheet_tangent(pounds: float) -> float:
-    """Slope of the sheet's own curve [lbf/in]."""
+    """Return the slope of the sheet's own curve [lbf/in]."""
     return 2.0 / (sheet_deflection(pounds + 1.0) - sheet_deflection(pounds - 1.0))
 
 
@@ -510,7 +513,7 @@ def _torque(e: Sheet) -> None:
 
 
 def chapter_3(e: Sheet, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Every entry of chapter 3."""
+    """Compute all entries of chapter 3."""
     _sheet(e)
     _contacts(e)
     _torque(e)

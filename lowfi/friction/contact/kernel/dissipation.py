@@ -53,10 +53,8 @@ def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
     """Return R_D(x, y, z) and -(4/3) dR_D/dy.
 
     The second is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2), for x >= 0, y, z > 0, which
-    is
-    (2/3) (R_D(x, z, y) - R_D(x, y, z))/(z - y) without its cancellation at y = z. Duplication (Carlson 1995),
-    differentiated
-    step by step.
+    is (2/3) (R_D(x, z, y) - R_D(x, y, z))/(z - y) without its cancellation at y = z. Duplication (Carlson 1995),
+    differentiated step by step.
     """
     dx, dy, dz = 0.0, 1.0, 0.0
     total, d_total, scale = 0.0, 0.0, 1.0

@@ -181,8 +181,7 @@ def minimise_each(
     """Minimise the energy of N balls, each with an inner body that moves along ``along`` (2,); see `minimise_energy`.
 
     start, interference as in ``CellArrays``; C (N, 4); given (N, 3): forces on ball and inner body [N]. Overwrites
-    positions
-    x (N, 3) [m], forces (N, 4), normals (N, 4, 2), and writes the largest force out of balance left (N,) [N].
+    positions x (N, 3) [m], forces (N, 4), normals (N, 4, 2), and writes the largest force out of balance left (N,) [N].
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
     for k in range(x.shape[0]):

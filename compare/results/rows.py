@@ -1,0 +1,362 @@
+"""The answers of a solved scene as rows of one table: quantity, value, unit, error to expect, note.
+
+Name, unit, digits, error and note stand at the field of the record that states the quantity. Terminal, page, notebook and
+manual show these rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rollbench.compare.measure import error_percent
+from rollbench.compare.models.drive import AxisDrive
+from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
+from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
+from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.quantities import heading_of, range_text, shown
+from rollbench.compare.results.base import Row
+from rollbench.compare.results.data import Friction, FrictionBand
+from rollbench.compare.results.scene_json import (
+    Axial,
+    LoadSums,
+    RollerSums,
+    answers_json,
+    set_json,
+    together_json,
+    whole_json,
+)
+from rollbench.lowfi.bearings.rib import RibContact
+from rollbench.lowfi.bearings.roller_torque import RollerTorque
+from rollbench.lowfi.bearings.torque import BallTorque
+from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
+from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
+from rollbench.lowfi.rating.modified import ModifiedLife
+from rollbench.lowfi.rating.reference import ReferenceLife
+from rollbench.lowfi.rating.rigidity import Rigidities
+from rollbench.lowfi.rating.shaft import ShaftLimits
+from rollbench.meshes.one_arc import Clearance
+from rollbench.meshes.quantity import Stated, stated_in
+
+#: Tables of a summary in the order of the rows, and the record that states their quantities; of two records of a table
+#: that counts whose first key the table has.
+GROUPS: tuple[tuple[str, type], ...] = (
+    ("", Together),
+    ("loads", LoadSums),
+    ("loads", RollerSums),
+    ("axial", Axial),
+    ("", Rigidities),
+    ("worst_contact", Contact),
+    ("worst_contact", RollerContact),
+    ("rib_contact", RibContact),
+    ("truncation", Truncation),
+    ("static_safety", StaticSafety),
+    ("preload", Preload),
+    ("contact_lost", LiftOff),
+    ("clearance", Clearance),
+    ("friction", Friction),
+    ("band", FrictionBand),
+    ("roller_torque", RollerTorque),
+    ("bearing_torque", BallTorque),
+    ("drive", AxisDrive),
+    ("life", Life),
+    ("modified_life", ModifiedLife),
+    ("reference_life", ReferenceLife),
+    ("standard_life", EquivalentLife),
+    ("axis_life", SystemLife),
+    ("ratings", Ratings),
+    ("shaft", ShaftLimits),
+)
+#: Fields of the errors that are in per cent of the mean contact load.
+OF_MEAN = ("percent", "rms_percent")
+UNKNOWN = "the scene does not solve without its loads"
+#: Tables of a summary of several sets that are of all of them.
+OF_ALL = ("axial", "drive", "axis_life")
+#: Columns of the table of sets: group of a set's summary, its key, heading.
+OF_SETS = (
+    ("loads", "max_N", "largest load N"),
+    ("worst_contact", "pressure_MPa", "peak MPa"),
+    ("static_safety", "factor", "static safety"),
+    ("preload", "axial_N", "preload N"),
+    ("bearing_torque", "starting_Nmm", "from rest N mm"),
+    ("bearing_torque", "running_Nmm", "running N mm"),
+    ("roller_torque", "torque_Nmm", "torque N mm"),
+    ("life", "L10_million_revolutions", "L10 1e6 rev"),
+)
+
+
+def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
+    """Return the rows of a solved scene.
+
+    For several sets on a shaft these are the rows of the whole, then those of the set with the worst contact.
+
+    Parameters
+    ----------
+    one
+        The solved scene.
+    details
+        Whether to include quantities that a designer seldom asks for.
+
+    Returns
+    -------
+    list[Row]
+        The rows; empty without answers.
+    """
+    if one.answers is None:
+        return []
+    supports = _support_rows(one.answers.path)
+    if isinstance(one, Solved):
+        return [*summary_rows(answers_json(one), one.expected, details=details), *supports]
+    data = whole_json(one)
+    whole = {key: data.pop(key) for key in OF_ALL if key in data}
+    names = [one.answers.sets[i].name for i in one.answers.by_pressure[:1]]
+    worst = summary_rows(data, details=details) if names else []
+    head = summary_rows(whole, details=details)
+    return [*head, *supports, *(Row("set with the worst contact", name) for name in names), *worst]
+
+
+def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
+    """Return the rows of a summary.
+
+    Parameters
+    ----------
+    data
+        The summary, as in the JSON.
+    worth
+        Errors to expect of its values; None: not known.
+    details
+        Whether to include quantities that a designer seldom asks for.
+
+    Returns
+    -------
+    list[Row]
+        The rows, in the order of `GROUPS`.
+    """
+    found = []
+    mean = (data.get("loads") or {}).get("mean_N")
+    for (group, _), (kind, table, stated) in zip(GROUPS, _tables(data), strict=True):
+        for key, x in stated if details else [pair for pair in stated if pair[1].heading]:
+            row = _row(table, key, x, worth, mean)
+            if row is not None and (details or row.unit or row.value not in ("0", "no")):
+                of = "" if x.heading or not group else f"{group.replace('_', ' ')}: "
+                found.append(row._replace(quantity=f"{of}{row.quantity}"))
+        found += _reasons(data, kind)
+    return found
+
+
+def compared_rows(
+    data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
+) -> Iterator[tuple[str, str, str, str, str, str]]:
+    """Yield the quantities that the summaries of a model and of its reference both have.
+
+    Parameters
+    ----------
+    data
+        Summary of the model, as in the JSON.
+    reference
+        Summary of the reference, as in the JSON.
+    worth
+        Errors to expect of the model; None: not known.
+
+    Yields
+    ------
+    tuple[str, str, str, str, str, str]
+        Name, value of the model, value of the reference, unit, difference [%], and the error that was to be expected.
+    """
+    theirs = {(kind, key): _at(table, key) for kind, table, stated in _tables(reference) for key, _ in stated}
+    mean = (data.get("loads") or {}).get("mean_N")
+    for kind, table, stated in _tables(data):
+        for key, x in stated if kind is not Ratings else ():
+            value, other = _at(table, key), theirs.get((kind, key))
+            if x.heading and isinstance(value, float) and isinstance(other, float):
+                name, unit = _named(x)
+                off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
+                yield name, shown(value), shown(other), unit, off, _error(value, x.expected, worth, mean)[1]
+
+
+def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
+    """Yield record, table and quantities (by their keys) of each group; the table is empty if the summary lacks it."""
+    for group, kind in GROUPS:
+        table = data.get(group) if group else data
+        stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
+        known = isinstance(table, Mapping) and _at(table, stated[0][0]) is not ...
+        if kind is Preload and table and not table["loaded_contacts"]:
+            known = False
+        yield kind, table if known and table else {}, stated
+
+
+def _named(x: Stated) -> tuple[str, str]:
+    """Return the name and the unit of a quantity."""
+    name, unit = heading_of(x)
+    return name, unit.replace("million revolutions", "1e6 rev")
+
+
+def _at(table: Mapping[str, Any], key: str) -> Any:
+    """Return the value at a key, whose dots lead into inner tables; an ellipsis if there is no such key."""
+    value: Any = table
+    for name in key.split("."):
+        value = value.get(name, ...) if isinstance(value, Mapping) else ...
+    return value
+
+
+def _row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
+    """Return the row of one quantity; None if it has no value."""
+    value = _at(table, key)
+    if value in (None, ..., ""):
+        return None
+    name, unit = _named(x)
+    digits = int(x.form[1:]) if x.form in ("g2", "g3") else 4
+    if isinstance(value, str):
+        return Row(name, "", note=value)
+    if isinstance(value, bool | int) and not unit:
+        return Row(name, str(value) if type(value) is int else "yes" if value else "no")
+    if isinstance(value, list) and len(value) == 2 and all(isinstance(end, float) for end in value):
+        return Row(name, range_text(value, digits), unit, "", _note(table, x.note))
+    if not isinstance(value, int | float):
+        return None
+    error, words = _error(value, x.expected, worth, mean)
+    return Row(name, shown(value, error, digits), unit, words, _note(table, x.note))
+
+
+def _error(
+    value: float, expected: tuple[str, float], worth: ModelForm | None, mean: float | None
+) -> tuple[float | None, str]:
+    """Return the expected error of a value, in the unit of the value and in words; None and empty text if not known."""
+    field, times = expected
+    percent = getattr(worth, field) if worth is not None and field else None
+    if percent is None:
+        return None, ""
+    whole = mean if times == 1.0 and field in OF_MEAN else value
+    text = f"{shown(float(f'{times * percent:.2g}'), digits=2)} %"
+    return abs(whole or 0.0) * times * percent / 100.0, f"{text} of mean" if whole is mean else text
+
+
+def _note(table: Mapping[str, Any], template: str) -> str:
+    """Return a note with the values of its table filled in; empty if one of them is not known."""
+    known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
+    values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
+    try:
+        return template.format_map(values)
+    except KeyError:
+        return ""
+
+
+def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
+    """Yield rows that say why quantities of a record have no value."""
+    preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
+    if kind is LoadSums and "loads" in data and data["loads"] is None:
+        yield Row("contact loads", "none", note="no contact carries load")
+    elif kind is Rigidities and (words := (data.get("axial") or {}).get("tangent_words")):
+        yield Row("axial rigidity, tangent", "none", note=f"no tangent: {words}")
+    elif kind is Preload and "preload" in data and not preload.get("loaded_contacts"):
+        known = "without the loads"
+        yield Row("preload", "none" if preload else "not known", note=known if preload else UNKNOWN)
+    elif kind is LiftOff and lost.get("words"):
+        yield Row("contact lost at load factor", "not known", note=lost["words"])
+    elif kind is Friction and data.get("friction_words"):
+        yield Row("friction torque", "none", note=data["friction_words"])
+    elif kind is AxisDrive and drive and drive["running_torque_Nmm"] is None:
+        words = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
+        yield Row("motor torque, running", "not known", note=words)
+    elif kind is Life and "life" in data and data["life"] is None:
+        yield Row("life L10", "none", note=data.get("rating_refused") or data.get("life_words") or "no load")
+
+
+def _support_rows(path: LoadPath | None) -> Iterator[Row]:
+    """Yield a row for each component of the loads of which a support takes a part."""
+    if path is None:
+        return
+    for taker in path.takers:
+        for k, part in enumerate(taker.part):
+            if abs(part) > NOTHING * abs(path.applied[k]) > 0.0:
+                unit = "N" if k < 3 else "N m"
+                yield Row("taken by a support", shown(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
+
+
+def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
+    """Return one row for each set on a shaft: name, position, axial force, rigidity and the answers of `OF_SETS`.
+
+    Parameters
+    ----------
+    one
+        The solved shaft.
+
+    Returns
+    -------
+    list[dict[str, Any]]
+        Texts of each row by their headings, without columns that have no value; empty without answers.
+    """
+    if one.answers is None:
+        return []
+    found = []
+    for k, (s, answers) in enumerate(zip(one.result.sets, one.answers.sets, strict=True), 1):
+        data = set_json(s, answers, one.scene.motion)
+        row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
+        row |= {"force N": shown(float(s.force[2])), "rigidity N/um": shown(1e-6 * float(s.stiffness[2, 2]))}
+        for group, key, heading in OF_SETS:
+            value = (data.get(group) or {}).get(key)
+            row[heading] = range_text(value) if isinstance(value, list) else None if value is None else shown(value)
+        found.append(row)
+    return [{key: row[key] or "–" for key in row if any(x[key] for x in found)} for row in found]
+
+
+def friction_rows(data: Mapping[str, Any]) -> list[Row]:
+    """Return the rows of an answer of ``rollbench friction`` for a whole screw or bearing, or for several sets.
+
+    Parameters
+    ----------
+    data
+        JSON of the answer.
+
+    Returns
+    -------
+    list[Row]
+        The rows; empty for other kinds of scene.
+    """
+    solved = data.get("torque") and data.get("sets", True)
+    torque = data["torque"] | {"losses": data.get("losses")} if solved else {}
+    band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
+    return summary_rows({"friction": torque, "band": band, "drive": data.get("drive")})
+
+
+def together_rows(whole: Together) -> list[Row]:
+    """Return the rows on all load cases of a duty cycle together.
+
+    Parameters
+    ----------
+    whole
+        Results of all load cases; for several sets the life is the shortest of them.
+
+    Returns
+    -------
+    list[Row]
+        The rows.
+    """
+    rows = summary_rows(together_json(whole))
+    rows = [row._replace(note=whole.shortest) if row.quantity == "life L10" else row for row in rows]
+    if whole.uncovered:
+        rows.append(Row("error to expect", "not covered", note=f"cases {', '.join(whole.uncovered)}"))
+    return rows
+
+
+def expected_words(worth: ModelForm | None) -> str:
+    """Return one sentence that explains the errors to expect.
+
+    Parameters
+    ----------
+    worth
+        The errors to expect; None for several sets on one shaft, where they are not known.
+
+    Returns
+    -------
+    str
+        The sentence, without a full stop.
+    """
+    if worth is None:
+        return "error to expect: not known of several sets on one shaft; measure it: rollbench compare SCENE"
+    if worth.percent is None:
+        away = f" (nearest {worth.nearest})" if worth.nearest else ""
+        return f"error to expect: not covered by the comparisons with the 3D reference{away}; {'; '.join(worth.words)}"
+    of = f"{worth.compared} scene{'s' * (worth.compared != 1)} like it"
+    words = f"nine of ten of {of} were within, nearest {worth.nearest}; {'; '.join(worth.words)}"
+    return f"error to expect: {words}; measure it: rollbench compare SCENE"

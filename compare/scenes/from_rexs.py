@@ -1,0 +1,434 @@
+"""A scene of several bearings on a shaft from a REXS file: tables of a scene file, and what was assumed or left out.
+
+REXS has u along the shaft and v, w across it: z, x and y of a scene, so that an angle around u counts from x. Rows of a
+bearing become sets, outer rings in a casing stand. What REXS lacks and a scene needs is asked for, attribute by attribute
+with the key that gives it (``--set``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rollbench.compare.errors import ArgumentError, SceneError
+from rollbench.compare.scenes.rexs_model import UNITS, Component, Model, Value, read
+
+BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
+#: Thrust that a row carries, by the direction of an axial force on the inner ring that it takes.
+THRUST = {"positive": "+z", "negative": "-z", "both_directions": "both"}
+#: Direction of a bearing whose outer ring slides in its seat.
+FLOATS = "no_direction"
+BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
+BALLS_OF_THRUST = tuple(f"axial_{name}_ball_bearing" for name in ("grooved", "angular_contact", "four_point_contact"))
+#: Freedoms that the seat of such a ring holds.
+SEAT = ("ux", "uy", "rx", "ry", "rz")
+ROLLERS = ("radial_tapered_roller_bearing", "axial_tapered_roller_bearing")
+#: Clearances of a deep-groove bearing, that at work first.
+CLEARANCES = ("operating_radial_bearing_clearance", "mounted_radial_bearing_clearance", "radial_bearing_clearance")
+#: Tilting stiffness [N mm/rad] from which a concept bearing counts as rigid.
+RIGID = 1e20
+#: Units of REXS as a scene file has them.
+SCENE_UNITS = {"mum": "um", "N / mm^2": "MPa", "1 / min": "rpm", "mm^2 / s": "mm2/s"}
+
+Table = dict[str, Any]
+#: Materials of the shaft, and of all parts that give none.
+Steels = tuple[Component | None, Component | None]
+
+
+@dataclass
+class Reader:
+    """A REXS file while it is read.
+
+    ``given`` has the user's values by their keys, ``missing`` the faults found, ``assumed`` the assumptions made, and
+    ``notes`` what is left out.
+    """
+
+    path: Path
+    model: Model
+    given: dict[str, str]
+    missing: list[SceneError] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def need(self, component: Component, attribute: str, key: str, names: Iterable[str] = ()) -> str | None:
+        """Return a number with its unit as text: the user's value of the key, else that of the first attribute present.
+
+        If there is no value, the attribute is recorded as missing and None is returned.
+        """
+        if key in self.given:
+            return self.given.pop(key)
+        for name in (attribute, *names):
+            if (value := component.number(name)) is not None:
+                return quantity(name, value)
+        self.lack(component, attribute, key)
+        return None
+
+    def lack(self, component: Component, attribute: str, key: str, unit: str = "") -> None:
+        """Record a missing attribute, and the key by which the user can give it."""
+        unit = unit or UNITS[attribute]
+        where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
+        example = "a number or a word" if unit == "none" else f"a value with a unit, REXS has {unit}"
+        self.missing.append(SceneError(str(self.path), where, "nothing", example, f'add it, or give --set "{key}=VALUE"'))
+
+
+def quantity(attribute: str, value: float) -> str:
+    """Return the number of a REXS attribute with its unit, as text for a scene file."""
+    unit = UNITS[attribute]
+    return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
+
+
+def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, list[str]]:
+    """Return the tables of a scene file for one shaft of a REXS file.
+
+    Parameters
+    ----------
+    path
+        The REXS file.
+    shaft
+        Name or id of the shaft; empty if the file has only one with bearings.
+    given
+        Values that the user gives, as text by their keys; ``NAME.KEY`` for the set NAME.
+
+    Returns
+    -------
+    tuple[Table, list[str]]
+        The tables, and sentences on what was left out.
+
+    Raises
+    ------
+    SceneError
+        For missing attributes; it holds one fault for each.
+    ArgumentError
+        For a shaft or keys that do not exist, and for given values that cannot be read.
+    InputError
+        For a file that `read` refuses.
+    """
+    model = read(path)
+    reader = Reader(path, model, dict(given))
+    chosen = _shaft(reader, shaft)
+    if len(model.cases) == 1:
+        for k, attributes in model.cases[0].items():
+            model.components[k].attributes |= attributes
+    try:
+        table = _tables(reader, chosen)
+    except (ValueError, OverflowError) as error:  # of a text that was given, or a count that is none
+        raise ArgumentError("set", str(error), "numbers with their units", "see the values given", str(path)) from None
+    if reader.given:
+        keys = "title, material.KEY or SET.KEY that REXS or this file lacks"
+        raise ArgumentError("set", ", ".join(reader.given), keys, "see the keys that the file asks for", str(path))
+    if reader.missing:
+        first, *others = reader.missing
+        raise SceneError(first.file, first.key, first.value, first.allowed, first.advice, len(others), tuple(others))
+    return table, reader.notes
+
+
+def _shaft(reader: Reader, name: str) -> Component:
+    """Return the shaft with this name or id, or the only one with bearings; raise ArgumentError if not exactly one fits."""
+    model = reader.model
+    with_bearings = {r.roles["inner_part"] for r in model.relations if _is_bearing(model, r.roles)}
+    shafts = {k: c for k, c in model.components.items() if c.type == "shaft" and k in with_bearings}
+    found = [c for c in shafts.values() if not name or name in (str(c.id), c.name)]
+    if len(found) != 1:
+        known = ", ".join(f"{c.id} ({c.name})" for c in shafts.values()) or "none: no shaft is the inner part of a bearing"
+        raise ArgumentError("shaft", name or "nothing", known, "name one by its id", str(reader.path))
+    return found[0]
+
+
+def _is_bearing(model: Model, roles: dict[str, int]) -> bool:
+    """Return whether a relation joins a rolling bearing to its inner and outer part."""
+    return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
+
+
+def _tables(reader: Reader, shaft: Component) -> Table:
+    """Return all tables of the scene."""
+    model = reader.model
+    sections = model.parts(shaft.id, "shaft_section")
+    steel = model.material(shaft.id)
+    of_rollers = (_steel(model, b) for b in _bearings(model, shaft) if b.word("bearing_type") in ROLLERS)
+    shared = next((x for x in of_rollers if x is not None), steel)
+    plain = [_section(reader, x) for x in sections]
+    ends = [float(x["end"].split()[0]) for x in plain if x["end"]]
+    widest = max((x.number("outer_diameter_begin") or 0.0 for x in sections), default=0.0)
+    if not sections:
+        reader.lack(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
+    sets: list[Table] = []
+    for bearing in _bearings(model, shaft):
+        sets += _rows(reader, bearing, (steel, shared), {x["name"] for x in sets})
+    seats = [x for x in sets if "housing" in x]
+    supports = [{"at": "0 mm", "fix": ["rz"]}]
+    supports += [s for x in _of_side(model, shaft, "concept_bearing") if (s := _support(reader, x))]
+    loads = model.parts(shaft.id, "external_load")
+    _left_out(reader, shaft)
+    speed, oil = shaft.number("rotational_speed"), _oil(model, shaft)
+    reader.assumed.append("REXS: the drive holds the rotation of the shaft, at its end.")
+    return {
+        "title": reader.given.pop("title", f"{shaft.name or 'Shaft'} of {reader.path.name}"),
+        "source": f"REXS file {reader.path.name}, shaft {shaft.id}",
+        "assumed": reader.assumed,
+        "kind": "axis",
+        "material": _material(reader, shared or shaft, "material"),
+        "screw": {"length": f"{max(ends, default=0.0)!r} mm", "outer_diameter": f"{widest!r} mm", "plain": plain}
+        | _unlike(reader, steel, shared, "screw"),
+        "sets": sets,
+        "housings": [{"name": x["housing"], "at": x["nut"]["position"], "fix": list(SEAT)} for x in seats],
+        "supports": supports,
+        "loads": [_load(x, {}) for x in loads],
+        "cases": _cases(model, shaft, loads) if len(model.cases) > 1 else [],
+        "motion": {} if speed is None or len(model.cases) > 1 else {"speed": quantity("rotational_speed", speed)},
+        "lubricant": {} if oil is None else {"viscosity": quantity("operating_viscosity", oil)},
+    }
+
+
+def _section(reader: Reader, x: Component) -> Table:
+    """Return the table of a plain section of the shaft; a cone becomes a cylinder of its mean diameters."""
+    needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
+    for name in needed:
+        if x.number(name) is None:
+            reader.lack(x, name, f"shaft_section {x.id}")
+    start, length, first = (x.number(name) or 0.0 for name in needed)
+    last, bores = x.number("outer_diameter_end"), [x.number(f"inner_diameter_{end}") or 0.0 for end in ("begin", "end")]
+    if last not in (None, first) or bores[0] != bores[1]:
+        reader.assumed.append(f"REXS: the conical section {x.id} is a cylinder of its mean diameters.")
+    outer = 0.5 * (first + (first if last is None else last))
+    bore = 0.5 * (bores[0] + bores[1])
+    table = {"start": f"{start!r} mm", "end": f"{start + length!r} mm", "diameter": f"{outer!r} mm"}
+    return table | ({"bore": f"{bore!r} mm"} if bore else {})
+
+
+def _rows(reader: Reader, bearing: Component, steels: Steels, names: set[str]) -> list[Table]:
+    """Return the tables of the sets of a bearing, one for each row, with names that are not in ``names``."""
+    model, name = reader.model, bearing.name or f"bearing {bearing.id}"
+    kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
+    if kind not in (*BALLS, *BALLS_OF_THRUST, *ROLLERS):
+        where = f"component {bearing.id} ({bearing.type} {bearing.name}), attribute bearing_type"
+        allowed = ", ".join((*BALLS, *BALLS_OF_THRUST, *ROLLERS))
+        reader.missing.append(SceneError(str(reader.path), where, kind or "nothing", allowed, "no model has another type"))
+        return []
+    middle = reader.need(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
+    apart = bearing.number("distance_between_bearing_rows") or 0.0
+    found = []
+    for k, row in enumerate(rows):
+        each = name if len(rows) == 1 else f"{name} row {k + 1}"
+        each = f"{each} ({bearing.id})" if each in names else each
+        by = (k - 0.5 * (len(rows) - 1)) * apart
+        found.append(_row(reader, bearing, row, steels, each, _moved(middle, by) if middle and by else middle or ""))
+    return found
+
+
+def _moved(place: str, by: float) -> str:
+    """Return a position in mm, as text, moved by a distance [mm]."""
+    value, _, unit = place.partition(" ")
+    return f"{float(value) + by!r} {unit}"
+
+
+def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, name: str, place: str) -> Table:
+    """Return the table of the set for one row of a bearing."""
+    model, kind = reader.model, bearing.word("bearing_type")
+    elements = model.parts(row.id, "rolling_element")
+    element = elements[0] if elements else row
+    typed = row.number("number_of_rolling_elements") or len(elements)
+    count = int(typed or reader.given.pop(f"{name}.count", "0"))
+    takes = row.word("axial_force_absorption_of_row") or bearing.word("axial_force_absorption")
+    floats = bearing.word("axial_force_absorption") == FLOATS
+    takes = reader.given.pop(f"{name}.thrust", "") or THRUST.get("both_directions" if takes == FLOATS else takes, takes)
+    one_way = kind in ROLLERS or "angular_contact" in kind
+    if takes not in THRUST.values() or (one_way and takes == "both"):
+        where = f"component {row.id} ({row.type}), attribute axial_force_absorption_of_row"
+        advice = f'add it, or give --set "{name}.thrust=+z" (-z, both)'
+        allowed = "positive or negative" if one_way else ", ".join(THRUST)
+        reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
+    if not count:
+        reader.lack(row, "number_of_rolling_elements", f"{name}.count")
+    shift = bearing.number("preload_distance") or 0.0
+    force = bearing.number("preload_force") or 0.0
+    table: Table = {"name": name}
+    if takes == "both" and kind == "radial_grooved_ball_bearing":
+        takes = "deep groove"
+    table["thrust"] = takes
+    if floats:
+        table["housing"] = f"{name} seat"
+    if shift:
+        table["offset"] = quantity("preload_distance", -shift if takes == "+z" else shift)
+    if force:
+        table["preload"] = quantity("preload_force", force)
+    if kind in ROLLERS:
+        table.pop("housing", None)  # rollers on a cone carry thrust
+        return table | _rollers(reader, row, element, name, place, count)
+    return table | _balls(reader, bearing, row, elements, steels, name, place, count)
+
+
+def _rollers(reader: Reader, row: Component, element: Component, name: str, place: str, count: int) -> Table:
+    """Return the tables of position and rollers for a row of tapered rollers."""
+    of = f"{name}.rollers"
+    depth = reader.given.pop(f"{of}.ring_depth", None)
+    if depth is None:
+        reader.lack(row, "ring_depth", f"{of}.ring_depth", "no such attribute: the depth of rings that deforms, in mm")
+    rollers: Table = {
+        "count": count,
+        "diameter": reader.need(element, "diameter_of_rolling_element", f"{of}.diameter"),
+        "length": reader.need(element, "length_of_rolling_element", f"{of}.length"),
+        "cup_angle": _angle(reader.need(row, "pressure_angle", f"{of}.cup_angle")),
+        "roller_angle": reader.need(element, "roller_angle", f"{of}.roller_angle"),
+        "ring_depth": depth,
+    }
+    crown = element.number("roller_crowning_radius")
+    rollers |= {} if crown is None else {"crown": quantity("roller_crowning_radius", crown)}
+    return {"position": place, "rollers": rollers}
+
+
+def _balls(
+    reader: Reader,
+    bearing: Component,
+    row: Component,
+    elements: list[Component],
+    steels: Steels,
+    name: str,
+    place: str,
+    count: int,
+) -> Table:
+    """Return the tables of track, screw, nut and balls for a row of balls."""
+    model, element = reader.model, elements[0] if elements else row
+    rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
+    inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
+    pitch = reader.need(row, "reference_diameter", f"{name}.track.pitch_diameter")
+    track: Table = {"pitch_diameter": pitch, "lead": "0 mm"}
+    clearance = next((a for a in CLEARANCES if bearing.number(a) is not None), "")
+    angle = row.number("pressure_angle")
+    if clearance and not angle and f"{name}.track.contact_angle" not in reader.given:
+        track["clearance"] = {"radial": quantity(clearance, bearing.number(clearance) or 0.0)}
+    else:
+        track["contact_angle"] = _angle(reader.need(row, "pressure_angle", f"{name}.track.contact_angle"))
+    if inner is bearing and f"{name}.screw.outer_diameter" not in reader.given:
+        unit = "mm (of a bearing_ring of type inner_ring: its shoulders)"
+        reader.lack(bearing, "outer_diameter", f"{name}.screw.outer_diameter", unit)
+        shoulder = None
+    else:
+        shoulder = reader.need(inner, "outer_diameter", f"{name}.screw.outer_diameter")
+    angles = [x.number("angular_position_around_u") for x in elements]
+    of_shaft, shared = steels
+    own = {
+        "screw": _unlike(reader, model.material(inner.id, bearing.id), of_shaft, f"{name}.screw"),
+        "nut": _unlike(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
+        "balls": _unlike(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
+    }
+    balls: Table = {"diameter": reader.need(element, "diameter_of_rolling_element", f"{name}.balls.diameter")}
+    if len(angles) == count and None not in angles:
+        balls["azimuths"] = [quantity("angular_position_around_u", x) for x in angles if x is not None]
+    else:
+        balls |= {"count": count, "turns": 1}
+    return {
+        "track": track,
+        "screw": {
+            "groove_radius": reader.need(row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"),
+            "outer_diameter": shoulder,
+        }
+        | own["screw"],
+        "nut": {
+            "position": place,
+            "length": reader.need(bearing, "width", f"{name}.nut.length"),
+            "outer_diameter": reader.need(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
+            "groove_radius": reader.need(row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"),
+        }
+        | own["nut"],
+        "balls": balls | own["balls"],
+    }
+
+
+def _angle(text: str | None) -> str | None:
+    """Return a contact angle without its sign; the thrust of the row states the direction."""
+    return None if text is None else text.removeprefix("-")
+
+
+def _material(reader: Reader, of: Component, key: str) -> Table:
+    """Return the table of a material from the two elastic constants of a component; missing ones are asked for."""
+    ratio = reader.need(of, "poisson_ratio", f"{key}.poissons_ratio")
+    modulus = reader.need(of, "elastic_modulus", f"{key}.youngs_modulus")
+    return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
+
+
+def _unlike(reader: Reader, steel: Component | None, usual: Component | None, key: str) -> Table:
+    """Return the material table of a part if it differs from the usual material, else an empty table."""
+    if steel is None or (usual is not None and steel.attributes == usual.attributes):
+        return {}
+    return {"material": _material(reader, steel, f"{key}.material")}
+
+
+def _bearings(model: Model, shaft: Component) -> list[Component]:
+    """Return the rolling bearings whose inner rings sit on the shaft."""
+    sides = (r.roles for r in model.relations if _is_bearing(model, r.roles) and r.roles["inner_part"] == shaft.id)
+    return [model.components[roles["assembly"]] for roles in sides]
+
+
+def _steel(model: Model, bearing: Component) -> Component | None:
+    """Return the material of the first rolling element of a bearing that has one, else that of the bearing."""
+    rows = model.parts(bearing.id, "rolling_bearing_row")
+    return model.material(*(x.id for row in rows for x in model.parts(row.id, "rolling_element")), bearing.id)
+
+
+def _of_side(model: Model, shaft: Component, type: str) -> list[Component]:
+    """Return the components of a type that are attached to the shaft by a side relation."""
+    sides = (r.roles for r in model.relations if r.type == "side" and shaft.id in r.roles.values())
+    return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
+
+
+def _support(reader: Reader, x: Component) -> Table:
+    """Return the table of a rigid support for a concept bearing; empty if it holds nothing."""
+    fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
+    fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
+    fix += ["rx", "ry"] if (x.number("bending_stiffness") or 0.0) >= RIGID else []
+    reader.assumed.append(f"REXS: the concept bearing {x.id} ({x.name}) is rigid.")
+    at = reader.need(x, "u_coordinate_on_shaft_inner_side", f"{x.name or x.id}.at")
+    return {"at": at, "fix": fix} if fix else {}
+
+
+def _load(x: Component, case: dict[str, Value]) -> Table:
+    """Return the table of a load on the shaft; the drive takes the torque about the axis."""
+    known = Component(x.id, x.type, x.name, x.attributes | case)
+    force = [known.number(f"force_{axis}_direction") or 0.0 for axis in "vwu"]
+    moment = [known.number(f"torque_around_{axis}_axis") or 0.0 for axis in "vwu"]
+    table: Table = {"at": f"{known.number('u_coordinate_on_shaft') or 0.0!r} mm", "force": [f"{F!r} N" for F in force]}
+    return table | ({"moment": [f"{M!r} N m" for M in moment]} if any(moment) else {})
+
+
+def _cases(model: Model, shaft: Component, loads: list[Component]) -> list[Table]:
+    """Return the tables of the load cases: loads and shares of time, or times and speeds if the file has both for all."""
+    unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
+    of_unit = [Component(0, "", "", case.get(unit, {})) for case in model.cases]
+    of_shaft = [Component(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.cases]
+    parts, speeds = [x.number("operating_time_fraction") for x in of_unit], [x.number("rotational_speed") for x in of_shaft]
+    total = math.fsum(x or 0.0 for x in parts)
+    found = []
+    for k, (case, part, speed) in enumerate(zip(model.cases, parts, speeds, strict=True), 1):
+        even = 1.0 / len(parts) if not total else (part or 0.0) / total
+        share: Table = {"share": even}
+        if total and part and None not in (*parts, *speeds):
+            share = {"time": f"{part!r} s", "speed": quantity("rotational_speed", speed or 0.0)}
+        found.append({"name": f"case-{k}", **share, "loads": [_load(x, case.get(x.id, {})) for x in loads]})
+    return found
+
+
+def _oil(model: Model, shaft: Component) -> float | None:
+    """Return the operating viscosity [mm2/s] that a bearing of the shaft states; None if none does."""
+    found = (bearing.number("operating_viscosity") for bearing in _bearings(model, shaft))
+    return next((x for x in found if x is not None), None)
+
+
+def _left_out(reader: Reader, shaft: Component) -> None:
+    """Note the parts on the shaft that no scene has."""
+    model = reader.model
+    for r in model.relations:
+        if r.roles.get("assembly") == shaft.id and (x := model.components[r.roles.get("part", shaft.id)]).type not in (
+            "shaft",
+            "shaft_section",
+            "external_load",
+        ):
+            reader.notes.append(f"{x.type} {x.id} ({x.name}): not mapped")
+        if _is_bearing(model, r.roles) and shaft.id in r.roles.values():
+            outer = model.components[r.roles["outer_part"]]
+            if outer.type != "gear_casing":
+                bearing = model.components[r.roles["assembly"]]
+                held = "its other side" if outer.id == shaft.id else f"its outer part, a {outer.type},"
+                reader.notes.append(f"bearing {bearing.id} ({bearing.name}): {held} is not mapped, or taken as held")

@@ -1,0 +1,412 @@
+"""Bearings of a shaft as a REXS model, with the results of one load case or several.
+
+The arrangement stands in the components as `rollbench.compare.scenes.from_rexs` reads it; results stand in the load
+cases. Axes: u, v, w of REXS are z, x, y of a scene. A ball nut, of which REXS has no component, is written as the load
+that it puts on the shaft.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+from math import degrees, pi
+
+import numpy as np
+
+from rollbench.compare import __version__
+from rollbench.compare.errors import Refusal
+from rollbench.compare.models.answers import SetAnswers
+from rollbench.compare.models.load_cases import SolvedAxis
+from rollbench.compare.results.scene_json import pole_pressure
+from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.compare.scenes.from_rexs import RIGID, SEAT
+from rollbench.compare.scenes.rexs_model import STIFFNESS, Model, Value, text_of
+from rollbench.lowfi.rating.contacts import race_pressures
+from rollbench.lowfi.rating.life import is_thrust
+from rollbench.lowfi.rating.reference import ReferenceLife
+from rollbench.lowfi.rating.roller_life import is_thrust as is_thrust_row
+from rollbench.lowfi.rollers import middles, tapered
+from rollbench.lowfi.statics.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
+from rollbench.meshes.one_arc import clearance_of
+from rollbench.meshes.parts import Errors, Material, Scene
+
+#: Direction of an axial force on the inner ring that a row takes, by the thrust that it carries.
+TAKES = {"+z": "positive", "-z": "negative", "both": "both_directions", "deep groove": "both_directions"}
+
+Case = dict[int, dict[str, Value]]
+
+
+class Writer:
+    """The model that is written, and ids of what is referred to."""
+
+    def __init__(self, shaft: Assembly) -> None:
+        """Begin with the unit, its casing and the shaft."""
+        self.model, self.steels = Model(), dict[Material, int]()
+        self.notes: list[str] = []
+        self.unit = self.model.add("gear_unit", shaft.title)
+        self.casing = self.model.add("gear_casing", "casing")
+        turns = shaft.motion is not None and shaft.motion.turns == "screw"
+        speed = _rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
+        self.shaft = self.model.add("shaft", shaft.name, **_place(0.0, self.unit), rotational_speed=speed)
+        for part in (self.casing, self.shaft):
+            self.model.relate("assembly", assembly=self.unit, part=part)
+        self.steel(self.shaft, shaft.screw.material)
+        #: Housings that let an outer ring slide.
+        self.seats = {h.name for h in shaft.housings if _is_seat(h)}
+        #: Of each row the ids of its bearing and of its rolling elements' contacts.
+        self.rows: list[tuple[int, list[list[int]]]] = []
+
+    def steel(self, part: int, material: Material) -> None:
+        """Let a part refer to a material, which is added at its first use."""
+        if material not in self.steels:
+            constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
+            self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
+        self.model.relate("reference", origin=part, referenced=self.steels[material])
+
+    def part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
+        """Add a component as a part of the component ``whole``, and return its id."""
+        k = self.model.add(type, name, **attributes)
+        self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
+        return k
+
+
+def _is_seat(housing: Housing) -> bool:
+    """Return whether a housing holds all but the motion along the shaft, and nothing acts on it."""
+    held = housing.fixed == tuple((name, 0.0) for name in SEAT)
+    return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
+
+
+def _rpm(speed: float) -> float:
+    return speed * 30.0 / pi
+
+
+def _place(u: float, unit: int) -> dict[str, Value]:
+    """Return the attributes of a position on the shaft [m], in the coordinates of the gear unit."""
+    vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
+    return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
+
+
+def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> tuple[str, list[str]]:
+    """Return the text of a REXS file with a scene and its results.
+
+    Parameters
+    ----------
+    described
+        The shaft, or the duty cycle of one.
+    solved
+        Solution of the shaft, or of each load case in order; all have converged.
+
+    Returns
+    -------
+    tuple[str, list[str]]
+        XML, and sentences on what the file does not hold.
+
+    Raises
+    ------
+    Refusal
+        For supports that REXS has no attribute for.
+    """
+    shaft = described.parts if isinstance(described, DutyCycle) else described
+    assert isinstance(shaft, Assembly)
+    writer = Writer(shaft)
+    _sections(writer, shaft)
+    for row in shaft.sets:
+        if not (isinstance(row.parts, Scene) and row.parts.track.lead):
+            writer.rows.append(
+                _rollers(writer, row, row.parts) if isinstance(row.parts, RollerRow) else _balls(writer, row, row.parts)
+            )
+    if shaft.lubricant is not None:
+        for bearing, _ in writer.rows:
+            writer.model.components[bearing].attributes["operating_viscosity"] = 1e6 * shaft.lubricant.viscosity
+    _supports(writer, shaft)
+    loads = _loads(writer, shaft, solved)
+    for k, (one, acting) in enumerate(zip(solved, loads, strict=True)):
+        case: Case = {}
+        if isinstance(described, DutyCycle):
+            of, times = described.cases[k], [x.time for x in described.cases]
+            part = of.share if of.time is None else of.time / sum(t or 0.0 for t in times)
+            case[writer.unit] = {"operating_time_fraction": 100.0 * part}
+            case |= acting
+        case |= _results(writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed)
+        writer.model.cases.append(case)
+    _left_out(writer, shaft)
+    return text_of(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
+
+
+def _sections(writer: Writer, shaft: Assembly) -> None:
+    """Add the plain sections of the shaft; the thread and gaps between them get the outer diameter of the screw."""
+    screw = shaft.screw
+    plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
+    ends = [0.0, *(p[1] for p in plain)]
+    gaps = zip(ends, [*(p[0] for p in plain), screw.length], strict=True)
+    rest = [(a, b, screw.outer_diameter, screw.bore) for a, b in gaps if b - a > 1e-9]
+    for start, end, diameter, bore in sorted([*plain, *rest]):
+        outer, inner, at = 1e3 * diameter, 1e3 * bore, 1e3 * start
+        writer.part(
+            writer.shaft,
+            "shaft_section",
+            u_coordinate_on_shaft=at,
+            length=1e3 * end - at,
+            outer_diameter_begin=outer,
+            outer_diameter_end=outer,
+            inner_diameter_begin=inner,
+            inner_diameter_end=inner,
+        )
+    if rest and any(isinstance(s.parts, Scene) and s.parts.track.lead for s in shaft.sets):
+        writer.notes.append("the thread is written as a cylinder of its outer diameter")
+
+
+def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | None) -> int:
+    """Add a bearing of one row between the shaft and the casing, and return its id."""
+    at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
+    common: dict[str, Value | None] = {
+        "bearing_type": kind,
+        "number_of_bearing_rows": 1,
+        "axial_force_absorption": "no_direction" if row.housing in writer.seats else TAKES[row.thrust],
+        "radial_force_absorption": True,
+        "u_coordinate_on_shaft_inner_side": at,
+        "u_coordinate_on_shaft_outer_side": at,
+        "preload_distance": shift or None,
+        "preload_force": row.preload or None,
+    }
+    where = _place(row.position, writer.unit)
+    bearing = writer.model.add("rolling_bearing_with_detailed_geometry", row.name, **common, **attributes, **where)
+    writer.model.relate("side", assembly=bearing, inner_part=writer.shaft, outer_part=writer.casing)
+    return bearing
+
+
+def _elements(
+    writer: Writer, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
+) -> list[list[int]]:
+    """Add the rolling elements of a row with their contacts, and return the ids of the contacts of each element."""
+    found = []
+    for k, azimuth in enumerate(azimuths, 1):
+        at: dict[str, Value] = {"angular_position_around_u": degrees(azimuth)}
+        one = writer.part(row, "rolling_element", str(k), k, **size, **at)
+        writer.steel(one, material)
+        contact = "rolling_element_contact"
+        found.append([writer.part(one, contact, rolling_element_contact_type=kind) for kind in kinds])
+    return found
+
+
+def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
+    """Add a ball bearing, and return its id and those of the contacts of each ball."""
+    nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
+    thrust = "axial_" if is_thrust(parts) else ""
+    kind = {"deep groove": "radial_grooved_ball_bearing", "both": f"{thrust}four_point_contact_ball_bearing"}
+    size: dict[str, Value | None] = {"width": 1e3 * nut.length, "outer_diameter": 1e3 * nut.outer_diameter}
+    if row.thrust == "deep groove" and found is not None:
+        size["operating_radial_bearing_clearance"] = 1e6 * found.radial
+    bearing = _bearing(writer, row, kind.get(row.thrust, f"{thrust}angular_contact_ball_bearing"), **size)
+    for ring, outer, material in (
+        ("inner_ring", parts.screw.outer_diameter, parts.screw.material),
+        ("outer_ring", nut.outer_diameter, nut.material),
+    ):
+        one = writer.part(bearing, "bearing_ring", ring, bearing_ring_type=ring, outer_diameter=1e3 * outer)
+        writer.steel(one, material)
+    of_row: dict[str, Value | None] = {
+        "number_of_rolling_elements": parts.ball_count,
+        "axial_force_absorption_of_row": TAKES[row.thrust],
+        "pressure_angle": degrees(parts.track.contact_angle),
+        "reference_diameter": pitch,
+        "raceway_radius_of_inner_ring": 1e3 * parts.screw.groove_radius,
+        "raceway_radius_of_outer_ring": 1e3 * nut.groove_radius,
+    }
+    k, balls = writer.part(bearing, "rolling_bearing_row", row.name, 1, **of_row), parts.balls
+    sides = ("left_", "right_") if row.thrust == "both" else ("",)
+    kinds = [f"{side}{race}_raceway_contact" for race in ("inner", "outer") for side in sides]
+    diameter = 2e3 * balls.radius
+    return bearing, _elements(writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter)
+
+
+def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
+    """Add a tapered roller bearing, and return its id and those of the contacts of each roller."""
+    kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
+    bearing = _bearing(writer, row, kind)
+    of_row: dict[str, Value | None] = {
+        "number_of_rolling_elements": parts.count,
+        "axial_force_absorption_of_row": TAKES[row.thrust],
+        "pressure_angle": degrees(parts.cup_angle),
+        "reference_diameter": 1e3 * tapered(parts).pitch_diameter,
+    }
+    k = writer.part(bearing, "rolling_bearing_row", row.name, 1, **of_row)
+    crown = None if np.isinf(parts.crown) else 1e3 * parts.crown
+    size: dict[str, Value | None] = {
+        "diameter_of_rolling_element": 1e3 * parts.diameter,
+        "length_of_rolling_element": 1e3 * parts.length,
+        "roller_angle": degrees(parts.roller_angle),
+        "roller_crowning_radius": crown,
+    }
+    azimuths = [parts.phase + 2.0 * pi * j / parts.count for j in range(parts.count)]
+    kinds = ("inner_raceway_contact", "outer_raceway_contact")
+    writer.notes.append(f"{row.name}: the depth of the rings, {1e3 * parts.depth:g} mm, and what describes the rib")
+    return bearing, _elements(writer, k, azimuths, kinds, parts.material, **size)
+
+
+def _supports(writer: Writer, shaft: Assembly) -> None:
+    """Add supports as rigid concept bearings, without the rotation that the drive holds; raise Refusal for others."""
+    for s in shaft.supports:
+        fixed = {name for name, value in s.fixed if value == 0.0}
+        across, tilt = fixed & {"ux", "uy"}, fixed & {"rx", "ry"}
+        if fixed != {name for name, _ in s.fixed} or len(across) == 1 or len(tilt) == 1:
+            reason = f"a support at {1e3 * s.at:g} mm that holds {', '.join(n for n, _ in s.fixed)}"
+            advice = "a concept bearing of REXS holds ux with uy, uz, rx with ry, at zero: use bearings"
+            raise Refusal(shaft.name, "supports", reason, advice)
+        if fixed - {"rz"}:
+            axial = "both_directions" if "uz" in fixed else "no_direction"
+            at: dict[str, Value] = {"u_coordinate_on_shaft_inner_side": 1e3 * s.at, "axial_force_absorption": axial}
+            at |= {"bending_stiffness": RIGID} if tilt else {}
+            k = writer.model.add("concept_bearing", "support", radial_force_absorption=bool(across), **at)
+            writer.model.relate("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
+
+
+def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[Case]:
+    """Add the loads on the shaft, with those from ball nuts, and return their attributes in each load case.
+
+    With a single case the components themselves get these attributes, too.
+    """
+    names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
+    for one in solved:
+        found = dict[tuple[str, float], np.ndarray]()
+        for x in one.scene.loads:
+            same = sum(at == x.at for _, at in found)
+            found[f"load {same + 1}", x.at] = np.array([*x.force, *x.moment])
+        for nut in one.result.sets:
+            if isinstance(nut.of.parts, Scene) and nut.of.parts.track.lead:
+                found[nut.of.name, nut.of.position] = np.array([*nut.force, *nut.moment])
+        names += [x for x in found if x not in names]
+        acting.append(found)
+    ids = {}
+    for name, at in names:
+        ids[name, at] = writer.part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
+    cases = [{ids[x]: _forces(found.get(x, np.zeros(6))) for x in names} for found in acting]
+    if len(solved) == 1:
+        for k, attributes in cases[0].items():
+            writer.model.components[k].attributes |= attributes
+    for s in shaft.sets:
+        if isinstance(s.parts, Scene) and s.parts.track.lead:
+            writer.notes.append(
+                f"{s.name}: a ball nut, for which REXS has no component, is written as its load on the shaft"
+            )
+    return cases
+
+
+def _forces(wrench: np.ndarray) -> dict[str, Value]:
+    force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", wrench[:3], strict=True)}
+    moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", wrench[3:], strict=True) if M}
+    return {**force, **moment}
+
+
+def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
+    """Return the results of one load case for shaft, bearings and contacts; speed [rad/s], None: that of the scene."""
+    result, motion = one.result, one.scene.motion
+    assert one.answers is not None
+    place: dict[str, Value] = {"u_coordinates_of_beam_nodes": tuple(1e3 * result.centreline_z)}
+    moved = {f"displacement_{axis}_of_nodes": tuple(1e6 * result.centreline[:, i]) for i, axis in enumerate("vwu")}
+    case: Case = {writer.shaft: {**place, **moved}}
+    if speed is not None:
+        case[writer.shaft]["rotational_speed"] = _rpm(speed)
+    turning = speed if speed is not None else None if motion is None else motion.speed
+    bearings = [
+        pair
+        for pair in zip(result.sets, one.answers.sets, strict=True)
+        if not (isinstance(pair[0].of.parts, Scene) and pair[0].of.parts.track.lead)
+    ]
+    for (bearing, contacts), (s, answers) in zip(writer.rows, bearings, strict=True):
+        case[bearing] = _of_bearing(result, s, answers, turning)
+        case |= _of_rollers(contacts, s, s.of.parts) if isinstance(s.of.parts, RollerRow) else _of_balls(contacts, s)
+    return case
+
+
+def _of_bearing(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
+    """Return the results of one bearing as attributes."""
+    at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
+    relative = np.array(at) - s.outer
+    relative[2] += s.of.offset
+    forces = {f"force_acting_on_inner_component_{axis}": float(F) for axis, F in zip("vwu", s.force, strict=True)}
+    found: dict[str, Value] = {
+        **forces,
+        **{f"torque_acting_on_inner_component_{axis}": float(M) for axis, M in zip("vw", s.moment[:2], strict=True)},
+        "radial_deflection_in_v": 1e6 * float(relative[0]),
+        "radial_deflection_in_w": 1e6 * float(relative[1]),
+        "axial_deflection": 1e6 * float(relative[2]),
+        "angular_deflection_in_v": float(relative[3]),
+        "angular_deflection_in_w": float(relative[4]),
+    }
+    stiffness = np.asarray(s.stiffness)
+    found |= {
+        name: float(stiffness[i, j]) / si for (i, j), (name, _, si) in STIFFNESS.items() if np.isfinite(stiffness[i, j])
+    }
+    loads = answers.loads
+    if loads.worst is not None and loads.safety is not None:
+        found |= {"maximum_hertzian_pressure": 1e-6 * loads.worst.pressure, "static_load_safety": loads.safety.factor}
+    if loads.ratings is not None:
+        way = "axial" if loads.ratings.axial else "radial"
+        found[f"{way}_dynamic_load_rating"] = 1e-3 * loads.ratings.dynamic
+        found[f"{way}_static_load_rating"] = 1e-3 * loads.ratings.static
+    return found | _lives(loads.reference, speed)
+
+
+def _lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
+    """Return the life by ISO/TS 16281 as attributes, with hours if a speed [rad/s] is given."""
+    if life is None:
+        return {}
+    name = "nominal_reference_rating_life"
+    found: dict[str, Value] = {f"{name}_rotations_iso_16281_2008": life.revolutions}
+    if speed:
+        found[f"{name}_time_iso_16281_2008"] = 1e6 * life.revolutions * 2.0 * pi / abs(speed) / 3600.0
+    return found | {"dynamic_equivalent_reference_bearing_load_iso_16281_2008": life.equivalent}
+
+
+def _of_balls(contacts: list[list[int]], s: SetResult) -> Case:
+    """Return force, angle and pressure of each contact; of a groove of one arc those of its loaded flank."""
+    assert s.balls is not None
+    assert isinstance(s.of.parts, Scene)
+    load, angle = s.balls.load, np.degrees(s.balls.contact_angle)
+    pressure = pole_pressure(s.of.parts, s.balls)
+    case: Case = {}
+    for i, ids in enumerate(contacts):
+        flanks = [(2 * k, 2 * k + 1) for k in range(2)] if len(ids) == 2 else [(k,) for k in range(4)]
+        for k, of in zip(ids, flanks, strict=True):
+            j = max(of, key=lambda flank: load[i, flank])
+            case[k] = {"rolling_element_force": 1e-3 * float(load[i, j])}
+            if load[i, j] > 0.0:
+                case[k] |= {
+                    "operating_pressure_angle": float(angle[i, j]),
+                    "maximum_hertzian_pressure": 1e-6 * float(pressure[i, j]),
+                }
+    return case
+
+
+def _of_rollers(contacts: list[list[int]], s: SetResult, row: RollerRow) -> Case:
+    """Return force, loads of the laminae and largest pressure of each contact."""
+    assert s.line_loads is not None
+    assert s.roller_load is not None
+    places = tuple(1e3 * middles(row.length, row.slices))
+    pressure, width = 1e-6 * race_pressures(row, s.line_loads), row.length / row.slices
+    return {
+        k: {
+            "rolling_element_force": 1e-3 * float(s.roller_load[i]),
+            "rolling_element_coordinate": places,
+            "rolling_element_lamina_load": tuple(width * s.line_loads[i]),
+            "maximum_hertzian_pressure": float(pressure[i, race]),
+        }
+        for i, ids in enumerate(contacts)
+        for race, k in enumerate(ids)
+    }
+
+
+def _left_out(writer: Writer, shaft: Assembly) -> None:
+    """Note what the file does not hold."""
+    moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.seats]
+    if moving:
+        writer.notes.append(f"{', '.join(moving)}: a housing that moves is a casing that stands")
+    if any(s.carrier for s in shaft.sets):
+        writer.notes.append("bearings around a nut are written as bearings of the shaft")
+    wrong = [s.name for s in shaft.sets if isinstance(s.parts, Scene) and replace(s.parts.errors, seed=0) != Errors()]
+    if wrong:
+        writer.notes.append(f"{', '.join(wrong)}: errors of grooves and balls")
+    if shaft.thermal_strain:
+        writer.notes.append("the warming of the shaft")
