@@ -88,7 +88,7 @@ def stability(
     Parameters
     ----------
     survey
-        Number of drawn catalogue screws; the report's are 240.
+        Number of drawn catalogue screws; the report's are 300.
     out
         Folder of the survey: a line a scene, and the runs of the 3D reference; an interrupted survey resumes there;
         rollbench-survey unless given.
