@@ -44,13 +44,13 @@ def bench(
     source
         Measure only the times that the page of this case shows (such as lin), minutes on idle cores.
     store
-        With --long or --source: folder of stored runs in which the times are kept for the report.
+        Folder of stored runs in which the times are kept for the report; without --long and --source, the times of
+        commands typed in an empty home.
     """
     if source is not None and (names or long):
         raise ArgumentError("source", source, "without names and --long", "leave them out")
-    if store is not None and (names or not (long or source)):
-        allowed = "with --long or --source, without names"
-        raise ArgumentError("store", str(store), allowed, "a report shows times of one measuring run")
+    if store is not None and names:
+        raise ArgumentError("store", str(store), "without names", "a report shows times of one measuring run")
     answer = run_bench(names or (), store, long=long) if source is None else run_source(source, store)
     return print_answer(answer, as_json)
 
@@ -82,14 +82,15 @@ def run_source(source: str, store: Path | None) -> Answer:
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
     """Measure run times; a command that fails carries a note. Raises InputError for a scene without a reference."""
-    from rollbench.compare.studies.run_times import COMMANDS, in_threads, typed
+    from rollbench.compare.sections.reference_time import typed_now
+    from rollbench.compare.studies.run_times import TYPED, in_threads, save_times
 
-    jobs = [*models(names, store, long=long)]
-    for command in () if long else COMMANDS:
-        on_terminal(command)
-        jobs.append(typed(command).job)
+    jobs = [*models(names, store if long else None, long=long)]
     if not long:
-        jobs += in_threads()
+        kept = typed_now(on_terminal)
+        if store is not None:
+            save_times(store, kept, TYPED)
+        jobs += [*(command.job for command in kept.typed), *in_threads()]
     return Answer([asdict(job) for job in jobs], _tables(jobs))
 
 
@@ -113,7 +114,6 @@ def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[
     if store is not None:
         save_times(store, kept)
     study.computed[measuring_run, on_terminal] = kept
-    yield from (command.job for command in kept.typed if long)
     for name in wanted:
         yield from jobs_of(name, time_points(name, known[name], study, on_terminal))
 

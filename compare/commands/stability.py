@@ -88,7 +88,7 @@ def stability(
     Parameters
     ----------
     survey
-        Number of randomly drawn catalogue screws; the report uses 240.
+        Number of randomly drawn catalogue screws; the report uses 300.
     out
         Folder of the survey: one line per scene, and the runs of the 3D reference; an interrupted survey resumes there.
         Default: rollbench-survey.

@@ -202,6 +202,12 @@ def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
+def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
+    """Return the largest errors of all compared screws by the gate's rule [%], by representative models."""
+    known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
+    return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
+
+
 def _time_panel(
     points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
 ) -> Panel:
@@ -248,13 +254,17 @@ def _shown(point: TimePoint, family: str) -> bool:
     return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
 
 
-def answer(screws: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None) -> str:
+def answer(
+    screws: Mapping[str, Array], gate: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None
+) -> str:
     """Return the sentence on the errors of representative models on all screws, and the accuracy of the reference.
 
     Parameters
     ----------
     screws
-        Errors of all screws by model.
+        Errors of all screws [% of the mean load] by model.
+    gate
+        The same by the gate's rule [%].
     drawn
         Number of drawn screws among them.
     bars
@@ -266,28 +276,25 @@ def answer(screws: Mapping[str, Array], drawn: int, bars: Sequence[float], total
     for model, errors in screws.items():
         if errors.size:
             median, most = np.percentile(errors, [50, 95])
-            largest.append(f"{median:.1f} and {most:.1f} % of {NAMES[model]}")
+            largest.append(f"{median:.1f} and {most:.1f} % by {NAMES[model]}")
     whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
     return (
-        f"{counted(screws)}. Median and 95th percentile of the largest error: {', '.join(largest)}; {drawn} of the screws "
-        f"were drawn at random. Uncertainty of the 3D reference: {_range(bars)}{whole}."
+        f"{passed_text(gate)}. Median and 95th percentile of the largest error: {', '.join(largest)}, of the mean contact "
+        f"load; {drawn} of the screws were drawn at random. Uncertainty of the 3D reference: {_range(bars)}{whole}."
     )
 
 
-def counted(errors: Mapping[str, Array]) -> str:
-    """Return a sentence on the number of screws whose largest error of a contact load is within `LIMIT` % of the mean.
+def passed_text(errors: Mapping[str, Array]) -> str:
+    """Return a sentence on the number of screws that pass the gate's `LIMIT`; empty without errors.
 
     Parameters
     ----------
     errors
-        Largest errors of the screws [% of the mean load], by model.
+        Largest errors of the screws [%] by the gate's rule, by model.
     """
-    counts = [
-        f"{NAMES[model]} {'' if k else f'is within {LIMIT:g} % of the mean contact load '}on {(of_model <= LIMIT).sum()}"
-        f"{'' if k else f' of {of_model.size} screws'}"
-        for k, (model, of_model) in enumerate((m, e) for m, e in errors.items() if e.size)
-    ]
-    return ", ".join(counts)[:1].upper() + ", ".join(counts)[1:]
+    found = {NAMES[model]: of_model for model, of_model in errors.items() if of_model.size}
+    counts = [f"{name} on {(e <= LIMIT).sum()} of {e.size}" for name, e in found.items()]
+    return f"Within the gate's {LIMIT:g} % of every contact load: {', '.join(counts)} screws" if counts else ""
 
 
 def _range(bars: Sequence[float]) -> str:
@@ -413,7 +420,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     wide = first_figure(screws, points, "error-time", (11.0, 4.1))
     narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = [drawn_words(drawn), *coverage({name: study.scene(name) for name in points}, found)]
-    sentence = answer(screws, drawn, bars, largest_total(study, found))
+    sentence = answer(screws, gate_errors(compared), drawn, bars, largest_total(study, found))
     limits = (*LIMITS, when_measured(study, step))
     table = standing_table(standings(points))
     step("every model on every quantity")

@@ -23,6 +23,7 @@ from rollbench.compare.reference.store import Measured, Run, load_run, measuring
 from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
+    TYPED,
     ColdLevel,
     Costs,
     Kept,
@@ -154,7 +155,7 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 
 def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
-    """Measure all models of scenes with a reference now; ``levels``: also the reference, first processes and commands."""
+    """Measure all models of scenes with a reference now; ``levels``: also the reference and first processes."""
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
         for model, bodies in models_of(name, found, study):
@@ -169,11 +170,16 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
         first[name, engine] = measure(FIRST, name, engine=engine)
+    return Kept(measuring_conditions(), today(), times, first, cold_levels)
+
+
+def typed_now(step: Step) -> Kept:
+    """Measure the commands of `COMMANDS` from an empty home now."""
     commands = []
-    for command in COMMANDS if levels else ():
+    for command in COMMANDS:
         step(f"{command}, from an empty home")
         commands.append(typed(command))
-    return Kept(measuring_conditions(), today(), times, first, cold_levels, commands)
+    return Kept(measuring_conditions(), today(), {}, {}, typed=commands)
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
@@ -491,6 +497,7 @@ def time_items(study: Study, step: Step) -> list[Table | Figure]:
     if not study.quick:
         costs = load_costs((*(study.stores or ()), shipped_store()))
         items += [] if kept is None else [compile_table(kept), level_table(kept)]
-        items += [typed_table(kept)] if kept is not None and kept.typed else []
+        commands = load_times((*(study.stores or ()), shipped_store()), TYPED)
+        items += [] if commands is None else [typed_table(commands)]
         items += [] if costs is None else cost_tables(costs)
     return [*items, speed_table(points), *time_figures(points)]

@@ -414,8 +414,12 @@ def _lines(rows: Sequence[Any]) -> str:
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
+#: In place of the name of a case: commands typed in an empty home.
+TYPED = "typed"
+
+
 def file_of(source: str) -> str:
-    """Return the name of the file with the times of a case's page, or of all compared scenes."""
+    """Return the name of the file with the times of a case's page, of commands (`TYPED`), or of all compared scenes."""
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 

@@ -12,7 +12,7 @@ from dataclasses import asdict, replace
 from math import floor, pi
 from pathlib import Path
 from time import process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,7 +44,7 @@ from rollbench.meshes.units import show
 SEED = 20360
 
 #: Number of screws without flange, which come first, and of all.
-TUBES, SCENES = 200, 240
+TUBES, SCENES = 200, 300
 
 #: Nominal diameters with their leads [mm].
 SIZES = {
@@ -349,7 +349,13 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     mean = float(run.load[run.load > 0.0].mean())
     sums = run.load.sum(axis=0)
     first, second = max(sums[0], sums[1]), min(sums[0], sums[1])
-    answers = {name: [run_model(one, name, Options(discretisation=False)) for one in (scene, raised)] for name in MODELS}
+    answers, seconds = {}, {}
+    for name in MODELS:
+        begin = process_time()
+        first = run_model(scene, name, Options(discretisation=False))
+        further = process_time()
+        answers[name] = first, run_model(raised, name, Options(discretisation=False))
+        seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
         name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
         for name, (first, second) in answers.items()
@@ -363,7 +369,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].moved, 5),
         "rigidity_N_per_um": _rounded(rigidity(places), 1e-6),
-        "models": {name: _model(scene, answers[name][0], run, p) for name, p in points.items()},
+        "models": {name: _model(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()},
         "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],
     }
@@ -478,6 +484,32 @@ def shipped() -> dict[str, Any]:
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
+
+
+#: Aims for the refined model on drawn screws: worst contact and root mean square [% of the mean load].
+WORST_AIM, RMS_AIM = 1.5, 0.5
+
+
+class Accuracy(NamedTuple):
+    """How the refined model does on drawn screws."""
+
+    #: Number of screws.
+    screws: int
+    #: Number of screws within `WORST_AIM` and `RMS_AIM`.
+    within: int
+    #: Largest error of a contact load [% of the mean load].
+    largest: float
+    #: Number of screws whose largest error is at most the expected one.
+    as_expected: int
+
+
+def accuracy(records: Sequence[Record], model: str = "refined") -> Accuracy:
+    """Return how a model does on drawn screws that have an answer."""
+    errors = [r["models"][model] for r in records if model in r.get("models", {})]
+    worst = [abs(e["largest_percent"]) for e in errors]
+    within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
+    held = sum(w <= (e["expected_percent"] or 0.0) for w, e in zip(worst, errors, strict=True))
+    return Accuracy(len(errors), within, max(worst, default=0.0), held)
 
 
 def summary(records: Sequence[Record]) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
-from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face, turned
+from rollbench.lowfi.compliance.faces import REACH, NearFace, felt_by, near_face, turned
 from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
 from rollbench.lowfi.compliance.parts import (
     BOTH,
@@ -32,10 +32,12 @@ from rollbench.lowfi.compliance.parts import (
 from rollbench.lowfi.compliance.tube import (
     Tube,
     TubeCompliance,
+    by_section,
     cantilever,
     clamped,
     contact_compliance,
     end_springs,
+    jumps,
     motion_rows,
     on_line,
     patch_weights,
@@ -69,13 +71,18 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
     """Return the compliance of the smooth body over the stretch that the nut covers, cached by geometry."""
-    tube, position = smooth_body(geometry, screw, backend), geometry.nut.position
+    tube = smooth_body(geometry, screw, backend)
+    return of_tube(tube, stretch_zone(geometry, tube))
+
+
+def stretch_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
+    """Return the stretch [m] of a smooth body that contains every contact."""
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
-    return of_tube(tube, (position - half, position + half))
+    return geometry.nut.position - half, geometry.nut.position + half
 
 
 #: Kept for scenes whose other body differs.
-of_tube = lru_cache(maxsize=32)(tube_compliance)
+of_tube, section_of_tube = lru_cache(maxsize=32)(tube_compliance), lru_cache(maxsize=32)(by_section)
 
 
 @lru_cache(maxsize=32)
@@ -110,22 +117,33 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
+        if backend.flank:
+            G = G + jumps(strained_by_section(scene, layout, True, backend, flanks), rows, stations, tube.ends[0])
     elif tube.held in CLAMPED:
         G = G - clamped(rows, stations, *clamp(tube), plain)
     return G
 
 
-def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
+def strained_by_section(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+) -> Array:
+    """Return the motions ``(2 c, 6)`` of contacts by a wrench on their sections, beyond those of the smooth body."""
+    found = kept_near_face(geometry_only(scene), screw, backend)
+    points = points_of(*contact_frames(scene, layout, screw, flanks))
+    return felt_by(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
+
+
+def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
     """Return the compliance of the nut as a Timoshenko tube ``(2 c, 2 c)`` [m/N].
 
-    Clamped at its faces, or at its flange; zero if its outside is fixed.
+    Clamped at its faces, or at its flange; zero if its outside is fixed. feel: see `clamped`.
     """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
     if held_at(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
     section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
-    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section)
+    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section, feel)
 
 
 @lru_cache(maxsize=32)
@@ -186,7 +204,8 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
     else:
         G = kernel_part(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
-            G = G + nut_beam(scene, layout, flanks)
+            feel = strained_by_section(scene, layout, False, backend, flanks) if backend.flank else None
+            G = G + nut_beam(scene, layout, flanks, feel)
         if backend.flank:
             G = G + grooved_part(scene, layout, screw, backend, flanks)
     G = 0.5 * (G + G.T)
@@ -194,7 +213,7 @@ def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fla
     return G
 
 
-def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float]:
+def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
     """Return the fields of `lowfi.compliance.bodies.EndResponse` of a screw that is fixed by its section."""
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
@@ -211,7 +230,39 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     beam = cantilever(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
-    return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), high
+    if backend.flank:
+        motions[:-6] += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], high)
+    return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
+
+
+def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
+    """Return `lowfi.compliance.bodies.section_response` of contacts wherever they are."""
+    geometry = geometry_only(scene)
+    tube = smooth_body(geometry, True, backend)
+    x, axes = contact_frames(scene, layout, True)
+    low, taken = tube.ends[0], on_line(tube, x)
+    rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
+    stations = np.append(np.repeat(x[:, 2], 2), np.full(6, at))
+    shift, tilt, axial, twist = end_springs(tube)
+    end = np.eye(6)
+    end[0, 4], end[1, 3] = at - low, low - at
+    beam = cantilever(rows, stations, low, tube.section, slice(-6, None))[:-6]
+    beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
+    motions = contacts_by_end(section_of_tube(tube, stretch_zone(geometry, tube), at), x, axes) - beam
+    if backend.flank:
+        motions += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], at)
+    return motions
+
+
+def by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
+    """Return the motions ``(2 c, 6)`` by a wrench on the section at the station ``at`` [m].
+
+    feel ``(2 c, 6)``: motion by the wrench on the section of the contact itself, which only those below ``at`` feel.
+    """
+    out, reach = feel.copy(), at - stations
+    out[:, 0] += reach * feel[:, 4]
+    out[:, 1] -= reach * feel[:, 3]
+    return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
 def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:

@@ -219,7 +219,8 @@ class EndResponse:
     contacts: Array
     #: Motions of that end ``(6, 6)``.
     end: Array
-    #: Station of that end [m].
+    #: Stations of the low and the high end [m].
+    low: float
     high: float
 
 
@@ -247,9 +248,37 @@ def _known(scene: Scene, backend: Backend) -> EndResponse:
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
 
 
+def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
+    """Return the motions ``(4 N, 6)`` of the contacts, as `EndResponse.contacts`, by a wrench on a section between them.
+
+    at: its station [m], inside the stretch of a screw that has an `end_response`. Cached as that one.
+    """
+    parts, azimuths = with_balls(scene)
+    if np.array_equal(layout.azimuth, azimuths):
+        return _by_section(parts, backend, at).G
+    from rollbench.lowfi.compliance.between import motions_by_section
+
+    return motions_by_section(parts, layout, backend, at)
+
+
+@lru_cache(maxsize=8)
+@kept(Coupling)
+def _by_section(scene: Scene, backend: Backend, at: float) -> Coupling:
+    from rollbench.lowfi.compliance.between import motions_by_section
+
+    return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
+
+
 def forget() -> None:
-    """Clear the caches of bodies, so that the next solve is timed with its set-up."""
-    from rollbench.lowfi.compliance.between import kept_near_face, of_sections, of_tube, smooth_compliance, whole_ring
+    """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
+    from rollbench.lowfi.compliance.between import (
+        kept_near_face,
+        of_sections,
+        of_tube,
+        section_of_tube,
+        smooth_compliance,
+        whole_ring,
+    )
 
     for memory in (
         geometry_only,
@@ -260,12 +289,14 @@ def forget() -> None:
         section_of,
         smooth_compliance,
         of_tube,
+        section_of_tube,
         of_sections,
         whole_ring,
         _own_flank,
         kept_near_face,
         _whole_body,
         _known,
+        _by_section,
     ):
         memory.cache_clear()
 

@@ -14,12 +14,22 @@ from rollbench.lowfi.compliance.groove import (
     every_harmonic,
     flank_normals,
     flank_weights,
+    groove_strains,
     harmonics_to,
     patch_shares,
     spline,
     unresolved_motion,
 )
-from rollbench.lowfi.compliance.tube import Tube, clamped, groove_line, motion_rows, patch_weights, radial_ends
+from rollbench.lowfi.compliance.tube import (
+    Points,
+    Tube,
+    clamped,
+    groove_line,
+    motion_rows,
+    patch_weights,
+    points_of,
+    radial_ends,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -75,6 +85,8 @@ class NearFace:
     far: Array
     #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     alone: float
+    #: `groove_strains` ``(2, 2)`` of a body that is a beam, too; in none of the others.
+    strains: Array
 
     @property
     def turns(self) -> int:
@@ -140,6 +152,8 @@ def near_face(
     """
     if near:
         _check_land(flank)
+    a_beam = smooth.held not in ("bore", "outer") and flank.map.rg != 0.0
+    strains = groove_strains(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
         """Return gains of the cuts, the body, and the distances of the cuts.
@@ -150,7 +164,7 @@ def near_face(
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
-            beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
+            beams = [less_smooth_beam(flank, smooth, section, strains, (float(z[0]), float(z[cut]))) for cut in cuts]
             gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
@@ -161,7 +175,7 @@ def near_face(
     if near:
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
-    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), alone)
+    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), alone, strains)
 
 
 def _check_land(flank: Flank) -> None:
@@ -200,21 +214,35 @@ def with_tail(flank: Flank, waves: Array) -> Array:
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
-def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
-    """Return the motions of both flanks on a beam less those on the smooth body's beam, harmonics 0 and 1.
+def felt_by(points: Points, side: Array, strains: Array) -> Array:
+    """Return the motions ``(k c, 6)`` of contacts with k axes by a wrench on their section: `groove_strains`.
 
-    ``(2, 2, f)`` [m/N]; clamped at both ends [m].
+    side: -1 for a flank at negative z of its groove, 1 at positive z.
+    """
+    along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
+    stretch, bend = (along_r * x + along_z * y for x, y in strains)
+    c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
+    none = np.zeros_like(stretch)
+    return np.stack([none, none, stretch, s * bend, -c * bend, none], axis=-1).reshape(-1, 6)
+
+
+def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]) -> Array:
+    """Return the motions ``(2, 2, f)`` [m/N] of both flanks on a beam, less those on the smooth body's: harmonics 0 and 1.
+
+    section: of the beam, clamped at both ends [m]; strains: of its grooves (`groove_strains`).
     """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
     half = len(places) // 2
     out = np.zeros((2 * half, 2 * half))
+    side = np.tile([1.0, -1.0], half)
     for sign, beam in ((1.0, section), (-1.0, plain)):
         radius = smooth.radius if sign > 0.0 else float(np.clip(smooth.radius, smooth.bore, smooth.outer))
         turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
-        out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam)
+        feel = felt_by(points_of(x, axes), side, strains) if sign > 0.0 else None
+        out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam, feel)
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 

@@ -300,11 +300,15 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Return the mean rigid motions of an end section, rows on the freedoms of its grid line, ``(k, 3 columns)``.
+    """`mean_motions` of an end section."""
+    return mean_motions(body.grid.r[0], n)
+
+
+def mean_motions(r: Array, n: int) -> Array:
+    """Mean rigid motions of a section with nodes at r ``(columns,)``, rows on their freedoms, ``(k, 3 columns)``.
 
     n = 0: axial motion and twist; n = 1: shift across and tilt (u_z = - tilt r cos t); none above.
     """
-    r = body.grid.r[0]
     weights = np.zeros((2, r.size))  # shares of the nodes in the means of f over the area, and of f r over its moment
     for a in range(0, r.size - 2, 2):
         for x, w in zip(GAUSS, WEIGHT, strict=True):

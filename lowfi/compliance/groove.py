@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank
-from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
-from rollbench.lowfi.compliance.tube import groove_line
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, mean_motions, on_last, quadratic, solved, tube_grid
+from rollbench.lowfi.compliance.tube import Tube, groove_line, radial_ends, strained
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
@@ -55,6 +55,31 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
     tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
     return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
+
+
+def groove_strains(flank: Flank, smooth: Tube) -> Array:
+    """Return the motions ``(2, 2)`` (r, z) [m/N, 1/N] of a contact by a unit tension and a unit moment on its section.
+
+    Of a contact on the flank at positive z, beyond those of the section of the beam and of the smooth body; the moment
+    stretches the body's side with the contact. At a groove a body is thin, and strains more than it does on average.
+    """
+    grid, (radius, zeta) = flank.grid(), flank.contact()
+    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_ends(smooth)
+    share = flank_weights(grid, line, zeta, NARROW * flank.map.ball)[0]
+    plain = tube_grid(r_ends, np.array([0.0, flank.half]))
+    out = np.empty((2, 2))
+    for k, kind in enumerate(("axial", "bending")):
+        stiffness, motion = strained(Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind)
+        smooth_stiffness, smooth_motion = strained(smooth.body(plain), kind)
+        at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half])
+        widens = float(smooth_motion[0, loaded, 0])
+        if kind == "bending":  # from the beam's axis, the mean of the section, which bends away from the stretched side
+            axis = [float(mean_motions(grid.r[i], 1)[0] @ motion[i].ravel()) for i in (0, -1)]
+            at[0] += (zeta**2 - 0.5 * flank.half**2) / (2.0 * flank.half) - 0.5 * sum(axis)
+            widens -= float(mean_motions(plain.r[0], 1)[0] @ smooth_motion[0].ravel())
+            widens -= smooth.width**2 / (2.0 * flank.half)
+        out[k] = at / stiffness - np.array([widens, 0.0]) / smooth_stiffness
+    return out
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:

@@ -20,6 +20,8 @@ from rollbench.lowfi.compliance.fourier import (
     Body,
     Grid,
     Layer,
+    end_motions,
+    factor_c,
     line_compliance,
     quadratic,
     refine_lines,
@@ -150,9 +152,15 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def stiffness_of(body: Body, kind: str) -> float:
-    """Return the stiffness of the cell [N/m or N m], twice its energy when its far plane of symmetry moves by one unit.
+    """Return the stiffness of the cell [N/m or N m] (`strained`)."""
+    return strained(body, kind)[0]
 
-    axial: u_z = 1; torsion: u_t = r; bending: u_z = r cos t.
+
+def strained(body: Body, kind: str) -> tuple[float, Array]:
+    """Return the stiffness of the cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m].
+
+    The stiffness is twice the energy when its far plane of symmetry moves by one unit. axial: u_z = 1; torsion: u_t = r;
+    bending: u_z = r cos t.
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
@@ -170,7 +178,7 @@ def stiffness_of(body: Body, kind: str) -> float:
             fixed[0, -1, 0] = True  # the rigid shift across
     K, held, q = body.stiffness(n), fixed.ravel(), value.ravel()
     q[~held] = solved(body.bands(~held), n, -(K @ q)[~held])
-    return float(q @ (K @ q))
+    return float(q @ (K @ q)), q.reshape(*shape, 3)
 
 
 #: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
@@ -184,6 +192,9 @@ UNREACHED = 1e-18
 
 #: Contacts whose loads are taken at once.
 CHUNK = 64
+
+#: Half the thickness of the slice of a shaft that a load on one of its sections acts on, over the shaft's radius.
+SLICE = 0.25
 
 #: Lines of a grid as near as this [m] are one; ends of elements as near to a flange's, over their length, give way to it.
 SAME, NEAR = 1e-9, 0.4
@@ -374,6 +385,47 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
 
 
+def by_section(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
+    """Return the motion ``(2, 3, k)`` (`TubeCompliance.ends`) of the loaded line of a shaft by loads on a section.
+
+    The shaft is fixed by its low section; the loads act on the mean rigid motions, by least squares, of the material in a
+    slice at the station ``at`` [m] of its stretch.
+    """
+    r_ends, line = radial_ends(tube)
+    grid = tube_grid(r_ends, axial_ends(tube, zone))
+    body, z, half = tube.body(grid), grid.z[:, 0], min(SLICE * tube.outer, at - tube.ends[0], tube.ends[1] - at)
+    shares, levers = slice_shares(z, at, half)
+    inertia, springs, ends = 0.25 * (tube.outer**2 + tube.bore**2), end_springs(tube), []
+    for n, stiff in ((0, springs[2:]), (1, springs[:2])):
+        free, motions = body.axis_free(n), end_motions(body, n)
+        rows = shares[:, None, None] * motions
+        if n == 1:
+            rows[:, 1] = (inertia * rows[:, 1] + levers[:, None] * motions[0]) / (inertia + half**2 / 3.0)
+        bands, held = body.bands(free), motions[:, free[: motions.shape[1]]]
+        i, j = np.tril_indices(held.shape[1])
+        bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / factor_c(n)
+        moved = np.zeros((free.size, 2))
+        moved[free] = solved(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
+        ends.append(moved.reshape(*grid.shape, 3, 2)[:, line].T)
+    return TubeCompliance(tube, z, (), tuple(ends))
+
+
+def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
+    """Return the shares ``(k,)`` of nodes z ``(k,)`` of quadratic elements in two means over a slice around a station [m].
+
+    The mean of what is in the slice, ``half`` [m] on either side, and that of it times its distance [m] from the station.
+    """
+    out = np.zeros((2, z.size))
+    for a in range(0, z.size - 2, 2):
+        low, high = max(z[a], at - half), min(z[a + 2], at + half)
+        if high > low:
+            points = 0.5 * (low + high) + 0.5 * (high - low) * NODE
+            N = quadratic(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
+            weight = WEIGHT * (high - low) / (4.0 * half)
+            out[:, a : a + 3] += np.stack([weight, weight * (points - at)]) @ N
+    return out[0], out[1]
+
+
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
     """Return springs [N/m, N m] at the low end of a shaft fixed by its mean motions: shift, tilt, axial, twist."""
     stiff = tube.material.youngs_modulus * tube.outer
@@ -504,11 +556,32 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
     return out
 
 
-def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:
-    """Return the compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]."""
+def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
+    """Return what ``feel`` ``(k, 6)`` adds to the compliance ``(k, k)`` of motions fixed at ``base`` [m], as `cantilever`.
+
+    feel: motion of each by the wrench, on its section, of all loads beyond its station and half of those at it. By
+    reciprocity its load moves all that is beyond.
+    """
+    reach, side = stations[:, None] - stations, np.sign(stations - base)
+    moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
+    moved *= side * np.heaviside(reach * side, 0.5)
+    return np.asarray(moved + moved.T)
+
+
+def clamped(
+    rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
+) -> Array:
+    """Return the compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m].
+
+    feel: see `jumps`.
+    """
     low, high = ends
     if held != "both":
-        return cantilever(rows, stations, low if held == "low" else high, section)
-    G = cantilever(np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high)), low, section)
-    k = len(rows)
+        base = low if held == "low" else high
+        G = cantilever(rows, stations, base, section)
+        return G if feel is None else G + jumps(feel, rows, stations, base)
+    rows, stations = np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high))
+    G, k = cantilever(rows, stations, low, section), len(rows) - 6
+    if feel is not None:
+        G += jumps(np.concatenate([feel, np.zeros((6, 6))]), rows, stations, low)
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))

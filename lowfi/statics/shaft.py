@@ -32,7 +32,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import end_response
+from rollbench.lowfi.compliance.bodies import end_response, section_response
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.kernel.beam import add_element, element_constants, force_of
 from rollbench.lowfi.statics.kernel.matrices import factor_band, inverse_blocks, substitute_blocks
@@ -253,7 +253,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Shaft under one set, with m motions of its contacts."""
+    """Shaft under one set."""
 
     #: Indices of its contacts' motions among those of all ``(m,)``.
     flanks: Ints
@@ -265,6 +265,8 @@ class Stretch:
     at_cut: Array
     #: Number of the node above its contacts.
     cut: int
+    #: Motions of the flanks ``(m, 6)`` by loads on nodes below the cut, beyond those that the wrench at a contact makes.
+    sections: dict[int, Array]
 
 
 @dataclass(frozen=True)
@@ -298,6 +300,8 @@ class Inside:
             jumps = np.zeros((len(moves) + 1, 6))
             np.add.at(jumps, first, x.feel * pushes[x.flanks, None])
             out[: len(moves)] += np.einsum("nij,nj->ni", moves, jumps.cumsum(axis=0)[:-1])
+            for node, beyond in x.sections.items():
+                out[node] += pushes[x.flanks] @ beyond
         return out.ravel()
 
     def by_loads(self, loads: Array) -> Array:
@@ -308,6 +312,8 @@ class Inside:
             wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
             wrenches[:-1] = np.einsum("nij,nik->njk", moves, nodal[: len(moves)])
             out[x.flanks] += np.einsum("cj,cjk->ck", x.feel, wrenches[::-1].cumsum(axis=0)[::-1][first])
+            for node, beyond in x.sections.items():
+                out[x.flanks] += beyond @ nodal[node]
         return out
 
 
@@ -379,7 +385,14 @@ def stretch_of(
     up = rigid_transport(float(problem.nodes[cut]) - response.high)
     feel = response.contacts.reshape(2, -1, 6)[list(used)].reshape(-1, 6) @ up.T
     stations = np.repeat(contact_stations(scene, layout)[:, list(used)].T.ravel(), 2)
-    return Stretch(places.ravel(), stations, feel, up @ response.end @ up.T, cut)
+    sections = {}
+    for node in np.flatnonzero(problem.load[:cut].any(axis=1)).tolist():
+        at = float(problem.nodes[node])
+        if response.low < at:
+            by_section = section_response(scene, layout, backend, at).reshape(2, -1, 6)[list(used)].reshape(-1, 6)
+            felt = feel @ rigid_transport(at - float(problem.nodes[cut])).T
+            sections[node] = by_section - np.where(stations[:, None] - MERGE <= at, felt, 0.0)
+    return Stretch(places.ravel(), stations, feel, up @ response.end @ up.T, cut, sections)
 
 
 def loaded_beyond(problem: Problem, cut: int) -> bool:

@@ -26,6 +26,7 @@ from rollbench.compare.cli import commands
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.meshes.processes import one_thread
 
 
 def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
@@ -81,4 +82,5 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
+    one_thread()
     sys.exit(main())

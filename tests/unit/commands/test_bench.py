@@ -40,6 +40,16 @@ def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path
     assert row["reach"]
 
 
+def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, command):
+    monkeypatch.setattr(reference_time, "measured_now", lambda *_, **__: load_times((shipped_store(),)))
+    monkeypatch.setattr(reference_time, "COMMANDS", {"schema --help": ""})
+    monkeypatch.setattr(run_times, "in_threads", list)
+    command.answer("bench", "--store", tmp_path)
+    (kept,) = load_times([tmp_path], run_times.TYPED).typed
+    assert (kept.command, kept.note) == ("schema --help", "")
+    assert load_times([tmp_path]) is None
+
+
 def test_threads_are_compared_with_one():
     one, two = run_times.in_threads(20, 1)
     assert one.ratio == 1.0
@@ -49,7 +59,7 @@ def test_threads_are_compared_with_one():
 def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_path, command):
     kept = load_times((shipped_store(),))
     monkeypatch.setattr(reference_time, "measured_now", lambda *_, **__: kept)
-    monkeypatch.setattr(run_times, "COMMANDS", ())
+    monkeypatch.setattr(reference_time, "COMMANDS", ())
     monkeypatch.setattr(run_times, "in_threads", list)
     rows = {row["job"]: row for row in command.answer("bench", "lin-case1")}
     study = Study()
@@ -63,7 +73,7 @@ def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_p
     command.answer("bench", "--long", "--store", tmp_path)
     assert load_times([tmp_path]) == replace(kept)
     assert "name scenes that have a 3D reference" in command.refused("bench", "two-ball")
-    assert "one measuring run" in command.refused("bench", "--store", tmp_path)
+    assert "one measuring run" in command.refused("bench", "lin-case1", "--store", tmp_path)
 
 
 def test_what_is_not_timed_is_no_job():

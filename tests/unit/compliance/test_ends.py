@@ -5,23 +5,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames
-from rollbench.lowfi.compliance.bodies import end_response
-from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, smooth_body
+from rollbench.lowfi.compliance.bodies import end_response, normal_rows, section_response, whole_body
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section, smooth_body
+from rollbench.lowfi.compliance.tube import clamped, motion_rows
+from rollbench.meshes.condensed import geometry_digest, load_condensed
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.section import tube_section
 
 CASE = catalogue.scene("lin-case1")
 LAYOUT = ball_layout(CASE)
+SMOOTH = replace(REFINED, flank=False)
 TUBE = smooth_body(geometry_only(CASE), True, REFINED)
 PLAIN = tube_section(2.0 * TUBE.outer, 2.0 * TUBE.bore, TUBE.material)
 
 
 @pytest.fixture(scope="module")
 def response():
-    """The stretch loaded at its end; not made where tests are only collected, as every worker does."""
-    return end_response(CASE, LAYOUT, REFINED)
+    """The smooth stretch loaded at its end; not made where tests are only collected, as every worker does."""
+    return end_response(CASE, LAYOUT, SMOOTH)
 
 
 def by_closed_form(width: float) -> np.ndarray:
@@ -47,6 +51,43 @@ def test_contacts_move_as_saint_venant_says(response):
         assert np.abs(found - wanted)[inside, k].max() < 1e-2 * size
         assert np.abs(found - wanted)[:, k].max() < 4e-2 * size
     assert np.abs(found - by_closed_form(0.0))[inside, 2].max() > 5e-2 * np.abs(wanted[:, 2]).max()
+
+
+def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
+    """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above,
+    but for the shift by a moment, part of which acts across in a slice."""
+    at, z = CASE.nut.position, np.repeat(contact_frames(CASE, LAYOUT, True)[0][:, 2], 2)
+    found, wanted = section_response(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
+    wanted[:, 0] += (at - response.high) * wanted[:, 4]
+    wanted[:, 1] -= (at - response.high) * wanted[:, 3]
+    far, size = 1.1 * TUBE.outer, np.abs(wanted).max(axis=0)
+    for k in (2, 3, 4):
+        assert np.abs(found - wanted)[z < at - far, k].max() < 0.03 * size[k]
+        assert np.abs(found)[z > at + far, k].max() < (0.03 if k == 2 else 0.15) * size[k]
+    radial = slice(0, None, 2)
+    assert np.interp(at, z[radial][: LAYOUT.z.size], found[radial, 2][: LAYOUT.z.size]) == pytest.approx(
+        0.5 * wanted[0, 2], rel=0.05
+    )
+
+
+def test_contacts_lengthen_a_grooved_screw_as_in_3d():
+    """Motions of case 1's screw between its contacts by equal loads on all, less those of a rigid body: 3D (level 4) and
+    here within 1 %; without what its grooves strain 4 %."""
+    path = next(shipped_store().glob(f"bodies-{geometry_digest(CASE)[:16]}-level4-*.npz"))
+    bodies, (x, axes) = load_condensed(path), contact_frames(CASE, LAYOUT, True)
+    section, N = grooved_section(geometry_only(CASE), True), LAYOUT.z.size
+    beam = clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (bodies.base, 0.0), "low", section)
+    sides = [int(s) for s in bodies.sides if s < 2]
+    rows, ball = normal_rows(CASE, N, sides), np.repeat(np.arange(N), len(sides))
+    rigid = np.linalg.qr(rows @ motion_rows(x, axes, CASE.nut.position))[0]
+
+    def by_all(G):
+        u = np.where(ball[:, None] != ball, G, 0.0).sum(axis=1)
+        return u - rigid @ (rigid.T @ u)
+
+    wanted = by_all(bodies.screw)
+    found = by_all(rows @ (whole_body(CASE, LAYOUT, True, REFINED) + beam) @ rows.T)
+    assert np.linalg.norm(found - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
 def test_torsion_leaves_round_sections_as_they_are(response):

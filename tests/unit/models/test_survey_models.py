@@ -97,7 +97,7 @@ def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp
 def test_numbers_and_models_that_cannot_be_are_refused(command):
     for words in (
         ("--count", "0", "--model", "lin"),
-        ("--screw", "240"),
+        ("--screw", "300"),
         (),
         ("--model", "lni"),
         ("--screw", "0", "--model", "lin"),
