@@ -352,9 +352,9 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     answers, seconds = {}, {}
     for name in MODELS:
         begin = process_time()
-        first = run_model(scene, name, Options(discretisation=False))
+        answer = run_model(scene, name, Options(discretisation=False))
         further = process_time()
-        answers[name] = first, run_model(raised, name, Options(discretisation=False))
+        answers[name] = answer, run_model(raised, name, Options(discretisation=False))
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
         name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
