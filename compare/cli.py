@@ -9,6 +9,7 @@ import signal
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from copy import copy
@@ -183,6 +184,7 @@ def main(tokens: list[str] | None = None) -> None:
     if tokens is None:
         one_thread()
         kept.switch_on()
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")  # joblib restarts it
         os.environ.setdefault("NUMBA_OPT", "1")  # compiled in 0.6 of the time of numba's 3, as fast
     try:
         asked = sys.argv[1:] if tokens is None else tokens

@@ -245,7 +245,7 @@ def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) 
 
     Examples
     --------
-    >>> diagonal((1.0, 1.0, 2.0, 0.0, 0.0, 0.0))[2]
+    >>> diagonal_stiffness((1.0, 1.0, 2.0, 0.0, 0.0, 0.0))[2]
     (0.0, 0.0, 2.0, 0.0, 0.0, 0.0)
     """
     return full_stiffness(np.diag(np.asarray(values)))

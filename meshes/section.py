@@ -420,7 +420,7 @@ def enclosing_nodes(nodes: Array, needed: Array) -> tuple[Array, int]:
 
     Examples
     --------
-    >>> between(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.2, 1.9]))
+    >>> enclosing_nodes(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.2, 1.9]))
     (array([1., 2.]), 2)
     """
     first = int(np.searchsorted(nodes, needed.min() + MERGE, side="right")) - 1

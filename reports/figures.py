@@ -302,10 +302,11 @@ def draw_map(item: PressureMap) -> str:
         legend = {
             name: handle for axes in canvas.axes for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        canvas.legend(list(legend.values()), list(legend), loc="outside lower center", ncols=len(legend))
         width = item.width or _WIDTH[columns]
+        lines = len(legend) if width < NARROW else 1
+        canvas.legend(list(legend.values()), list(legend), loc="outside lower center", ncols=math.ceil(len(legend) / lines))
         drawn = (width - 1.1) / columns - 0.7
-        canvas.set_size_inches(width, rows * (drawn * spans[1] / spans[0] + 1.0) + 0.3)
+        canvas.set_size_inches(width, rows * (max(drawn * spans[1] / spans[0], 0.5) + 1.0) + 0.1 + 0.2 * lines)
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)

@@ -502,7 +502,7 @@ def compare_models(
     >>> import rollbench
     >>> comparison = rollbench.compare_models("lin-case1", ["refined", "mei"])
     >>> {name: round(comparison.errors[name], 1) for name in ("refined", "mei")}
-    {'refined': 0.3, 'mei': 19.1}
+    {'refined': 0.2, 'mei': 19.1}
     """
     from rollbench.compare.models.comparison import compared_models
     from rollbench.compare.reference.jobs import Engine

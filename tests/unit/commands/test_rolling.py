@@ -90,5 +90,5 @@ def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_
     monkeypatch.setattr(balls, "prepare_bodies", Mock(side_effect=MemoryError("ended from outside")))
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
-    with pytest.raises(InputError, match="name them apart"):
+    with pytest.raises(InputError, match="compare them in separate runs"):
         rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", {})
