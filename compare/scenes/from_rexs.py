@@ -276,6 +276,8 @@ def _rollers(reader: Reader, row: Component, element: Component, name: str, plac
     }
     crown = element.number("roller_crowning_radius")
     rollers |= {} if crown is None else {"crown": quantity("roller_crowning_radius", crown)}
+    rounded = reader.given.pop(f"{of}.edge_radius", None)  # REXS has no attribute for it
+    rollers |= {} if rounded is None else {"edge_radius": rounded}
     return {"position": place, "rollers": rollers}
 
 

@@ -100,7 +100,8 @@ def test_rollers_come_back_with_the_depth_that_is_asked_for(tmp_path):
         there_and_back(tmp_path, "smith-axis-taper", model="lin")
     assert len(caught.value.lines()) == 4
     names = ("left 1", "left 2", "right 1", "right 2")
-    _, back = there_and_back(tmp_path, "smith-axis-taper", *(f"{x}.rollers.ring_depth=5 mm" for x in names), model="lin")
+    given = [f"{x}.rollers.{key}" for x in names for key in ("ring_depth=5 mm", "edge_radius=1 mm")]
+    _, back = there_and_back(tmp_path, "smith-axis-taper", *given, model="lin")
     before = {s.name: s for s in rollbench.read("smith-axis-taper").sets}
     for s in load_axis(back).sets:
         assert s.thrust == before[s.name].thrust

@@ -140,9 +140,9 @@ def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None
 
 #: Drawn screws on which the refined model is beyond 1.5 % of the mean load, or 0.5 % RMS, and those that the other ones
 #: would have promised less: a tenth at most. What is known of the causes: docs/trust.md.
-BEYOND_REACH = {2, 5, 10, 15, 28, 33, 37, 45, 56, 66, 75, 83, 86, 88, 89, 102, 104, 111, 116, 117, 130, 131, 132, 134}
-BEYOND_REACH |= {142, 165, 166, 187, 191, 201, 211, 214, 235}
-BEYOND_EXPECTED = {2, 10, 26, 45, 50, 56, 88, 89, 117, 130, 139, 141, 166, 171, 172, 187, 194}
+BEYOND_REACH = {2, 15, 28, 37, 66, 75, 86, 89, 104, 130, 187, 191, 194, 201, 204, 211, 214, 223, 235}
+BEYOND_EXPECTED = {2, 28, 48, 50, 55, 66, 88, 89, 96, 130, 139, 147, 165, 187, 194, 201, 211}
+SHIPPED_BEYOND_EXPECTED = {"unseen-40x10", "unseen-thin-nut"}
 
 
 def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
@@ -151,7 +151,7 @@ def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
     far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
     beyond = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
     assert far == {f"survey {number}" for number in BEYOND_REACH}
-    assert beyond == {f"survey {number}" for number in BEYOND_EXPECTED}
+    assert beyond == {f"survey {number}" for number in BEYOND_EXPECTED} | SHIPPED_BEYOND_EXPECTED
 
 
 def test_an_expected_error_holds_the_share_that_it_says() -> None:
