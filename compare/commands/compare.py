@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine, model_of
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import need_packages, on_terminal
-from rollbench.compare.text.printing import Answer, aligned, print_answer, ruled, text_width
+from rollbench.compare.text.printing import Answer, aligned, print_answer, text_width
 
 if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from rollbench.compare.results.compared import Beside
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
-    from rollbench.compare.studies.rolling.rows import RollingRow
-    from rollbench.compare.studies.rolling.runs import RollingRun
     from rollbench.meshes.parts import Scene
 
 
@@ -221,155 +218,17 @@ def compare(
     return print_answer(answer, as_json)
 
 
-def runs_of(
-    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
-) -> list[RollingRun]:
-    """Return the runs of the levels in order, stored ones where they exist; each new run is stored when it is done.
-
-    Raises Refusal for a scene that the 3D model does not cover, and where a run did not converge.
-    """
-    from rollbench.compare.reference.parallel import as_done
-    from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.studies.rolling.runs import compute, load_run, save
-
-    stores = (store, shipped_store())
-    found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
-    missing = [k for k in levels if k not in found]
-    jobs = [(compute, (scene, k, bodies, engine.processes)) for k in missing]
-    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
-        save(store, scene, run)
-        found[missing[number]] = run
-        on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
-    bad = next((found[k] for k in levels if not found[k].converged), None)
-    if bad is not None:
-        raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
-    return [found[k] for k in levels]
-
-
-def known_levels(levels: Sequence[int]) -> list[int]:
-    """Return the levels as a list. Raises InputError for a level that rolling balls do not have."""
-    from rollbench.compare.studies.rolling.runs import LEVELS, SOURCE_LEVEL
-
-    other = [k for k in levels if k not in LEVELS]
-    if other:
-        got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
-        advice = "mesh-study with `source_mesh=True` shows the source's size"
-        raise ArgumentError("levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
-    return list(levels)
-
-
 def run_rolling_compare(
     names: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
     """Compare low-order models with the 3D model of rolling. levels: all by default."""
-    from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.reference.levels import HALF_SPACE
-    from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
-    from rollbench.compare.studies.rolling.rows import scene_rows
-    from rollbench.compare.studies.rolling.runs import LEVELS
+    from rollbench.compare.commands.compare_output import rolling_table
+    from rollbench.compare.studies.rolling.study import finite, rolling_comparison
 
-    wanted = known_levels(levels or tuple(LEVELS))
-    out: list[RollingRow] = []
-    for name in names:
-        scene = catalogue.any_scene(name)
-        assert isinstance(scene, KindScene)
-        found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
-        beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
-        out += scene_rows(scene, found, beside)
-    shown = dict.fromkeys(row.scene for row in out)
-    tables = (_table(name, [row for row in out if row.scene == name]) for name in shown)
-    return Answer({"rows": [finite(row.as_json()) for row in out]}, tables)
-
-
-def finite(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row with None in place of infinity."""
-    return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
-
-
-#: Columns of the table after the quantity: attribute of a row, heading, format.
-COLUMNS = (
-    ("low", "low-order", ".5g"),
-    ("reference", "3D", ".5g"),
-    ("uncertainty", "+-", ".2g"),
-    ("error_percent", "error %", ".2f"),
-    ("uncertainty_percent", "+- %", ".2f"),
-    ("printed", "printed", ".5g"),
-    ("printed_ansys", "ANSYS", ".5g"),
-    ("flat", "3D flat", ".5g"),
-    ("rigid", "3D rigid", ".5g"),
-    ("half_space", "3D half space", ".5g"),
-)
-
-
-def _cell(value: float | None, form: str) -> str:
-    return "–" if value is None or abs(value) == float("inf") else format(value, form)
-
-
-def _table(name: str, rows: Sequence[RollingRow]) -> Any:
-    from rollbench.compare.studies.rolling.rows import UNSTATED
-
-    state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
-    title = f"{name}{state}: low-order model against the 3D model of rolling"
-    cells = ([f"{r.quantity} [{r.unit}]", *(_cell(getattr(r, key), form) for key, _, form in COLUMNS)] for r in rows)
-    table = ruled(title, ["quantity", *(heading for _, heading, _ in COLUMNS)], cells, ["quantity"])
-    table.caption = f"low-order: {1e3 * rows[0].low_seconds:.2f} ms now; 3D on the finest grid: {rows[0].seconds:.2f} s, "
-    table.caption += f"measured with {rows[0].measured_with}"
-    return table
-
-
-def run_rolling_study(
-    names: Sequence[str], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
-) -> Answer:
-    """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.
-
-    levels: all by default.
-    """
-    from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
-    from rollbench.compare.studies.rolling.rows import uncertainty
-    from rollbench.compare.studies.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE
-
-    levels = len(LEVELS) if levels is None else levels
-    if not 1 <= levels <= len(LEVELS):
-        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
-    out: list[dict[str, Any]] = []
-    for name in names:
-        scene = catalogue.any_scene(name)
-        assert isinstance(scene, KindScene)
-        wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
-        runs = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
-        grids = [run for run in runs if run.level != SOURCE_LEVEL]
-        for key in runs[-1].values:
-            share = finite({"uncertainty": uncertainty(grids, key)})
-            out += [study_row(scene.name, run, key) | share for run in runs]
-    return Answer(out, _study_parts(out))
-
-
-def _study_parts(out: Sequence[dict[str, Any]]) -> Iterator[Any]:
-    for name in dict.fromkeys(row["scene"] for row in out):
-        rows_of = [{k: v for k, v in row.items() if k != "scene"} for row in out if row["scene"] == name]
-        yield from (f"mesh study of {name}", "", aligned(rows_of, ".6g"))
-
-
-def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
-    """Return one quantity on one grid: value, rigid limit, elasticity, and the value computed on this grid only."""
-    from rollbench.compare.studies.rolling.rows import load_state
-    from rollbench.compare.studies.rolling.runs import SOURCE_LEVEL
-
-    return {
-        "scene": name,
-        "load_state": load_state(name),
-        "quantity": key,
-        "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
-        "cells": f"{run.shape[0]} x {run.shape[1]}",
-        "value": run.values[key],
-        "grid_alone": run.elastic[key],
-        "elasticity": run.elastic[key] - run.near_rigid[key],
-        "rigid_limit": run.limit[key],
-        "energy_lost_percent": 100.0 * run.upwind,
-        "seconds": run.seconds,
-    }
+    rows = rolling_comparison(names, levels, store, engine, fresh=fresh, bodies=bodies)
+    shown = dict.fromkeys(row.scene for row in rows)
+    tables = (rolling_table(name, [row for row in rows if row.scene == name]) for name in shown)
+    return Answer({"rows": [finite(row.as_json()) for row in rows]}, tables)
 
 
 def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> bool:

@@ -13,13 +13,15 @@ from rollbench.compare.models.registry import is_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.compared import OURS, Beside, Compared
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.text.printing import plain
+from rollbench.compare.text.printing import plain, ruled
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
+    from rollbench.compare.studies.rolling.rows import RollingRow
 
 COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
 
@@ -94,3 +96,37 @@ def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, st
     write_csv(Path(f"{stem}.csv"), rows)
     figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
     return f"wrote {stem}.csv (every contact) and {figure}"
+
+
+#: Columns of the table after the quantity: attribute of a row, heading, format.
+ROLLING_COLUMNS = (
+    ("low", "low-order", ".5g"),
+    ("reference", "3D", ".5g"),
+    ("uncertainty", "+-", ".2g"),
+    ("error_percent", "error %", ".2f"),
+    ("uncertainty_percent", "+- %", ".2f"),
+    ("printed", "printed", ".5g"),
+    ("printed_ansys", "ANSYS", ".5g"),
+    ("flat", "3D flat", ".5g"),
+    ("rigid", "3D rigid", ".5g"),
+    ("half_space", "3D half space", ".5g"),
+)
+
+
+def _number(value: float | None, form: str) -> str:
+    return "–" if value is None or abs(value) == float("inf") else format(value, form)
+
+
+def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
+    """Return the table of a scene of rolling balls: low-order model, 3D, what is printed."""
+    from rollbench.compare.studies.rolling.rows import UNSTATED
+
+    state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
+    title = f"{name}{state}: low-order model against the 3D model of rolling"
+    cells = (
+        [f"{r.quantity} [{r.unit}]", *(_number(getattr(r, key), form) for key, _, form in ROLLING_COLUMNS)] for r in rows
+    )
+    table = ruled(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
+    table.caption = f"low-order: {1e3 * rows[0].low_seconds:.2f} ms now; 3D on the finest grid: {rows[0].seconds:.2f} s, "
+    table.caption += f"measured with {rows[0].measured_with}"
+    return table

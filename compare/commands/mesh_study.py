@@ -54,7 +54,7 @@ def mesh_study(
     bodies
         For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
-    from rollbench.compare.commands.compare import all_rolling, run_rolling_study
+    from rollbench.compare.commands.compare import all_rolling
 
     if all_rollers(scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where):
         answer = run_roller_study(scenes, levels, store, fresh=fresh)
@@ -63,6 +63,20 @@ def mesh_study(
     else:
         answer = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
     return print_answer(answer, as_json)
+
+
+def run_rolling_study(
+    names: Sequence[str], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+) -> Answer:
+    """Compute missing runs of scenes of rolling balls (fresh: all) and return a table of each scene."""
+    from rollbench.compare.studies.rolling.study import rolling_study
+
+    rows = rolling_study(names, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
+    parts: list[Any] = []
+    for name in dict.fromkeys(row["scene"] for row in rows):
+        of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
+        parts += [f"mesh study of {name}", "", aligned(of_scene, ".6g")]
+    return Answer(rows, parts)
 
 
 def run_mesh_study(

@@ -4,14 +4,14 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.compare.commands import compare as rolling
-from rollbench.compare.commands import compare as rolling_choices
+from rollbench.compare.commands.compare import all_rolling
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
 from rollbench.compare.studies.rolling.rows import RollingRow, uncertainty, within
+from rollbench.compare.studies.rolling.study import runs_of
 from rollbench.hifi.rolling import balls, bodies
 
 
@@ -59,9 +59,9 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runs, "compute", until_the_second)
     with pytest.raises(KeyboardInterrupt):
-        rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
+        runs_of(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
-    kept = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
+    kept = runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
     assert uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
@@ -91,4 +91,4 @@ def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="compare them in separate runs"):
-        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", {})
+        all_rolling(["lin-case1", "lin-pair-a"], "half-space", {})
