@@ -18,7 +18,7 @@ def test_every_external_table_has_a_title():
 def test_summary_counts_what_comes_out():
     computed = {"radial": 15.1102, "tilt": 3.65, "axial": 140.0}
     found = [Evidence(rows("external-masta")[key], value) for key, value in computed.items()]
-    assert summary(found).startswith("2 of 3 published values and claims agree: 1 to the digits")
+    assert summary(found).startswith("2 of 3 published values and claims agree. Of these, 1 agree to the digits")
     assert "1 within a band" in summary(found)
 
 

@@ -18,6 +18,7 @@ from rollbench.hifi.condensation import on_bolts
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import dimensions
+from rollbench.reports.content import Table
 
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
@@ -35,8 +36,9 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
 def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "SIZES", ("bnf-4010-5",))
-    text, table = holding.make_section(Study(), lambda _: None).items
-    assert text.paragraphs[0].startswith("The way of holding a nut moves its largest load by +0.0 to +0.0 %, its life by ")
+    section = holding.make_section(Study(), lambda _: None)
+    (table,) = (item for item in section.items if isinstance(item, Table))
+    assert "largest load by +0.0 to +0.0 %" in section.conclusion
     by_model = [row for row in table.rows if row["by"] == "lin"]
     assert len(by_model) == 7
     assert {row["rigidity_change"] for row in by_model} == {0.0}
@@ -55,7 +57,7 @@ def stored_ways() -> list[dict[str, Any]]:
 def rows_of(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
-    monkeypatch.setattr(holding, "stored", lambda _: stored)
+    monkeypatch.setattr(holding, "stored_results", lambda _: stored)
     return holding.rows_of(Study(), "bnf-4010-5")
 
 

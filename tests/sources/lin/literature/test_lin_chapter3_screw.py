@@ -101,8 +101,8 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
         force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
         implied = implied_load(source_cases.inferred(THETA[case]), force, increase)
         assert implied == pytest.approx(141.0, abs=2.0)
-        assert reading("inferred", case).load.mean() == pytest.approx(implied, rel=0.03)
-        assert implied > 1.7 * reading("plain", case).load.mean()
+        assert reading("inferred", case).ball_loads.mean() == pytest.approx(implied, rel=0.03)
+        assert implied > 1.7 * reading("plain", case).ball_loads.mean()
     with_oversize, without = (sliding_speed(of(THETA["a"])) for of in (source_cases.inferred, source_cases.case_as_printed))
     assert with_oversize == pytest.approx(without, rel=0.02)
 
