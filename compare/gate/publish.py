@@ -29,7 +29,18 @@ if TYPE_CHECKING:
 #: Environment variables in which services of continuous integration give the file of a job's summary.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
 
-HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertainty %", "limit %", "ball", "flank", "note")
+HEADINGS = (
+    "verdict",
+    "scene or check",
+    "judged",
+    "quantity",
+    "error %",
+    "uncertainty %",
+    "limit %",
+    "ball",
+    "flank",
+    "note",
+)
 
 
 @dataclass(frozen=True)
@@ -63,7 +74,7 @@ class Outcome:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Return the texts of the row, in the order of HEADS; units other than per cent follow the number."""
+        """Return the texts of the row, in the order of HEADINGS; units other than per cent follow the number."""
         numbers = (amount(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
@@ -71,7 +82,7 @@ class Outcome:
 
     def text(self) -> str:
         """Return ``heading: cell`` of all cells but the verdict, joined by semicolons."""
-        return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADS[1:], self.cells[1:], strict=True) if cell)
+        return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], self.cells[1:], strict=True) if cell)
 
 
 def amount(value: float | None, unit: str) -> str:
@@ -128,7 +139,7 @@ def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
         counts[o.word] = counts.get(o.word, 0) + 1
     head = ", ".join(f"{n} {word}" for word, n in counts.items())
     lines = [f"### rollbench check: {head}", *(f"- {_safe(note)}" for note in notes), ""]
-    lines += [_line(HEADS), _line(["---"] * len(HEADS))]
+    lines += [_line(HEADINGS), _line(["---"] * len(HEADINGS))]
     lines += [_line(o.cells) for o in sorted(outcomes, key=lambda o: o.good)]
     return "\n".join([*lines, *_chart(worst(outcomes))]) + "\n"
 
@@ -194,7 +205,7 @@ def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
     """Return CSV with a line of headings."""
     text = io.StringIO()
     writer = csv.writer(text)
-    writer.writerow(HEADS)
+    writer.writerow(HEADINGS)
     writer.writerows([harmless(cell) for cell in o.cells] for o in outcomes)
     return text.getvalue()
 
@@ -367,11 +378,11 @@ def _read(path: Path) -> dict[Label, Row]:
 
 
 def _of_csv(text: str) -> Iterator[tuple[Label, Row]]:
-    heads, *rows = csv.reader(text.splitlines())
-    if tuple(heads) != HEADS:
-        raise ValueError(heads)
+    headings, *rows = csv.reader(text.splitlines())
+    if tuple(headings) != HEADINGS:
+        raise ValueError(headings)
     for row in rows:
-        cells = dict(zip(HEADS, row, strict=True))
+        cells = dict(zip(HEADINGS, row, strict=True))
         (error, unit), (limit, other) = _amount(cells["error %"]), _amount(cells["limit %"])
         label = cells["scene or check"], cells["quantity"]
         yield label, _row(cells["verdict"], error, limit, unit or other or "%")

@@ -536,13 +536,13 @@ def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     return scaled(scene, value.force / axial)
 
 
-def _unknown(path: Path, heads: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
+def _unknown(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
     """Warn of unknown columns; InputError if ``strict``."""
-    if not heads:
+    if not headings:
         return
     if strict:
-        raise InputError(str(path), "line 1", ", ".join(heads), KNOWN, "rename the columns or delete them")
-    warn(f"{path.name}: not judged, because the columns are not known: {', '.join(heads)}; known are {KNOWN}")
+        raise InputError(str(path), "line 1", ", ".join(headings), KNOWN, "rename the columns or delete them")
+    warn(f"{path.name}: not judged, because the columns are not known: {', '.join(headings)}; known are {KNOWN}")
 
 
 def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:

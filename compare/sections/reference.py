@@ -121,8 +121,8 @@ def load_tables(study: Study, found: References) -> list[Table]:
         scene = study.scene(name)
         answers = [answer(study, name, m.name) for m in suitable_models(scene)]
         answers += reference_answers(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
-        heads = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
-        loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(heads)]
+        headings = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
+        loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(headings)]
         rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):

@@ -185,8 +185,8 @@ def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
 
 def counts_table(rows: Sequence[Evidence]) -> Table:
     """Return the entries by source and verdict."""
-    heads = [(v, f"{v}, apart" if v in APART else v) for v in VERDICTS]
-    columns = _texts(("source", "source"), *heads, ("judged", "judged"), ("all", "all"))
+    headings = [(v, f"{v}, apart" if v in APART else v) for v in VERDICTS]
+    columns = _texts(("source", "source"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: without inputs and identities, which say nothing of a model."
     return Table("audit-counts", "Printed entries by source and verdict", columns, counts(rows), note)
 

@@ -312,8 +312,8 @@ def run_table(data: CrossData) -> Table:
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
     """Return every contact by both programs, CalculiX extrapolated; and on every mesh of both."""
     rows = contact_rows(data, ours, limit)
-    heads = mesh_columns(data, ours)
-    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, heads))
+    headings = mesh_columns(data, ours)
+    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS misfit "
@@ -323,7 +323,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     meshes = "CalculiX's columns are runs whose contact stiffness is as equal as possible."
     return [
         Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", COLUMNS, ends, note),
-        Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),
+        Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", headings, each, meshes),
     ]
 
 

@@ -214,8 +214,8 @@ def _part(
     for _ in range(width - 1 - sum(wide)):
         at = max(range(len(wide)), key=lambda n: limits[columns[n]][1] - wide[n])
         wide[at] += limits[columns[at]][1] > wide[at]
-    heads = [replace(table.columns[k].copy(), width=w - _around(table)) for k, w in zip(columns, wide, strict=True)]
-    out = Made(*heads, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
+    headings = [replace(table.columns[k].copy(), width=w - _around(table)) for k, w in zip(columns, wide, strict=True)]
+    out = Made(*headings, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
     for row in rows:
         out.add_row(*(row[k] for k in columns))
     return out

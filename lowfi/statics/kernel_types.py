@@ -99,7 +99,7 @@ class Slopes(NamedTuple):
     hessians: Array
 
 
-class RowRoom(NamedTuple):
+class RowWorkspace(NamedTuple):
     """Work arrays for the iteration on rows of motions."""
 
     #: Derivatives of the energy.
@@ -354,7 +354,7 @@ class BodySystem(NamedTuple):
     springs: Array
 
 
-class BodyRoom(NamedTuple):
+class BodyWorkspace(NamedTuple):
     """Work arrays for the iteration on them."""
 
     #: Forces of the balls on the flanks (N, d) [N].

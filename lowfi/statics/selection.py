@@ -156,14 +156,14 @@ def all_clear(
         named: slice | Mask = ~use
         if left_out.size == 2:  # a view of them
             named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
-        room = _extreme(np.minimum, gaps(centres, shift[:, :, named], geometry[:, :, named]))
-        return np.asarray((room >= margin).all(axis=1))
+        gap = _extreme(np.minimum, gaps(centres, shift[:, :, named], geometry[:, :, named]))
+        return np.asarray((gap >= margin).all(axis=1))
     clearance = gaps(centres, shift, geometry)
-    room = np.where(loaded, _extreme(np.minimum, clearance[..., left_out]), _extreme(np.minimum, clearance))
+    gap = np.where(loaded, _extreme(np.minimum, clearance[..., left_out]), _extreme(np.minimum, clearance))
     idle = ~loaded.all(axis=1)
     elsewhere = gaps(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
-    room[idle] = np.where(loaded[idle], room[idle], np.maximum(room[idle], elsewhere))
-    return np.asarray((room >= margin).all(axis=1))
+    gap[idle] = np.where(loaded[idle], gap[idle], np.maximum(gap[idle], elsewhere))
+    return np.asarray((gap >= margin).all(axis=1))
 
 
 def _extreme(of_two: np.ufunc, values: Array) -> Array:

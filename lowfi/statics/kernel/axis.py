@@ -20,8 +20,8 @@ from rollbench.lowfi.statics.kernel_types import (
     AxisSystem,
     Options,
     Outcome,
-    RowRoom,
     RowState,
+    RowWorkspace,
     Slopes,
 )
 
@@ -285,28 +285,30 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 
 @kernel
-def energy_at(given: AxisSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
+def energy_at(given: AxisSystem, state: RowState, workspace: RowWorkspace) -> tuple[float, float]:
     """Return `evaluate_axis`, for the driver."""
-    return evaluate_axis(given, state, room.slopes)
+    return evaluate_axis(given, state, workspace.slopes)
 
 
 @kernel
-def find_step(given: AxisSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
+def find_step(
+    given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace, shift: float, fresh: bool
+) -> bool:
     """Write Newton's step."""
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm
-    if not tangent(given, state, room.slopes.hessians, room.base, room.matrix, diagonal):
+    if not tangent(given, state, workspace.slopes.hessians, workspace.base, workspace.matrix, diagonal):
         return False
-    solve_lines(given.shaft, room.matrix, -room.slopes.gradient, room.step)
+    solve_lines(given.shaft, workspace.matrix, -workspace.slopes.gradient, workspace.step)
     return True
 
 
 @kernel
-def reach_of(given: AxisSystem, room: RowRoom) -> float:
+def reach_of(given: AxisSystem, workspace: RowWorkspace) -> float:
     """Return the largest motion [m] by the step of a flank that is used, against its opposite."""
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.row.shape[0]):
-        ball_shift(balls, room.step, i, shift)
+        ball_shift(balls, workspace.step, i, shift)
         for s in range(2):
             if balls.geometry[i, s, USE] != 0.0:
                 o = 3 - s
@@ -320,9 +322,9 @@ minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel
-def start_on_springs(given: AxisSystem, state: RowState, options: Options, room: RowRoom) -> None:
+def start_on_springs(given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
     """Go to the equilibrium on linear springs in place of balls and rollers, where it can be found; see ``beam``."""
-    gradient, hessians = room.slopes
+    gradient, hessians = workspace.slopes
     hessians[:] = 0.0
     for i in range(hessians.shape[0]):
         for a in range(2):
@@ -330,8 +332,8 @@ def start_on_springs(given: AxisSystem, state: RowState, options: Options, room:
     state.slices[:, 0] = 0.0
     state.slices[:, 1] = options.stiffness
     evaluate_structure(given.shaft, state, gradient)
-    if find_step(given, state, options, room, 1e-9 * options.stiffness, bool(np.bool_(True))):
-        shorten_first_step(given, state, options, room, reach_of(given, room))
+    if find_step(given, state, options, workspace, 1e-9 * options.stiffness, bool(np.bool_(True))):
+        shorten_first_step(given, state, options, workspace, reach_of(given, workspace))
 
 
 @kernel
@@ -356,7 +358,7 @@ def solve_axis(given: AxisSystem, state: RowState, options: Options, start: bool
     r, size = state.q.shape[0], given.shaft.start[-1]
     slopes, base = Slopes(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)
     add_axis(base, given.shaft)
-    room = RowRoom(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
+    workspace = RowWorkspace(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
     if start:
-        start_on_springs(given, state, options, room)
-    return minimise(given, state, options, room)
+        start_on_springs(given, state, options, workspace)
+    return minimise(given, state, options, workspace)

@@ -26,9 +26,9 @@ from rollbench.lowfi.statics.kernel_types import (
     MemberStates,
     Options,
     Outcome,
-    RowRoom,
     Rows,
     RowState,
+    RowWorkspace,
     Slopes,
 )
 
@@ -193,31 +193,31 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
 
 
 @kernel
-def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, room: Array) -> None:
-    """Add b^T h b, of one flank's motion b (2, m) and its stiffness h (xx, xz, zz), to the lower band; room (2, m)."""
+def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, workspace: Array) -> None:
+    """Add b^T h b, of one flank's motion b (2, m) and its stiffness h (xx, xz, zz), to the lower band; workspace (2, m)."""
     for k in range(m):
-        room[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
-        room[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
+        workspace[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
+        workspace[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
     for k in range(m):
-        x, z = room[0, k], room[1, k]
+        x, z = workspace[0, k], workspace[1, k]
         for j in range(k, m):
             band[start + k, j - k] += x * b[0, j] + z * b[1, j]
 
 
 @kernel
-def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, room: Array) -> None:
+def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array) -> None:
     """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2), to the lower band.
 
-    From ``rows`` and ``columns`` on; room (2, m): work array.
+    From ``rows`` and ``columns`` on; workspace (2, m): work array.
     """
     m = b.shape[1]
     for a in range(2):
         for k in range(m):
-            room[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
+            workspace[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
     for j in range(m):
         x, z = b[0, j], b[1, j]
         for k in range(min(m, rows - columns + j + 1)):
-            band[columns + k, rows - columns + j - k] += x * room[0, k] + z * room[1, k]
+            band[columns + k, rows - columns + j - k] += x * workspace[0, k] + z * workspace[1, k]
 
 
 @kernel
@@ -226,7 +226,7 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
     fixed, node, B = beam.fixed, contacts.node, contacts.B
     band[:] = beam.band
     m = B.shape[3]
-    room = np.empty((2, m))
+    workspace = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
             o, t = 2 * s, 2 - 2 * s  # rows of this flank and of the other one in the ball's Hessian
@@ -234,12 +234,12 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
             if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue
             if m == 6:  # by its number: the compiler then unrolls the loops
-                add_own(band, B[i, s], stiffness, 6 * node[i, s], 6, room)
+                add_own(band, B[i, s], stiffness, 6 * node[i, s], 6, workspace)
             else:
-                add_own(band, B[i, s], stiffness, 6 * node[i, s], m, room)
+                add_own(band, B[i, s], stiffness, 6 * node[i, s], m, workspace)
             if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
                 between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
-                add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, room)
+                add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, workspace)
     for i in range(fixed.shape[0]):
         for k in range(6):
             band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
@@ -278,38 +278,40 @@ def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Arra
 
 
 @kernel
-def energy_at(given: BeamSystem, state: RowState, room: RowRoom) -> tuple[float, float]:
+def energy_at(given: BeamSystem, state: RowState, workspace: RowWorkspace) -> tuple[float, float]:
     """Return `evaluate`, for the driver."""
-    return evaluate(given, state, room.slopes)
+    return evaluate(given, state, workspace.slopes)
 
 
 @kernel
-def find_step(given: BeamSystem, state: RowState, options: Options, room: RowRoom, shift: float, fresh: bool) -> bool:
-    """Write Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
-    beam, band = given.shaft, room.matrix
+def find_step(
+    given: BeamSystem, state: RowState, options: Options, workspace: RowWorkspace, shift: float, fresh: bool
+) -> bool:
+    """Write Newton's step, by the factor of the stiffness in the workspace or, ``fresh``, a new one."""
+    beam, band = given.shaft, workspace.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-        assemble(band, beam, given.contacts, room.slopes.hessians, max(shift, least), options.arm)
+        assemble(band, beam, given.contacts, workspace.slopes.hessians, max(shift, least), options.arm)
         if not factor_band(band):
             return False
-    step_down(given, room)
+    step_down(given, workspace)
     return True
 
 
 @kernel
-def step_down(given: BeamSystem, room: RowRoom) -> None:
-    """Step against the gradient by the factor in the room."""
-    fixed, gradient, step = given.shaft.fixed, room.slopes.gradient, room.step
+def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
+    """Step against the gradient by the factor in the workspace."""
+    fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
             step[i, k] = 0.0 if fixed[i, k] else -gradient[i, k]
-    substitute_band(room.matrix, step.ravel())
+    substitute_band(workspace.matrix, step.ravel())
 
 
 @kernel
-def residual_at(given: Rows, state: RowState, options: Options, room: RowRoom, scale: float) -> float:
+def residual_at(given: Rows, state: RowState, options: Options, workspace: RowWorkspace, scale: float) -> float:
     """Return the largest free component of the gradient over the scale [N]; moments divided by the arm."""
-    gradient, worst = room.slopes.gradient, 0.0
+    gradient, worst = workspace.slopes.gradient, 0.0
     for i in range(gradient.shape[0]):
         for k in range(6):
             if not given.shaft.fixed[i, k]:
@@ -318,9 +320,9 @@ def residual_at(given: Rows, state: RowState, options: Options, room: RowRoom, s
 
 
 @kernel
-def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
+def slope_along(given: Rows, state: RowState, workspace: RowWorkspace) -> float:
     """Return the slope of the energy along the step."""
-    gradient, step, total = room.slopes.gradient, room.step, 0.0
+    gradient, step, total = workspace.slopes.gradient, workspace.step, 0.0
     for i in range(step.shape[0]):
         for k in range(6):
             if not given.shaft.fixed[i, k]:
@@ -329,9 +331,9 @@ def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
 
 
 @kernel
-def reach_of(given: BeamSystem, room: RowRoom) -> float:
+def reach_of(given: BeamSystem, workspace: RowWorkspace) -> float:
     """Return the largest motion [m] of a flank by the step."""
-    contacts, motion = given.contacts, room.step.ravel()
+    contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.node.shape[0]):
         if m == 6:
@@ -344,19 +346,19 @@ def reach_of(given: BeamSystem, room: RowRoom) -> float:
 
 
 @kernel
-def keep(state: RowState, room: RowRoom) -> None:
+def keep(state: RowState, workspace: RowWorkspace) -> None:
     """Store where the step begins."""
-    room.q0[:], room.d0[:] = state.q, state.d
+    workspace.q0[:], workspace.d0[:] = state.q, state.d
 
 
 @kernel
-def move(given: Rows, state: RowState, room: RowRoom, t: float) -> None:
+def move(given: Rows, state: RowState, workspace: RowWorkspace, t: float) -> None:
     """Set the state to t steps from where the step begins."""
-    advance(given.shaft, state, room.q0, room.d0, room.step, t)
+    advance(given.shaft, state, workspace.q0, workspace.d0, workspace.step, t)
 
 
 @kernel
-def finish(given: Rows, state: RowState, room: RowRoom) -> None:
+def finish(given: Rows, state: RowState, workspace: RowWorkspace) -> None:
     """Do nothing: there is nothing to compute again."""
 
 
@@ -394,14 +396,14 @@ minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel
-def start_on_springs(given: BeamSystem, state: RowState, options: Options, room: RowRoom) -> None:
+def start_on_springs(given: BeamSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
     """Go to the equilibrium of the screw on linear springs in place of contacts, where it can be found.
 
     No flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
     first, as those of a contact angle near zero under an axial load.
     """
-    geometry, hessians, stiffness = given.contacts.geometry, room.slopes.hessians, options.stiffness
-    evaluate_beam(given.shaft, state.q, state.d, room.slopes.gradient)
+    geometry, hessians, stiffness = given.contacts.geometry, workspace.slopes.hessians, options.stiffness
+    evaluate_beam(given.shaft, state.q, state.d, workspace.slopes.gradient)
     hessians[:] = 0.0
     for i in range(geometry.shape[0]):
         for s in range(2):
@@ -410,34 +412,34 @@ def start_on_springs(given: BeamSystem, state: RowState, options: Options, room:
                 size = max(geometry[i, s, SIZE], 1e-30)
                 own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
                 own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
-    assemble(room.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
-    if factor_band(room.matrix):
-        step_down(given, room)
-        shorten_first_step(given, state, options, room, reach_of(given, room))
+    assemble(workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
+    if factor_band(workspace.matrix):
+        step_down(given, workspace)
+        shorten_first_step(given, state, options, workspace, reach_of(given, workspace))
 
 
 @kernel
-def shorten_first_step(given: Rows, state: RowState, options: Options, room: RowRoom, reach: float) -> None:
+def shorten_first_step(given: Rows, state: RowState, options: Options, workspace: RowWorkspace, reach: float) -> None:
     """Go along the step, or as far as no flank goes further than ``options.furthest``; reach [m]: of the whole step."""
-    keep(state, room)
-    move(given, state, room, 1.0 if reach <= options.furthest else options.furthest / reach)
+    keep(state, workspace)
+    move(given, state, workspace, 1.0 if reach <= options.furthest else options.furthest / reach)
 
 
 @kernel
-def room_for(given: BeamSystem, state: RowState) -> RowRoom:
+def workspace_for(given: BeamSystem, state: RowState) -> RowWorkspace:
     """Return work arrays for an iteration."""
     n, band = state.q.shape[0], given.shaft.band
     slopes = Slopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
-    return RowRoom(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
+    return RowWorkspace(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
 
 
 @kernel
 def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool) -> Outcome:
     """Minimise the energy, from the linear start or from the given state."""
-    room = room_for(given, state)
+    workspace = workspace_for(given, state)
     if start:
-        start_on_springs(given, state, options, room)
-    return minimise(given, state, options, room)
+        start_on_springs(given, state, options, workspace)
+    return minimise(given, state, options, workspace)
 
 
 @kernel
@@ -449,7 +451,7 @@ def ensemble(given: BeamSystem, begin: RowState, options: Options, members: Memb
     """
     contacts = given.contacts
     state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
-    room, shared = room_for(given, state), members.B.shape[0] == 1
+    workspace, shared = workspace_for(given, state), members.B.shape[0] == 1
     for m in range(members.r_ball.shape[0]):
         of_member = BeamContacts(
             contacts.node,
@@ -462,7 +464,7 @@ def ensemble(given: BeamSystem, begin: RowState, options: Options, members: Memb
         )
         for to, start in ((state.q, begin.q), (state.d, begin.d), (state.p, begin.p)):
             to[:] = start
-        outcome = minimise(BeamSystem(given.shaft, of_member), state, options, room)
+        outcome = minimise(BeamSystem(given.shaft, of_member), state, options, workspace)
         out.status[m], out.residual[m] = outcome.status, outcome.residual
         out.q[m], out.p[m] = state.q, state.p
         out.force[m] = state.contact[:, :, FORCE]

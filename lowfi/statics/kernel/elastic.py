@@ -24,9 +24,9 @@ from rollbench.lowfi.statics.kernel_types import (
     BallContacts,
     BallRows,
     Bodies,
-    BodyRoom,
     BodyState,
     BodySystem,
+    BodyWorkspace,
     ForceStep,
     Options,
     Outcome,
@@ -336,21 +336,23 @@ def unbalanced(state: BodyState, scale: float) -> float:
 
 
 @kernel
-def energy_at(given: BodySystem, state: BodyState, room: BodyRoom) -> tuple[float, float]:
+def energy_at(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> tuple[float, float]:
     """Return the energy of bodies and balls, and the largest contact load; fill the forces on the flanks."""
-    energy, scale = evaluate_balls(room.v, given.contacts, state, room.f)
-    return energy + stored(given.bodies, state, room.g), scale
+    energy, scale = evaluate_balls(workspace.v, given.contacts, state, workspace.f)
+    return energy + stored(given.bodies, state, workspace.g), scale
 
 
 @kernel
-def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, shift: float, fresh: bool) -> bool:
+def find_step(
+    given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace, shift: float, fresh: bool
+) -> bool:
     """Write Newton's step of forces and free motions.
 
     shift [N/m]: stiffness that limits free motions where no contact resists them.
     """
-    bodies, rows, f = given.bodies, room.rows, room.f
+    bodies, rows, f = given.bodies, workspace.rows, workspace.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
-    dphi, dv, da = room.step
+    dphi, dv, da = workspace.step
     ball_rows(given.contacts, state.contact, rows.S, counts)
     starts[1:] = np.cumsum(counts)[:-1]
     dphi[:] = f - state.phi
@@ -369,51 +371,56 @@ def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyR
 
 
 @kernel
-def residual_at(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, scale: float) -> float:
+def residual_at(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace, scale: float) -> float:
     """Return the largest difference of assumed and true flank forces over ``scale`` [N].
 
     And of the unbalanced loads on free motions.
     """
     bodies = given.bodies
-    worst = float(np.max(np.abs(room.f - state.phi)))
+    worst = float(np.max(np.abs(workspace.f - state.phi)))
     for c in range(bodies.work.shape[0]):
-        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * room.f)))
+        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * workspace.f)))
     return worst / scale if scale > 0.0 else worst
 
 
 @kernel
-def slope_along(given: BodySystem, state: BodyState, room: BodyRoom) -> float:
+def slope_along(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> float:
     """Return the slope of the energy along the step."""
-    step = room.step
-    return float(np.sum(step.dphi * room.g) - np.sum(room.f * step.dv) - np.sum(given.bodies.work * step.da))
+    step = workspace.step
+    return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(given.bodies.work * step.da))
 
 
 @kernel
-def reach_of(given: BodySystem, room: BodyRoom) -> float:
+def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
     """Return the largest motion [m] by the step of a flank of the first body against that of the second."""
-    return apart(room.step.dv)
+    return apart(workspace.step.dv)
 
 
 @kernel
-def keep(state: BodyState, room: BodyRoom) -> None:
+def keep(state: BodyState, workspace: BodyWorkspace) -> None:
     """Store where the step begins."""
-    room.begin.phi[:], room.begin.a[:], room.begin.g[:], room.begin.v[:] = state.phi, state.a, room.g, room.v
+    workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
+        state.phi,
+        state.a,
+        workspace.g,
+        workspace.v,
+    )
 
 
 @kernel
-def move(given: BodySystem, state: BodyState, room: BodyRoom, t: float) -> None:
+def move(given: BodySystem, state: BodyState, workspace: BodyWorkspace, t: float) -> None:
     """Set the state to t steps from where the step begins, with the motions of bodies and flanks there."""
-    begin, step = room.begin, room.step
+    begin, step = workspace.begin, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
-    room.v[:], room.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
-    add_free(given.bodies.R, -t * step.da, room.g)
+    workspace.v[:], workspace.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
+    add_free(given.bodies.R, -t * step.da, workspace.g)
 
 
 @kernel
-def finish(given: BodySystem, state: BodyState, room: BodyRoom) -> None:
+def finish(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> None:
     """Compute the contacts at the state, without the round-off of the steps to it."""
-    place_flanks(given.bodies, state, room.g, room.v)
-    evaluate_balls(room.v, given.contacts, state, room.f)
+    place_flanks(given.bodies, state, workspace.g, workspace.v)
+    evaluate_balls(workspace.v, given.contacts, state, workspace.f)
 
 
 @kernel
@@ -440,21 +447,21 @@ def solve_forces(given: BodySystem, state: BodyState, options: Options, start: b
     rows = BallRows(np.zeros((balls, width, d)), counts, starts)
     step = ForceStep(np.empty(shape), np.empty(shape), np.zeros(state.a.shape[0]))
     begin = SearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
-    room = BodyRoom(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
+    workspace = BodyWorkspace(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
     if start:
-        start_on_springs(given, state, options, room)
-    place_flanks(given.bodies, state, room.g, room.v)
-    return minimise(given, state, options, room)
+        start_on_springs(given, state, options, workspace)
+    place_flanks(given.bodies, state, workspace.g, workspace.v)
+    return minimise(given, state, options, workspace)
 
 
 @kernel
-def start_on_springs(given: BodySystem, state: BodyState, options: Options, room: BodyRoom) -> None:
+def start_on_springs(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace) -> None:
     """Go to the equilibrium of the bodies on one linear spring between opposite flanks in place of two contacts.
 
     Where it can be found. No flank goes further from its opposite than ``options.furthest``, as in ``beam``, unless the
     loads carry it there: a shaft that only contacts support is far away without their forces.
     """
-    bodies, springs, v = given.bodies, given.springs, room.v
+    bodies, springs, v = given.bodies, given.springs, workspace.v
     balls, width = springs.shape[0], springs.shape[1]
     rows = BallRows(springs, np.full(balls, width, dtype=np.int64), width * np.arange(balls))
     u = np.empty(width * balls)
@@ -463,7 +470,7 @@ def start_on_springs(given: BodySystem, state: BodyState, options: Options, room
         return
     state.phi[:, :] = 0.0
     forces_of_rows(rows, u, state.phi)
-    place_flanks(bodies, state, room.g, v)
+    place_flanks(bodies, state, workspace.g, v)
     if apart(v) > options.furthest and apart(bodies.v0) <= options.furthest:
         shorter = options.furthest / max(apart(v - bodies.v0), options.furthest)
         state.phi[:] *= shorter

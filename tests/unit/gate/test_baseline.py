@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.publish import HEADS, Outcome, changes, of_verdict, verdicts_csv
+from rollbench.compare.gate.publish import HEADINGS, Outcome, changes, of_verdict, verdicts_csv
 from rollbench.compare.gate.verdict import Verdict
 
 NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
@@ -35,7 +35,7 @@ def test_what_changed_is_said(tmp_path) -> None:
     assert change.as_json()["limit"] == "3"  # that of today
 
 
-@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADS) + "\nx\n", "[" * 99])
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADINGS) + "\nx\n", "[" * 99])
 def test_another_file_is_refused(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="verdicts that check wrote"):

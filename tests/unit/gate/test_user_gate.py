@@ -10,7 +10,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.gate import user
-from rollbench.compare.gate.publish import HEADS, Outcome, junit, markdown, publish, verdicts_csv
+from rollbench.compare.gate.publish import HEADINGS, Outcome, junit, markdown, publish, verdicts_csv
 from rollbench.compare.gate.user import Asked, check_scenes, gate_request, limits_of
 from rollbench.compare.models import loads_file
 from rollbench.compare.models.registry import Options, run_model
@@ -158,9 +158,9 @@ def test_markdown_and_csv(tmp_path) -> None:
     assert lines[4].startswith("| fail | mine | a\\|b |"), "what is not green comes first"
     assert "<b>" not in text
     widths = {len(re.findall(r"(?<!\\)\|", line)) for line in lines[2:]}
-    assert widths == {len(HEADS) + 1}
+    assert widths == {len(HEADINGS) + 1}
     rows = list(csv.reader(verdicts_csv(ROWS).splitlines()))
-    assert (rows[0], rows[2][-1]) == (list(HEADS), "'=1+1 <b>")
+    assert (rows[0], rows[2][-1]) == (list(HEADINGS), "'=1+1 <b>")
     summary, other = tmp_path / "summary.md", tmp_path / "b.csv"
     summary.write_text("before\n", encoding="utf-8")
     files = {"markdown_file": tmp_path / "a.md", "junit_file": tmp_path / "a.xml", "csv_file": tmp_path / "a.csv"}
