@@ -22,7 +22,7 @@ STARTS = 4
 def random_guess(pair: Pair, found: PairResult, rng: np.random.Generator) -> Guess:
     """Pushes, drags and forces from a tenth of the friction bound to ten times it, motions off by half."""
     held = pair.coupling == "ball"
-    size = pair.groove.mu * float(found.load.max()) * 10.0 ** rng.uniform(-1.0, 1.0)
+    size = pair.groove.mu * float(found.ball_loads.max()) * 10.0 ** rng.uniform(-1.0, 1.0)
     q = found.touching.motion.q
     return Guess(
         push=size * rng.normal(size=(2, 2)),
@@ -42,7 +42,7 @@ def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> 
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
         found = solve_pair(pair)
         assert found.converged
-        near = 1e-6 * mu * float(found.load.max())
+        near = 1e-6 * mu * float(found.ball_loads.max())
         for _ in range(STARTS):
             again = solve_pair(pair, random_guess(pair, found, rng))
             assert again.converged

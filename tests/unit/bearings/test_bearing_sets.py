@@ -19,7 +19,7 @@ class Power:
     def __init__(self, n: float) -> None:
         self.n = n
 
-    def load(self, deflection: float) -> float:
+    def thrust(self, deflection: float) -> float:
         return 1e9 * max(deflection, 0.0) ** self.n
 
     def stiffness(self, deflection: float) -> float:
@@ -60,7 +60,7 @@ def test_equilibrium_balances_and_minimises_the_energy(force):
     def energy(u):
         """From that at the solution on: there the loads are smooth, but at lift-off."""
         each = zip(rows.rows, rows.directions, rows.offsets, strict=True)
-        ends = ((r.load, max(d * s.displacement + g, 0.0), max(d * u + g, 0.0)) for r, d, g in each)
+        ends = ((r.thrust, max(d * s.displacement + g, 0.0), max(d * u + g, 0.0)) for r, d, g in each)
         return 1e3 * (sum(quad(*of, epsrel=1e-11)[0] for of in ends) - force * (u - s.displacement))
 
     found = minimize_scalar(energy, bounds=(s.displacement - 3e-5, s.displacement + 3e-5), options={"xatol": 1e-12})

@@ -21,7 +21,7 @@ needs_awk = pytest.mark.skipif(shutil.which("awk") is None, reason="no awk here"
 def test_stored_loads_are_those_that_the_record_judged_our_models_by():
     """The record has the errors of lin by the same runs, made by earlier versions: lin finds them again, but for what its
     changes since then moved."""
-    record = {r["number"]: r["models"]["lin"] for r in survey.shipped()["scenes"]}
+    record = {r["number"]: r["models"]["lin"] for r in survey.shipped()["scenes"] if "models" in r}
     numbers = [*survey_models.stored()][::37]
     assert len(numbers) >= 4
     for number in numbers:

@@ -64,7 +64,7 @@ def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.Monkey
         return found
 
     error, bar = row(1.0).error_percent, row(1.0).uncertainty_percent
-    assert error > 3.0 * bar > 0.0
+    assert error > 2.0 * bar > 0.0
     assert row(error - 0.9 * bar).passed
     assert not row(error - 1.1 * bar).passed
 
