@@ -457,9 +457,10 @@ def _smallest(G: Array) -> tuple[Array, Array]:
             shift *= 3.0
     while count * INVERSES < len(G):
         values, vectors = _ritz(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count)
-        if 2 * (values < 0.0).sum() < count:
+        negative = int((values < 0.0).sum())  # no more than G has (Cauchy's interlacing)
+        if 2 * negative < count:
             return values, vectors
-        count *= 2
+        count = max(2 * count, 2 * negative + 1)
     return np.linalg.eigh(G)
 
 
