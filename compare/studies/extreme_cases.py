@@ -298,7 +298,8 @@ def _longer(axis: Assembly, length: float) -> Assembly:
     def placed(s: RollingSet) -> RollingSet:
         at = moved(s.position)
         if isinstance(s.parts, Scene):
-            s = replace(s, parts=replace(s.parts, nut=replace(s.parts.nut, position=at)))
+            screw, nut = replace(s.parts.screw, length=length), replace(s.parts.nut, position=at)
+            s = replace(s, parts=replace(s.parts, screw=screw, nut=nut))
         return replace(s, position=at)
 
     return replace(

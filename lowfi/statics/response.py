@@ -115,6 +115,9 @@ class Compliance:
     def lending(self, lent: Array) -> tuple[Compliance, float]:
         """Return the compliance with additions along the normals, and without what stays negative.
 
+        Contacts without a normal, those of rollers, move as the beam does, which nothing may be taken from: of the others
+        the negative part is that of the compliance with the forces on contacts without a normal eliminated.
+
         Parameters
         ----------
         lent
@@ -130,8 +133,10 @@ class Compliance:
         G.reshape(lent.size, 2, lent.size, 2)[contact, :, contact] += lent[:, None, None] * across
         if _is_positive(G):
             return Compliance(G, self.normals), 0.0
-        cut, least = negative_part(G)
-        return Compliance(G - cut, self.normals), max(0.0, -least)
+        elastic = np.repeat(self.normals.any(axis=1), 2)
+        rest, least = negative_part(reduced(G, elastic))
+        G[np.ix_(elastic, elastic)] -= rest
+        return Compliance(G, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
         """Return the compliance without negative eigenvalues, as the function `positive`."""
@@ -140,6 +145,19 @@ class Compliance:
         lent = np.minimum(self.lacks, LENT * tangent)
         mended, cut = self.mended if np.array_equal(lent, self.lacks) else self.lending(lent)
         return mended, lent, cut
+
+
+def reduced(G: Array, kept: NDArray[np.bool_]) -> Array:
+    """Return the compliance of the ``kept`` freedoms while the others do not move (Schur complement).
+
+    The others' compliance may be singular: rollers on one node move together.
+    """
+    if kept.all():
+        return G
+    values, vectors = np.linalg.eigh(G[np.ix_(~kept, ~kept)])
+    moving = values > 1e-12 * values[-1]
+    coupled = G[np.ix_(kept, ~kept)] @ (vectors[:, moving] / np.sqrt(values[moving]))
+    return np.asarray(G[np.ix_(kept, kept)] - coupled @ coupled.T)
 
 
 def _is_positive(G: Array) -> bool:

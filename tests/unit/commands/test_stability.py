@@ -7,6 +7,7 @@ import pytest
 from tests.campaign import check_axes
 
 from rollbench.compare.studies import extremes
+from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 
 CASES = {c.name: c for c in extremes.cases()}
@@ -111,3 +112,11 @@ def test_other_loads_than_the_law_of_a_slice_or_than_the_other_formulation_s_are
     tilted = found.centreline.copy()
     tilted[int(np.abs(found.centreline_z - row.of.position).argmin()), 0] += 1e-9
     assert extremes.slice_fault(row, replace(found, centreline=tilted)) > extremes.SLICES
+
+
+def test_what_is_cut_away_of_elastic_bodies_leaves_rollers_on_the_same_shaft_in_balance():
+    axis = CASES[MIXED + "axial 3000 N"].scene
+    found = solve_refined(axis, engine="compiled")
+    assert any("cut away" in text for text in found.assumed)
+    assert found.status == "converged"
+    assert max(found.equilibrium.force_residual, found.equilibrium.moment_residual) < 1e-9
