@@ -286,7 +286,7 @@ def closing(scene: Scene, force: float) -> float:
 
 
 def _sides(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
-    """Sides ``(4,)`` that can touch: of grooves of one arc one on either body."""
+    """Return which flanks ``(4,)`` can touch; a groove of a single arc has one flank on each body."""
     if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
     return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"

@@ -649,7 +649,7 @@ def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) 
 
 
 def _shared(at: Place, load: float) -> tuple[Place, float]:
-    """Place and load of the kernel that contacts like this one share."""
+    """Return rounded place and load [N], whose kernel is reused for all similar contacts."""
     return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 

@@ -28,7 +28,7 @@ class Zone:
     growth: float
 
     def lines(self, axis: int, low: float, high: float) -> Array:
-        """Cell boundaries along x or y.
+        """Return the boundaries of the contact grid's cells along x or y.
 
         Parameters
         ----------

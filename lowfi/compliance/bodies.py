@@ -142,7 +142,7 @@ def body_compliance(
 
 
 def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
-    """Raise ValueError where a contact of the nominal angle is so near the groove's apex that its patch crosses it.
+    """Raise ValueError where the nominal contact angle is so flat that the contact patch crosses the groove's apex.
 
     The flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead.
     """

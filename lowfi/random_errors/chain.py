@@ -432,7 +432,7 @@ class Percentile:
 
     @property
     def tail(self) -> float:
-        """Probability of a value at least as far out, to the nearer side."""
+        """One-sided tail probability: chance of a value at least this extreme, on the nearer side."""
         return min(self.at_most, 1.0 - self.below)
 
     @property

@@ -153,7 +153,7 @@ class Prepared(ABC):
         """Return the description of the model for the record."""
 
     def at_state(self, of: Prepared) -> Self:
-        """Return the system itself with the state of another."""
+        """Copy the state of another system into this one, and return this one."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self

@@ -311,7 +311,7 @@ def screw_pair_by_root(
         No loads are found.
     """
     if pair.coupling == "ball and screw":
-        raise ValueError('the source holds the screw where it is without friction: coupling "none" or "ball"')
+        raise ValueError('the source fixes the screw in its position without friction; allowed: coupling "none" or "ball"')
     cell, law = pair.cell(), source_law(pair.groove, SHARPNESS) if law is None else law
     load, reach = loads_by_root(cell), np.array([True])
     if not load.converged:
@@ -365,13 +365,13 @@ class SourceRun:
 
 @dataclass
 class _Before:
-    """State of the step before: positions, motions of separate and touching balls ``(N, 4)``, forces ``(N,)``."""
+    """State of the previous step: positions of the balls, their motions ``(N, 4)`` and ball-to-ball forces ``(N,)``."""
 
     #: Positions.
     at: Places
-    #: Motions of separate balls.
+    #: Motions without ball-to-ball contact.
     free: Array
-    #: Motions in contact.
+    #: Motions with ball-to-ball contact.
     q: Array
     #: Ball-to-ball forces [N].
     force: Array

@@ -69,12 +69,12 @@ def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
 
 
 def seats_of(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
-    """Return the balls of a solved scene between their grooves; member: as for `contacts_of`."""
+    """Return Hertz constants and geometry of all contacts of a solved scene; member: as for `contacts_of`."""
     return seats_at(at, specimen(scene, at.layout, member), result.hertz_C)
 
 
 def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
-    """Return balls with errors ``drawn`` and Hertz constants C ``(N, 4)`` between their grooves."""
+    """Return the geometry of contacts with errors ``drawn`` and Hertz constants C ``(N, 4)``."""
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
         inward[:, s] = np.polynomial.polynomial.polyval(at.angle[:, s], row) if row.size else 0.0

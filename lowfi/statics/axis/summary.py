@@ -117,7 +117,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
 
 
 def judged_axis(status: Status, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> Status:
-    """Return the status, or what is out of balance of shaft, balls and housings (`lowfi.statics.summary.judged`)."""
+    """Return the status of an axis: "not converged" where shaft, a ball or a housing is out of balance (`judged`)."""
     frozen, ball = system.assembly.ingredients.arm == "nominal", ""
     for b in system.balls:
         if b.balls.start < balance.worst_ball <= b.balls.stop:
