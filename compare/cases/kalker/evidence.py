@@ -106,10 +106,10 @@ RUB_REACH = 0.01
 
 @dataclass(frozen=True)
 class Proof:
-    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach.
+    """A test against a known answer: values on three grids, exact or printed value, target for the error [%].
 
-    The answer, of the finest grid where not said otherwise; cells of the finest grid over those of the coarsest along an
-    axis (None: the grids' errors have no order).
+    ``answer`` is the value of the finest grid unless stated otherwise. ``finer`` is the number of cells along an axis
+    of the finest grid over that of the coarsest (None: the grids' errors have no order).
     """
 
     case: str
@@ -127,14 +127,15 @@ class Proof:
 
     @property
     def reached(self) -> bool:
-        """Whether it is as close as was to be reached."""
+        """Whether the error of the answer is within its target."""
         return abs(self.error) <= self.reach
 
     @property
     def order(self) -> float | None:
-        """Observed order of the errors from the first grid to the last.
+        """Observed order of the errors from the coarsest grid to the finest.
 
-        None where the last is round-off, or one is no smaller than on the grid before: such errors follow where cells lie.
+        None if the last error is round-off, or if an error does not fall from grid to grid: it then depends on where
+        cells lie.
         """
         errors = np.abs(np.array(self.values) - self.exact)
         if self.finer is None or not errors[-1] > 1e-12 * abs(self.exact) or (np.diff(errors) >= 0.0).any():
@@ -144,13 +145,13 @@ class Proof:
 
 @lru_cache(maxsize=2)
 def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
-    """Return all known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
+    """Return all tests against known answers; without ``meshing``, without those that need gmsh."""
     parts = (_elements, _carter, _mindlin, _full_slip, _rubbing, _kalker, _contact)
     return tuple(proof for proof_of in ((_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
-    """Return ``AT_REST`` of the most loaded contact of two balls of a screw by the static reference with so many cells."""
+    """Return `AT_REST` of the most loaded contact of two balls of a screw by the static reference."""
     at, load, material = _most_loaded()
     return _read(verification.static_reference(at, load, *material, cells))
 
@@ -249,7 +250,7 @@ def _stiff(patch: Patch, creep: verification.Creep, share: float) -> tuple[float
 
 
 def _differenced(patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]) -> tuple[float, float]:
-    """Return the change by elasticity on a grid, plus the mean of the rigid limit's quadratures, as runs are combined."""
+    """Return force and moment evaluated like runs: elastic less nearly rigid on a grid, plus the mean rigid limit."""
     limit, elastic, near = np.mean(limits, axis=0), _stiff(patch, creep, STIFF), _stiff(patch, creep, STIFF * NEARLY_RIGID)
     force, moment = limit + np.subtract(elastic, near)
     return float(force), float(moment)
@@ -271,10 +272,10 @@ def _kalker() -> Iterator[Proof]:
 
 
 def _contact() -> Iterator[Proof]:
-    """Yield the comparison with CONTACT's example.
+    """Yield the tests against CONTACT's printed example.
 
-    By its difference scheme to the printed digits, and by ours to the error of these: of first order, about the effect of
-    half as many cells.
+    With CONTACT's difference scheme the target is the printed digits. With the scheme used here it is the first-order
+    error of CONTACT's scheme, estimated by the change from its coarsest grid to its finest.
     """
     theirs = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
     ours = [example(n) for n in (16, 24, 32)]

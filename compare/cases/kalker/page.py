@@ -69,7 +69,7 @@ class PatchField:
 
 @lru_cache(maxsize=1)
 def fields() -> tuple[PatchField, ...]:
-    """Return the contacts of `SHOWN`, balls in touch, on half spaces."""
+    """Return slip and traction of the contacts of `SHOWN`, with balls that touch each other, on half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
@@ -157,7 +157,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
-    """Return what finite bodies change, and how far that depends on the choices behind them."""
+    """Return text and tables on what finite bodies change, and on how sensitive that is to numerical choices."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
@@ -221,7 +221,7 @@ def _beside(row: RollingRow) -> Row:
 
 
 def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
-    """Return the slip, and traction with the cells that stick."""
+    """Return maps of the slip, and of the traction with the cells that stick."""
 
     def panel(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
         size = np.linalg.norm(what, axis=1)
@@ -291,7 +291,7 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
 
 
 def _pole(proof: Sequence[Proof]) -> str:
-    """Return what a spin pole inside a cell does, and what takes it out; nothing where that was not computed."""
+    """Return a sentence on the error by a spin pole inside a cell, and on what removes it; empty if not computed."""
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -410,7 +410,7 @@ def _figure(series: Sequence[Series]) -> Figure:
 
 
 def _times(stores: Sequence[Path]) -> Figure | None:
-    """Return the error of a grid against the finest one, over its processor time."""
+    """Return the figure of each grid's difference from the finest over its processor time; None without runs."""
     curves = []
     found = {name: [r for r in _runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
     common = most_of(r.measured for runs in found.values() for r in runs)
