@@ -16,7 +16,7 @@ from rollbench.reports.content import Figure, Panel, Series
 
 
 def numbers(values: Array, factor: float = 1.0) -> list[float]:
-    """Return plain numbers for a record, times a factor."""
+    """Return an array as plain numbers for a record, multiplied by a factor."""
     return [factor * float(v) for v in values]
 
 
@@ -46,7 +46,7 @@ def lateral(
 
 
 def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
-    """Return a panel for contact loads over the balls."""
+    """Return a panel of contact load over ball number."""
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
@@ -59,7 +59,7 @@ def loads(
     emphasis: bool = False,
     bar: Array | None = None,
 ) -> Series:
-    """Return the curve of the loads of one flank over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
+    """Return a curve of one flank's loads over ball number, with uncertainty ``bar`` (n, 4) [N]."""
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
     ends = None if bar is None else (numbers(load - bar[:, side]), numbers(load + bar[:, side]))
@@ -71,10 +71,10 @@ MOST = 8
 
 
 def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference) -> Figure | None:
-    """Draw extreme loads and displacements over the cell size, relative to the finest level.
+    """Draw extreme loads and displacements over the relative cell size, as differences from the finest level.
 
-    In per cent of the panel's largest value, with uncertainties at the finest level and extrapolation to zero cell size.
-    None with fewer than two levels.
+    In per cent of the panel's largest value, with the uncertainty at the finest level and the extrapolation to zero
+    cell size. None with fewer than two levels.
     """
     if len(found.runs) < 2:
         return None
@@ -97,7 +97,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
 
 
 def _curves(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
-    """Return the values of one quantity over the cell size, and the power law from the finest to zero cell size."""
+    """Return the curve of one quantity over cell size, and its power law down to zero cell size."""
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:
         return []

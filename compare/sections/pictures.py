@@ -48,7 +48,7 @@ MM, MPA = 1e3, 1e-6
 
 
 def panel_of(name: str, found: ContactPressure) -> PressurePanel:
-    """Return the map of one contact."""
+    """Return the pressure map of one contact."""
     h = found.hertz
     return PressurePanel(
         name,
@@ -62,7 +62,7 @@ def panel_of(name: str, found: ContactPressure) -> PressurePanel:
 
 
 def profiles(found: dict[str, ContactPressure]) -> Figure:
-    """Draw the pressure along both lines of nodes through the most loaded node, with Hertz's."""
+    """Draw the pressure along both node lines through the most loaded node, with Hertz's pressure."""
     panels = []
     for name, one in found.items():
         assert one.shape is not None
@@ -97,7 +97,7 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
 
 
 def step_along(found: ContactPressure) -> float:
-    """Return the mean distance of the nodes along the groove [m]."""
+    """Return the mean spacing [m] of the contact nodes along the groove."""
     assert found.shape is not None
     return float(np.abs(np.diff(found.along.reshape(found.shape), axis=1)).mean())
 
@@ -146,7 +146,7 @@ BESIDE = 0.02e-3
 
 @dataclass(frozen=True)
 class Solved:
-    """A scene solved on the coarsest mesh, for pictures."""
+    """A scene solved on the coarsest mesh to draw pictures of it."""
 
     #: The scene.
     scene: Scene
@@ -164,7 +164,7 @@ class Solved:
 
 @dataclass(frozen=True)
 class Stresses:
-    """Fields around one ball in its frame."""
+    """Stress fields around one ball, in the ball's frame."""
 
     #: Coarse screw and nut.
     bodies: tuple[SolidField, SolidField]
@@ -177,7 +177,7 @@ class Stresses:
 
 
 def solve_pictured(study: Study, step: Step) -> Solved:
-    """Solve the scene on the coarsest level, with two flanks, and choose its most loaded ball."""
+    """Solve the pictured scene on the coarsest level with two flanks, and choose its most loaded ball."""
     from rollbench.hifi.fields import contact_forces
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
@@ -238,13 +238,13 @@ def contact_point(solved: Solved, side: int) -> Array:
 
 
 def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
-    """Return a part of a mesh without the nodes that its cells do not use."""
+    """Return part of a mesh with only the nodes that its cells use."""
     nodes, local = np.unique(cells, return_inverse=True)
     return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
 
 
 def mesh_overview(solved: Solved) -> FieldPicture:
-    """Return the picture of coarse screw and half of the nut, with all fine patches in their sockets."""
+    """Return the picture of the coarse screw and half of the nut, with all fine patches in place."""
     from rollbench.hifi.fields import groove_patch
     from rollbench.hifi.meshing.part_meshes import body_kind, rotation
 
@@ -280,7 +280,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
 
 
 def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
-    """Return all pieces around the ball, with the mesh or coloured by the equivalent stress in MPa."""
+    """Return all mesh parts around the ball, with mesh lines or coloured by equivalent stress [MPa]."""
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
         stress = MPA * piece.von_mises if values else None
@@ -298,9 +298,9 @@ def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
 def section_picture(
     solved: Solved, found: Stresses, name: str, title: str, caption: str, *, height: float, side: int | None = None
 ) -> FieldPicture:
-    """Return the picture of the mesh in the groove's section through the ball; or of one contact of it, enlarged.
+    """Return the picture of the mesh cut through the ball, or of one contact (``side``), enlarged.
 
-    The screw is below, the nut above.
+    The cut is the groove's section; the screw is below, the nut above.
     """
     x3, y3, _ = frame(solved)
     m = solved.setup.map
@@ -374,9 +374,10 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 
 def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
-    """Press the ball whose least loaded contact carries most on a fine mesh, by its loads in the reference.
+    """Press one ball on a fine mesh by its loads in the stored reference, and return its number and pressures.
 
-    Without a stored reference by its loads in the default model.
+    It is the ball whose least loaded contact carries most. Without a stored reference its loads are those of the
+    default model.
     """
     from rollbench.hifi.fields import pressed_ball
 
@@ -392,7 +393,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
 
 
 def loaded(solved: Solved) -> LoadedScrew:
-    """Return the picture of the contact loads of the 3D reference on all balls."""
+    """Return the picture of all balls with their contact loads by the 3D reference."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
     ball = float(specimen(scene, layout).ball_radius.max())
@@ -417,7 +418,7 @@ def loaded(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses) -> str:
-    """Return the largest equivalent stresses below the screw contact, by the 3D reference and by Hertz."""
+    """Return a caption with the largest equivalent stresses below the screw contact, by the 3D reference and by Hertz."""
     from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
     setup = solved.setup
@@ -434,7 +435,7 @@ def stress_caption(solved: Solved, found: Stresses) -> str:
 
 
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
-    """Return the pressures of the contacts of a ball, with the ellipses of Hertz."""
+    """Return the pressure map of a ball's contacts, with the contact ellipses of Hertz."""
     panels = tuple(panel_of(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
     return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)

@@ -268,7 +268,7 @@ def _conclusion(found: dict[str, list[RollingRow]]) -> str:
 
 
 def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[str]:
-    """Return the tables in words."""
+    """Return the paragraphs that explain the tables."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]

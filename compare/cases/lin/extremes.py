@@ -88,7 +88,7 @@ class Record:
 
 @dataclass
 class Tally:
-    """Counts of a group as its cases are solved."""
+    """Running counts for one group, updated with each solved case."""
 
     cases: int = 0
     ours: int = 0
@@ -103,11 +103,11 @@ class Tally:
     other: int = 0
 
     def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
-        """Count one run of the source's method (None: it found no loads) against the ball-to-ball forces found here [N].
+        """Count one run of the source's method against the ball-to-ball forces found here [N].
 
-        Bound [N].
-
-        Solved: a root whose balls neither overlap nor pull. ``other`` counts those that are not our answer.
+        ``found`` is None if that method found no loads; ``bound``: friction bound [N], the scale of differences. A
+        run counts as solved if its root has no balls that overlap or pull; ``other`` counts such roots with other
+        forces than ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -118,7 +118,7 @@ class Tally:
             self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
 
     def add(self, good: bool, power: float, loss: float, apart: float) -> None:
-        """One solution: whether it converged, power in and dissipation [W], difference from the first, relative."""
+        """Count one solution: whether it converged, power in and loss [W], relative difference from the first."""
         self.tries += 1
         self.ours += good
         self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
@@ -150,7 +150,7 @@ class Tally:
 
 @dataclass(frozen=True)
 class OneBall:
-    """A ball at given loads: its problem, speed that drives it [rad/s], the source's law."""
+    """One ball at given loads: its problem, the source's friction law, and the power [W] that drives it."""
 
     problem: Problem
     law: Sigmoid
@@ -158,13 +158,13 @@ class OneBall:
 
 
 def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the rotary bearing at an axial load [N] and a radial displacement [m]."""
+    """Return a ball of the rotary bearing at an axial load [N] and a radial displacement [m]."""
     s = solve_ball(bearing, axial, u_y, fast=True)
     return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
 def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the second ball of a pair without contact, or with contact loads (4,) [N] at the nominal angles."""
+    """Return the second ball of a separate screw pair at its loads, or at given contact loads (4,) [N]."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:
@@ -176,12 +176,12 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPN
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
-    """Return the power [W] of the driven surfaces against friction (m, 3) on the ball: what drives the contacts."""
+    """Return the power [W] that the driven surfaces put in against the friction force (m, 3) on the ball."""
     return -float(np.sum(wrench * problem.drives))
 
 
 def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
-    """Solve a ball by least dissipation and by the source's root finding from random starts up to ``off`` away."""
+    """Solve one ball by least dissipation and by the source's root finding, from random starts; count both."""
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
@@ -199,7 +199,7 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
 
 
 def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
-    """Return a group of single balls; off: how far random starts are off, relative."""
+    """Solve a group of single balls and return its record; ``off``: largest relative distance of random starts."""
     rng, tally = np.random.default_rng(1), Tally()
     for ball in balls:
         try_ball(tally, ball, rng, off)
@@ -207,12 +207,12 @@ def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "",
 
 
 def screw_share(share: float) -> OneBall:
-    """Return the screw ball whose second diagonal bears a share of the first's load."""
+    """Return a screw ball whose second diagonal carries a given share of the load of the first."""
     return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
 def ball_rows() -> list[Record]:
-    """Return one ball at given loads."""
+    """Return the records of all groups of single balls at given loads."""
     two, rest = radians(2.0), table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
@@ -288,11 +288,10 @@ def chain_group(
     most: int = 200,
     note: str = "",
 ) -> Record:
-    """Return chains of the linear bearing from their own start and random ones.
+    """Solve chains of the linear bearing by both methods and return the record of the group.
 
-    The source's method from starts at the same distance.
-
-    starts: random ones; most: balls up to which the source's method is tried.
+    ``starts``: number of random starts besides the solver's; ``most``: largest number of balls for the source's
+    method.
     """
     rng, tally = np.random.default_rng(2), Tally()
     for case in cases:
@@ -331,19 +330,19 @@ def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
 
 
 def patchy_chain(count: int, mu: float) -> LinearCase:
-    """Return a linear chain with random given loads that are out of balance, zero at some contacts."""
+    """Return a linear chain with random contact loads, not in equilibrium and zero at some contacts."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
 def relieved_pair(share: float) -> LinearCase:
-    """Return a linear pair whose balls nearly lose a diagonal: side force ratio 1 - share."""
+    """Return a linear pair whose balls nearly lose one diagonal's load: side force ratio -1 + ``share``."""
     return linear_pair(2.0, -1.0 + share)
 
 
 def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
-    """Return pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
+    """Solve screw pairs with loads and motions together, then their chains from random starts; return the record."""
     rng, tally = np.random.default_rng(3), Tally()
     for p in pairs:
         tally.cases += 1
@@ -360,7 +359,7 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
 
 
 def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
-    """Solve the chain of a screw from motions off by up to ``off`` and random forces, and compare with a known solution."""
+    """Solve a screw chain from randomly changed motions and forces; count differences from a known solution."""
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
     size = np.maximum(first.ball_force, NO_FORCE * bound)
     for _ in range(CHAIN_STARTS):
@@ -413,7 +412,7 @@ def bearing_clearance() -> Record:
 
 
 def chain_rows() -> list[Record]:
-    """Return pairs and chains."""
+    """Return the records of all groups of pairs and chains."""
     two = radians(2.0)
     base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
@@ -476,7 +475,7 @@ ROOT_STARTS = 8
 
 
 def pair_extremes() -> list[tuple[str, list[Chain]]]:
-    """Return groups of extreme linear pairs, each a chain ready to solve."""
+    """Return groups of extreme linear pairs, each prepared as a chain for the solver."""
 
     def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
@@ -496,7 +495,7 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
 
 
 def pair_rows() -> list[Row]:
-    """Solve extreme pairs from the nominal start and two random ones: status, energy balance, scatter of the results."""
+    """Return the rows of extreme pairs, each solved from the nominal start and two random ones."""
     rng, rows = np.random.default_rng(3), list[Row]()
     for group, chains in pair_extremes():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
@@ -557,7 +556,7 @@ COLUMNS = (
 
 
 def by_model(tried: Sequence[Record]) -> str:
-    """Return the number of starts that the source's root finding solves, by model, the worst first."""
+    """Return a text on how many starts the source's root finding solves, by model, the worst first."""
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))
@@ -567,7 +566,7 @@ def by_model(tried: Sequence[Record]) -> str:
 
 
 def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
-    """Return the table and what it says, for a section of the report; ``found``: rows made before."""
+    """Return table and conclusion for a section of the report; ``found``: records if computed before."""
     found = all_rows() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:

@@ -49,7 +49,7 @@ CALLS = {
 
 
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
-    """Return all times of the page, measured now: five minutes on two quiet cores."""
+    """Return all run times of the page, measured now (takes five minutes on two idle cores)."""
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevel] = []
     for name in STATIC.values():
@@ -80,7 +80,7 @@ class Seconds:
 
 
 def seconds(study: Study, name: str, way: str) -> Seconds:
-    """Return seconds of a scene: ``lin``, ``numerical``, ``formula``, or ``3D``, from the measuring run that is kept."""
+    """Return the stored times of a scene by ``lin``, ``numerical``, ``formula`` or ``3D``."""
     kept = study.once(times_of, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:

@@ -29,7 +29,7 @@ LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
 @dataclass(frozen=True)
 class Compared:
-    """One screw under one load [N]: loads (78,) [N] of the chain, the beam model and the refined one."""
+    """Loads (78,) [N] of one screw under one axial load [N], by the axial chain, the beam and the refined model."""
 
     errors: str
     load: float
@@ -38,14 +38,14 @@ class Compared:
     refined: Array
 
     def off(self, model: Array) -> tuple[float, float, int]:
-        """Return RMS and largest difference of a model from the chain [% of the mean load], and the ball of the largest."""
+        """Return RMS and largest difference of a model from the chain [% of mean load], and the ball at largest."""
         change = error_percent(model, self.axial, float(model.mean()))
         ball = int(np.abs(change).argmax())
         return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
 
 
 def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
-    """Return the scene with balls whose diameter is off by errors (78,) [m], under an axial load [N]."""
+    """Return the scene with ball diameter errors (78,) [m] under an axial load [N]."""
     listed = tuple((i + 1, 0.5 * float(e)) for i, e in enumerate(errors) if e != 0.0)
     balls = replace(scene.errors.balls, listed=listed)
     force = replace(scene.loads[0], force=(0.0, 0.0, load))
@@ -53,13 +53,13 @@ def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
 
 
 def same_screw(scene: Scene) -> Row:
-    """Return the chain of a scene with its nut rigid, and exact contact angles."""
+    """Return the axial chain of a scene, with a rigid nut and exact contact angles."""
     row = row_of(scene, law="exact")
     return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
 
 
 def compare_models(study: Study) -> tuple[Compared, ...]:
-    """Compare the models without errors, with one ball too small or too large, and drawn screws, under both loads."""
+    """Compare the models without errors, with one ball too small or large, and for drawn screws, at both loads."""
     scene = study.scene(SCENE)
     chain = same_screw(scene).chain
     drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.balls(), HALF_RANGE)
@@ -80,7 +80,7 @@ def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array
 
 @dataclass(frozen=True)
 class Solid:
-    """One scene of the screw against its 3D reference, by one model."""
+    """Differences of one model from the 3D reference on one scene of the screw."""
 
     #: Name of the scene.
     scene: str
@@ -103,7 +103,7 @@ class Solid:
 
 
 def compare_solid(study: Study) -> tuple[Solid, ...]:
-    """Return the chain, the beam model and the refined one against 3D, on the scenes that have a stored reference."""
+    """Return the differences of chain, beam and refined model from 3D, on scenes with a stored reference."""
     rows = []
     for name, found in study.references(SOLID).items():
         scene, bar = study.scene(name), uncertainty_percent(found)
@@ -116,16 +116,16 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
 
 
 def axial_loads(scene: Scene) -> Array:
-    """Return the loads (78, 4) [N] of the axial chain on a scene of the screw, equal at both contacts of a ball."""
+    """Return the loads (78, 4) [N] by the axial chain on a scene of the screw, equal at both contacts of a ball."""
     row, load = same_screw(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Yield scenes and levels of the 3D reference that a report computes afresh.
+    """Yield the scenes and levels of the 3D reference that a report computes again if ``fresh``.
 
-    They are not shipped, because they take longer than the rest of a first report.
+    They are not shipped, since they take longer than the rest of a first report.
     """
     if fresh:
         yield SOLID, SOLID_LEVELS

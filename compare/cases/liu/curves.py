@@ -39,7 +39,7 @@ NO_VALUES = "The text prints no value of this figure: ours alone."
 
 
 def _errors(half_range: int, number: int = 0) -> Array:
-    """Return errors [m] of one drawn screw."""
+    """Return the ball errors [m] of one drawn screw; ``number``: of the draw."""
     return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.balls(), 1e-6 * half_range)[0])
 
 
@@ -61,7 +61,7 @@ def _ensemble(half_range: int) -> Ensemble:
 
 
 def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
-    """Return the median and central 99 % of the drawn screws over the load, in a unit."""
+    """Return the median and the central 99 % of a quantity of the drawn screws over the load."""
     of = [_ensemble(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
@@ -75,13 +75,13 @@ def _without(value: Callable[[float], float], loads: Sequence[float] = LOADS) ->
 
 
 def _free_of_errors(force: float) -> tuple[float, float]:
-    """Return the displacement [um] and stiffness [1e8 N/m] without errors."""
+    """Return displacement [um] and stiffness [1e8 N/m] without errors under a force [N]."""
     state = solve_chain(liu.screw(), np.zeros(liu.balls()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
 def deformation() -> Figure:
-    """Draw Figure 11: approach of every ball with errors of +-2 um under three loads."""
+    """Draw Figure 11: contact deformation of every ball with errors of +-2 um under three loads."""
     errors, panels = _errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _load(errors, force)
@@ -124,7 +124,7 @@ def test_curve() -> Figure:
 
 
 def test_table() -> Table:
-    """Return the values of this figure as a table."""
+    """Return the values of Figure 13 as a table."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
         moved = 1e6 * _ensemble(3).values_at("displacement_first_loaded", force)
@@ -184,7 +184,7 @@ def one_ball() -> Figure:
 
 
 def _ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Return loads of the balls of one drawn screw, and the printed smallest and largest ones as lines."""
+    """Return the ball loads of one drawn screw as lines, and the printed load ranges as markers."""
     series = []
     for force in loads:
         series.append(_over_balls(_load(_errors(half_range), force), f"ours, {force:g} N"))

@@ -81,18 +81,18 @@ def printed_ratio() -> float:
 
 
 def calibration_load() -> float:
-    """Return the load [N] of that ratio, section 4.1's and the scene's."""
+    """Return the load [N] at which the chain is calibrated, that of section 4.1 and of the scene."""
     return liu_screw().loads[0].force[2]
 
 
 @cache
 def screw(law: Law = "implicit") -> Chain:
-    """Return the calibrated chain by a reading of the contact angle; the source's is "implicit"."""
+    """Return the calibrated chain under one interpretation of the contact angle; the source uses "implicit"."""
     return calibrated(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
-    """Return the area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that the calibration implies."""
+    """Return the area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that follows from the calibration."""
     scene = liu_screw()
     return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * screw().compliance)
 
@@ -106,7 +106,7 @@ def one_error(error: float) -> Array:
 
 @cache
 def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
-    """Return the state with one error [um] at ball 33 under a load [N]."""
+    """Solve the chain with a diameter error [um] at ball 33 only, under an axial load [N]."""
     return solve_chain(chain or screw(), one_error(1e-6 * error_um), load)
 
 
@@ -117,12 +117,12 @@ def drawn_ensemble(half_range_um: int) -> Ensemble:
 
 
 def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
-    """Return one quantity of the drawn screws (n,)."""
+    """Return the values (n,) of one quantity of the drawn screws under a load [N]."""
     return drawn_ensemble(half_range_um).values_at(quantity, load)
 
 
 def place_in(values: Array, printed: float, half_digit: float) -> tuple[Percentile, str]:
-    """Return the percentile of a printed number in a sample, and the sentence that states it."""
+    """Return the percentile of a printed number in a sample, and a text that states it."""
     p = percentile(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = f"percentile {p.middle:.1f} ± {p.error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
@@ -155,7 +155,7 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def loosest_agreement() -> tuple[int, int, float]:
-    """Return those of ``FEW`` screws with errors of +-2 um at 500 N for which both algorithms find the same active set."""
+    """Return the number of screws with equal loaded balls by both algorithms, most rounds, largest difference."""
     errors = draw_errors(SEED, 0, FEW, balls(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
@@ -199,7 +199,7 @@ def mei() -> Chain:
 
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Return the largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
+    """Return the largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's and over its own loads."""
     load = solve_chain(chain, errors, calibration_load()).load
     mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
@@ -225,30 +225,30 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def ratio(error_um: float, load: float) -> float:
-    """Return the load ratio Q78/Q1."""
+    """Return the load ratio Q78/Q1 with an error [um] of ball 33 under a load [N]."""
     q = single_error_state(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def readings(error_um: float, load: float) -> str:
-    """Describe Q33 with other contact angles, each model calibrated as for 45 deg."""
+    """Return Q33 with other contact-angle laws as text, each chain calibrated to the printed ratio."""
     found = {law: single_error_state(error_um, load, screw(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def others_change(error_um: float) -> list[float]:
-    """Return the smallest and largest change of another ball's load against that without the error, over both loads [N]."""
+    """Return the smallest and largest load change [N] of the other balls by the error of ball 33, over both loads."""
     change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
 
 
 def error_of_load(load: float) -> float:
-    """Return the error of ball 33 [um] with which it carries the load [N] at 5000 N."""
+    """Return the error of ball 33 [um] at which it carries a given load [N] when the axial load is 5000 N."""
     return float(brentq(lambda e: single_error_state(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
 
 
 def loads_of_others() -> tuple[float, float]:
-    """Return loads [N] from which another ball than 33 carries, and all do, at +2 um."""
+    """Return the axial loads [N] from which ball 1 and ball 78 carry load, with ball 33 too large by 2 um."""
     errors = one_error(2e-6)
     return (first_carrying_load(screw(), errors, 0, LIGHT), first_carrying_load(screw(), errors, balls() - 1, LIGHT))
 
@@ -298,7 +298,7 @@ SETS = "abc"
 
 
 def sample_of(key: str) -> Array:
-    """Return the sample behind an entry named quantity_range_load, in its printed unit."""
+    """Return the drawn sample for an entry with key quantity_range_load, in its printed unit."""
     name, which, load = key.removesuffix("_again").split("_")
     values = drawn_sample(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
@@ -307,7 +307,7 @@ def sample_of(key: str) -> Array:
 
 
 def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
-    """Return a text on the loaded balls at 1000 N of screws that agree with the printed number at 500 N."""
+    """Return a text on the balls loaded at 1000 N in drawn screws that match the printed number at 500 N."""
     first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
@@ -315,7 +315,7 @@ def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """File the median for a random number, and its percentile with its sampling error in words."""
+    """Set the computed value of a random number to the median of the draws; note the printed value's percentile."""
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
@@ -324,13 +324,13 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
 
 
 def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Return whether an event is likely enough, and its probability in words."""
+    """Return whether an event is likely enough, and its probability as text."""
     p = float(np.mean(mask))
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 
 
 def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return whether a quantity falls from range to range of the errors, screw by screw."""
+    """Return, for each drawn screw, whether a quantity falls as the error range grows."""
     a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
@@ -377,20 +377,20 @@ def _curves(e: Findings) -> None:
 
 
 def spreads(load: float) -> Array:
-    """Return the range of the stiffness of three drawn screws of +-2 um [1e8 N/m]."""
+    """Return the range [1e8 N/m] of the stiffness within each group of three drawn screws of +-2 um."""
     values = 1e-8 * drawn_sample(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
 def relative_to_none(key: str, printed: float, reference: float) -> str:
-    """Return the percentile of a stiffness over that without errors: an offset of the contact stiffness drops out."""
+    """Return as text the percentile of a stiffness over the one without errors, free of a common stiffness offset."""
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = drawn_sample(h, "stiffness", load) / solve_chain(screw(), np.zeros(balls()), load).stiffness
     return "over the value without errors: " + place_in(ratio, printed / reference, 0.0)[1]
 
 
 def secant(load: float, step: float) -> float:
-    """Return the stiffness (22) without errors [1e8 N/m] from a load on, by a step of load [N]; 0: the tangent."""
+    """Return the stiffness (22) without errors [1e8 N/m] at a load by a load step [N]; step 0: the tangent."""
     chain, zero = screw(), np.zeros(balls())
     if step == 0.0:
         return 1e-8 * solve_chain(chain, zero, load).stiffness
@@ -410,9 +410,9 @@ def secants(half_range_um: int, load: float, share: float) -> Array:
 
 
 def stiffness_comes_out(row: Printed, share: float) -> bool:
-    """Return whether a printed stiffness is among those of the drawn screws by a step that is a share of the load.
+    """Return whether a printed stiffness is within the range of the drawn screws by a given relative load step.
 
-    Without errors: within the per cent to which the model has the source's other results.
+    Without errors: whether it is within 1 % of the computed one, the agreement of the source's other results.
     """
     _, which, load = row.key.split("_")
     assert row.value is not None

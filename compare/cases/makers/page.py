@@ -31,7 +31,7 @@ LAWS = (
 
 
 def outside_values(study: Study) -> tuple[outside.Outside, ...]:
-    """Return every outside value, by quantity."""
+    """Return all outside values, sorted by quantity."""
     return study.once(_computed)
 
 
@@ -42,7 +42,7 @@ def _computed(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Return the number of outside values, bias and scatter, by quantity: columns for the first page's table."""
+    """Return number, bias and scatter of the outside values by quantity, as columns for the report's first page."""
     return outside.by_quantity(outside_values(study))
 
 
@@ -54,13 +54,13 @@ def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: s
 
 
 def _clearances_off(found: Sequence[outside.Outside]) -> Array:
-    """Return the computed less printed clearances [um]."""
+    """Return the differences [um] of computed and printed axial clearances."""
     clearances = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in clearances])
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """Return a text on the number of values and the deviations of those computed without a free parameter."""
+    """Return the conclusion: how many values lie in the computed band, and errors where no input is free."""
     judged = [x for x in found if not x.left]
     clear = _of(found, "displacement", "bearing whose angle turns")
     off = _clearances_off(found)
@@ -78,7 +78,7 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
 
 
 def clearances(found: Sequence[outside.Outside]) -> str:
-    """Return a text on how NSK defines clearances and rigidities, as far as computed values show it."""
+    """Return a text on how NSK defines clearances and rigidities, as inferred from computed values."""
     stiff = _of(found, "rigidity", "bearing whose angle turns")
     off = _clearances_off(found)
     return (
@@ -90,7 +90,7 @@ def clearances(found: Sequence[outside.Outside]) -> str:
 
 
 def why_softer(found: Sequence[outside.Outside]) -> str:
-    """Return the text on why printed rigidities of nuts lie below the computed ones."""
+    """Return a text on why makers print lower nut rigidities than computed."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
     rest = outside.group_values(most, "maker")
@@ -113,7 +113,7 @@ def why_softer(found: Sequence[outside.Outside]) -> str:
 
 
 def balls_counted(found: Sequence[outside.Outside]) -> str:
-    """Return the number of loaded balls that the ratings imply."""
+    """Return a text on the number of loaded balls that the makers' load ratings imply."""
     shares = dict[str, list[tuple[float, float]]]()
     for source in tables("nuts-"):
         for row in source.rows:
@@ -139,7 +139,7 @@ def balls_counted(found: Sequence[outside.Outside]) -> str:
 
 
 def drag(found: Sequence[outside.Outside]) -> str:
-    """Return a text on the makers' drag formulas, compared with sliding balls and with measured screws."""
+    """Return a text on the makers' drag-torque formulas against sliding balls and measured screws."""
     rows = nuts.sweep()
     leads = [r.lead for r in rows]
     sliding = [nuts.power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
@@ -170,7 +170,7 @@ def drag(found: Sequence[outside.Outside]) -> str:
 
 
 def sweep_table() -> Table:
-    """Return the drag torque over preload times nominal diameter, over the lead."""
+    """Return the table of drag torque over preload times nominal diameter, by lead."""
     rows: list[dict[Quantity | str, Cell]] = []
     for one in nuts.sweep():
         row: dict[Quantity | str, Cell] = {
@@ -189,7 +189,7 @@ def sweep_table() -> Table:
 
 
 def figure(found: Sequence[outside.Outside]) -> Figure:
-    """Draw the computed over printed value, by maker, for what has no band of percents."""
+    """Draw the sorted errors of the judged values, one curve for each quantity with more than 20 of them."""
     series = []
     for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:
