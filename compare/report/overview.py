@@ -48,9 +48,9 @@ NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
 
 @dataclass(frozen=True)
 class Standing:
-    """Errors and time of a model or mesh over the shipped scenes.
+    """Errors and run time of one model or mesh over the shipped scenes.
 
-    The error of a level that is itself the finest is its grid uncertainty.
+    The finest level has its grid uncertainty as error.
     """
 
     #: Short name.
@@ -80,24 +80,24 @@ class Standing:
 
 
 def family_of(point: TimePoint) -> str:
-    """Return the family of a model or mesh."""
+    """Return the family of a model; all 3D meshes are one family."""
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
 def off(point: TimePoint) -> float:
-    """Return the largest error of a point [% of the mean load]; of the finest level its grid uncertainty."""
+    """Return the largest error of a model or mesh on a scene [% of mean load]; for the finest level its uncertainty."""
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
 def by_gate(point: TimePoint) -> Largest:
-    """Return the largest error as the gate takes it; of the finest level its grid uncertainty."""
+    """Return the largest error by the gate's rule; for the finest level its uncertainty."""
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
 def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
-    """Return every model and mesh over its scenes, from the largest median error to the smallest."""
+    """Return errors and times of every model and mesh over its scenes, largest median error first."""
     found: dict[str, list[tuple[str, TimePoint]]] = {}
     for scene, several in points.items():
         for point in several:
@@ -129,7 +129,7 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
 
 
 def front(found: Sequence[Standing]) -> list[Standing]:
-    """Return those that no other one beats in both median gate error and median time, fastest first."""
+    """Return the models and meshes that no other one beats in both median gate error and time, fastest first."""
     best: list[Standing] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
         if not best or one.gate.error < best[-1].gate.error:
@@ -181,7 +181,7 @@ TIMED = (
 
 
 def screw_panel(screws: Mapping[str, Array]) -> Panel:
-    """Return the share of all compared screws over their largest error, by model."""
+    """Return the panel of the share of compared screws up to a largest error, by model."""
     series = []
     for model, errors in screws.items():
         share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
@@ -190,20 +190,20 @@ def screw_panel(screws: Mapping[str, Array]) -> Panel:
 
 
 def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
-    """Draw the error over the time of a further solution."""
+    """Draw the error over the time of a further solution with the geometry prepared."""
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=True)
     return Figure("error-time-further", "Error against the time of a further solve", (panel,), TIMED, columns=1)
 
 
 def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the sorted largest errors of all compared screws [% of the mean load], by representative models."""
+    """Return the sorted largest errors of all compared screws [% of the mean load], by model of `KINDS`."""
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
 def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the largest errors of all compared screws by the gate's rule [%], by representative models."""
+    """Return the largest errors of all compared screws by the gate's rule [%], by model of `KINDS`."""
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
 
@@ -285,7 +285,7 @@ def answer(
 
 
 def passed_text(errors: Mapping[str, Array]) -> str:
-    """Return a sentence on the number of screws that pass the gate's `LIMIT`; empty without errors.
+    """Return a sentence on how many screws pass the gate's `LIMIT` by each model; empty without errors.
 
     Parameters
     ----------
@@ -305,7 +305,7 @@ def _range(bars: Sequence[float]) -> str:
 
 
 def drawn_words(drawn: int) -> str:
-    """Return a sentence that describes the drawn screws."""
+    """Return a clause that says what the drawn screws are."""
     return (
         f"{drawn} catalogue screws, drawn by one seed without redraws and compared on level 1 of the 3D reference (section "
         "survey); finer levels, run times and the gate are shown of the shipped scenes:"
@@ -313,7 +313,7 @@ def drawn_words(drawn: int) -> str:
 
 
 def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
-    """Return statements on the ranges that the scenes span."""
+    """Return paragraphs on how many scenes there are, and on the ranges of their inputs."""
     if not scenes:
         return []
     every = list(scenes.values())
@@ -358,7 +358,7 @@ LIMITS = (
 
 
 def models_figure(found: Sequence[Standing]) -> Figure:
-    """Draw the median and the largest of every model's and mesh's largest errors as bars and marks."""
+    """Draw the largest error by model and mesh: median of the scenes as bar, largest of them as mark."""
     rows = [float(k) for k in range(1, len(found) + 1)]
     series = (
         Series("median of the scenes", [s.median for s in found], rows, "bars"),
@@ -379,7 +379,7 @@ def models_figure(found: Sequence[Standing]) -> Figure:
 
 
 def standing_table(found: Sequence[Standing]) -> Table:
-    """Return the table of every model and mesh over its scenes."""
+    """Return the table of errors and times by model and mesh."""
     rows: list[Row] = [
         {
             "name": s.name,
@@ -433,13 +433,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
-    """Return the largest total uncertainty of the scenes [%]: discretisation, modelling choices, input."""
+    """Return the largest total uncertainty of a case study's reference [%]: mesh, modelling choices, input."""
     totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
 
 
 def quantity_table(study: Study) -> Table:
-    """Return the table of bias, scatter and largest error by quantity, and of what others print and measure."""
+    """Return the table of bias, scatter and largest error by quantity, against 3D and against outside values."""
     rungs = study.once(ladder)
     rows = rows_of(study, rungs)
     from rollbench.compare.cases.makers.page import first_page
@@ -484,14 +484,14 @@ def quantity_table(study: Study) -> Table:
 
 
 def gate_word(study: Study, rung: Rung) -> str:
-    """Return the gate's verdict on a model's loads on a scene, at its default limit."""
+    """Return the gate's verdict, one word, on a model's loads on a scene at the default limit."""
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
     return judge(rung.model, rung.result.load, reference, Limits())[0].word
 
 
 def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
-    """Draw computed over reference load for every contact of every scene, both over the scene's mean load."""
+    """Draw computed load over reference load of every contact, both relative to the scene's mean load."""
     series = []
     for model in KINDS:
         x, y, names = [], [], []

@@ -30,7 +30,7 @@ Tables = Mapping[str, list[dict[str, str]]]
 
 
 def tables(report: Path) -> Tables:
-    """Return all tables of a report by name, from its CSV files; InputError for a folder that is no report."""
+    """Return all tables of a report by name, read from its CSV files; raises InputError for another folder."""
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
         advice = "reports are written by: rollbench report"
         raise ArgumentError("against", "no report", "the folder of a report", advice, str(report))
@@ -48,7 +48,7 @@ def tables(report: Path) -> Tables:
 def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
     """Yield a line for each difference between the tables of two reports.
 
-    Rows are matched by their texts, else by their position; measured seconds and memory are left out.
+    Rows are matched by their text cells, else by position; measured seconds and memory are not compared.
     """
     for name in dict.fromkeys((*old, *new)):
         if name not in old or name not in new:
@@ -74,7 +74,7 @@ def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iter
 
 
 def _keyed(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
-    """Return rows by their texts; rows with equal texts are numbered."""
+    """Return rows by their text cells, numbered where those are equal."""
     by_text: dict[str, dict[str, str]] = {}
     for row in rows:
         texts = [cell for cell in row.values() if cell and _parsed(cell) is None]
@@ -107,7 +107,7 @@ def _cell(where: str, old: str | None, new: str | None) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Checked:
-    """One input or file of a page or report with its stated and its present hash."""
+    """One input or file of a page or report, with the hash in its manifest and the present one."""
 
     #: Name.
     name: str
@@ -118,27 +118,27 @@ class Checked:
 
     @property
     def state(self) -> str:
-        """ok, changed, missing, or added."""
+        """Result of the check: ok, changed, missing, or added."""
         if not self.stated:
             return "added"
         return "missing" if not self.found else "ok" if self.found == self.stated else "changed"
 
     @property
     def line(self) -> str:
-        """Line for the terminal."""
+        """Line for the terminal on this input or file."""
         now = f", now {self.found[:16]}" if self.state == "changed" else ""
         return f"{self.state:8} {escaped(self.name)} {escaped(self.stated[:16])}{now}"
 
 
 def folder_of(report: Path) -> Path:
-    """Return the folder of a report, named by the folder or its first page."""
+    """Return the folder of a report, given by that folder or by its first page."""
     return report if report.is_dir() else report.parent
 
 
 def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
-    """Yield every hash of a report's manifest with the one computed now, of its files and inputs.
+    """Yield every hash of a report's manifest with the present one: of its files and of its inputs.
 
-    InputError for a damaged manifest.
+    Raises InputError for a damaged manifest.
     """
     folder = folder_of(report)
     try:
@@ -154,7 +154,7 @@ def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
 
 
 def read(report: Path) -> tuple[str, dict[str, Any]]:
-    """Return text and data blocks of a page, or of the first one of a folder; InputError for another file."""
+    """Return the text and data blocks of a page (of a folder: its index page); raises InputError for another file."""
     path = report / "index.html" if report.is_dir() else report
     try:
         html = page_text(path)
@@ -165,7 +165,7 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
 
 
 def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[Checked]:
-    """Yield every hash of a page's manifest with the one computed now: the page, its contents, sources, stored files."""
+    """Yield every hash of a page's manifest with the present one: page, scene, results, sources, stored runs."""
     manifest = blocks["manifest"]
     carried = {
         "page": sha256(without_manifest(html)),
@@ -179,7 +179,7 @@ def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> I
 
 
 def run_verify(report: Path, store: Path) -> Answer:
-    """Return the state of every hash; exit code 1 if one differs. InputError for a file without manifest."""
+    """Check every hash; exit code 1 if one differs. Raises InputError for a file without manifest."""
     stores = (store, shipped_store(), folder_of(report))  # the last one: pages of several scenes
     whole = (folder_of(report) / FILE).is_file()
     rows = list(checked_report(report, stores) if whole else checked_page(*read(report), stores))
@@ -192,9 +192,9 @@ def run_verify(report: Path, store: Path) -> Answer:
 def run_pages(
     scenes: Sequence[str], out: Path, store: Path, against: Path | None = None, reference: Path | None = None
 ) -> Answer:
-    """Write the page of a scene, or of several with a table, and list changes against an earlier page of one scene.
+    """Write the page of a scene, or pages of several with a table, and list changes against an earlier page.
 
-    Exit code 1 if a load case did not converge. InputError as `make_pages`, `read`.
+    Exit code 1 if a load case did not converge. Raises InputError as `make_pages` and `read` do.
     """
     before = None if against is None else read(against)[1]
     pages = make_pages(scenes, out, store, reference)
@@ -214,19 +214,19 @@ def run_pages(
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
-    """Return a manifest without what differs in every run: the date, and hashes of files with run times."""
+    """Return a manifest without what differs in every run: date, hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _stable(results: dict[str, Any]) -> dict[str, Any]:
-    """Return results without run times."""
+    """Return results without the solver's report, which has run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
     return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
 
 
 def moved(old: Any, new: Any, path: str = "") -> Iterator[str]:
-    """Yield a line for each difference between two results: numbers beyond round-off with their change, and others."""
+    """Yield a line for each difference between two results; numbers count if they differ beyond round-off."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
             yield from moved(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))

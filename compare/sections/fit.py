@@ -79,7 +79,7 @@ class Fit:
 
     @property
     def table_row(self) -> Row:
-        """Return the table row: median, 95th percentile and largest error, the gate's limit and the share within it."""
+        """Return the table row of the errors: median, 95th percentile, largest, gate limit, share within it."""
         share, good = self.within, self.good
         return {
             "quantity": WORDS[self.key],

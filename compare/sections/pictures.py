@@ -418,7 +418,7 @@ def loaded(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses) -> str:
-    """Return a caption with the largest equivalent stresses below the screw contact, by the 3D reference and by Hertz."""
+    """Return a caption with the largest equivalent stresses below the screw contact, in 3D and by Hertz."""
     from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
     setup = solved.setup

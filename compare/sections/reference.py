@@ -42,7 +42,7 @@ def case_studies(study: Study) -> dict[str, Reference]:
 
 
 def modelling(study: Study) -> dict[str, Modelling]:
-    """Return the modelling uncertainty of the scenes on which choices were varied."""
+    """Return the modelling uncertainty of the scenes whose modelling choices were varied."""
     return study.once(_modelling)
 
 
@@ -53,12 +53,12 @@ def _modelling(study: Study) -> dict[str, Modelling]:
 
 
 def answer(study: Study, name: str, model: str) -> Loads:
-    """Return loads and displacements of a low-order model for a scene, without times."""
+    """Return loads and displacements of a scene by a low-order model."""
     return from_result(study.solve(name, model))
 
 
 def error_table(study: Study, found: References) -> Table:
-    """Return the errors of every low-order model, of the source's mesh and of coarser levels against the finest."""
+    """Return the table of errors against the finest level: of low-order models, the source's mesh, coarser levels."""
     rows: list[Row] = []
     modelled = modelling(study)
     for name, ref in found.items():
@@ -95,7 +95,7 @@ LABELS = {
 def _error_row(
     named: tuple[str, str], e: LoadError | None, ratio: float, printed: str | None, bars: tuple[float | None, float | None]
 ) -> Row:
-    """Return a row of `error_table`; ``bars``: uncertainty by grid and by modelling choices."""
+    """Return a row of `error_table`; ``bars``: uncertainty by grid, and by modelling choices."""
     errors: Sequence[float | None] = (None,) * 4
     if e is not None:
         errors = e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent
@@ -115,7 +115,7 @@ def _error_row(
 
 
 def load_tables(study: Study, found: References) -> list[Table]:
-    """Return every contact load of every model, in a table for each scene."""
+    """Return a table for each scene with every contact load by every model."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -150,7 +150,7 @@ def _number(value: Any) -> float | None:
 
 
 def line_table(study: Study, found: References) -> Table:
-    """Return the displacement of the screw's axis at the reference's stations."""
+    """Return the table of the screw axis displacement at the reference's stations, by refined model and reference."""
     rows: list[Row] = []
     for name, ref in found.items():
         low = answer(study, name, "refined")
@@ -200,7 +200,7 @@ def line_figure(study: Study, found: References) -> Figure:
 
 
 def gate_text(found: References, study: Study) -> str:
-    """Return a sentence on the contacts beyond the gate's limit, from the data."""
+    """Return a sentence on the contacts whose error exceeds the gate's limit."""
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
@@ -217,7 +217,7 @@ def gate_text(found: References, study: Study) -> str:
 
 
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
-    """Return the low-order error of a contact against a reference whose nut is rigid too [%]; None without such a run."""
+    """Return the low-order error [%] of a contact against a reference with a rigid nut; None without such a run."""
     run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None
@@ -227,7 +227,7 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 
 
 def exceedance_table(found: References, study: Study) -> Table:
-    """Return the contacts beyond the gate's limit, with the cause in the gate's data and its evidence."""
+    """Return the table of contacts beyond the gate's limit, with known causes and the error with a rigid nut."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in found.items():

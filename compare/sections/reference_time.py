@@ -145,7 +145,7 @@ def errors_of(value: Array, found: Reference) -> dict[str, Any]:
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
-    """Return the time of a further solution with known bodies and compiled kernels [s], a median of some calls."""
+    """Return the time [s] of a further solution with bodies and compiled kernels ready: the median of some calls."""
     spent = []
     for _ in range(WARM_CALLS + 1):
         start = perf_counter()
@@ -155,7 +155,7 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 
 def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
-    """Measure all models of scenes with a reference now; ``levels``: also the reference and first processes."""
+    """Measure all models of scenes with a reference; ``levels``: also the reference's levels and first processes."""
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
         for model, bodies in models_of(name, found, study):
@@ -174,7 +174,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
 
 
 def typed_now(step: Step) -> Kept:
-    """Measure the commands of `COMMANDS` from an empty home now."""
+    """Measure the commands of `COMMANDS`, each started in an empty home directory."""
     commands = []
     for command in COMMANDS:
         step(f"{command}, from an empty home")
@@ -183,10 +183,10 @@ def typed_now(step: Step) -> Kept:
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
-    """Return the times that a report shows: stored ones, or those of a measuring run now for a timed study.
+    """Return the run times that a report shows: stored ones or, for a timed study, those measured now.
 
-    A measuring run takes every model and level of every compared scene (about an hour) and is stored in the first store; a
-    quick study measures models only, and stores nothing.
+    A measuring run takes every model and level of every compared scene (about an hour) and is stored in the first
+    store. A quick study measures models only, and stores nothing.
     """
     if not study.timed:
         return load_times((*(study.stores or ()), shipped_store()))
@@ -197,12 +197,12 @@ def measuring_run(study: Study, step: Step) -> Kept | None:
 
 
 def compared_scenes(study: Study) -> dict[str, Reference]:
-    """Return the references of all scenes that have one; in a quick study of the case studies only."""
+    """Return the references of all compared scenes; in a quick study those of the case studies only."""
     return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
 
 
 def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
-    """Return the models of a scene, each with the file of its condensed bodies, if it takes them."""
+    """Return the models that suit a scene, each with its file of condensed bodies if it takes one."""
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
@@ -210,15 +210,15 @@ def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Pa
 
 
 def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
-    """Return the runs of the 3D reference of a scene: on the source's mesh, if any, and on its levels."""
+    """Return the 3D reference runs of a scene: on the source's mesh if stored, then on its levels."""
     source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 
 
 def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """Return all models and meshes of a scene with times of the measuring run.
+    """Return errors and times of all models and meshes of a scene.
 
-    Times of runs that it did not measure are given with the conditions of their measurement.
+    Times that the measuring run does not contain are given as text, with the conditions of their measurement.
     """
     kept, out = study.once(measuring_run, step), []
     measured = None if kept is None else kept.measured
@@ -247,7 +247,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
 
 
 def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
-    """Return the result of a model on a scene; with condensed bodies that of the ladder if it was computed."""
+    """Return the result of a model on a scene; for condensed bodies the ladder's result, if computed."""
     if bodies is None:
         return study.solve(name, model.name)
     for rung in study.computed.get((ladder,), ()):
@@ -257,7 +257,7 @@ def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> Stati
 
 
 def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
-    """Return the table of every point of every scene; ``measured``: sentence on the measurement."""
+    """Return the table of errors and times of every model and mesh; ``measured``: text on the measurement."""
     rows: list[Row] = [
         {
             "scene": scene,
@@ -290,7 +290,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
 
 
 def compile_table(kept: Kept) -> Table:
-    """Return the time of a first process on a machine, with and without compiling the kernels."""
+    """Return the table of times of a first process, with interpreted and with compiled kernels."""
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
@@ -311,7 +311,7 @@ def compile_table(kept: Kept) -> Table:
 
 
 def typed_table(kept: Kept) -> Table:
-    """Return the waiting time for commands typed in an empty home directory."""
+    """Return the table of waiting times of commands that are run from an empty home directory."""
     rows: list[Row] = [
         {
             Quantity("command", "command", "", "s"): c.command,
@@ -336,7 +336,7 @@ def typed_table(kept: Kept) -> Table:
 
 
 def level_table(kept: Kept) -> Table:
-    """Return the waiting time for a level of the 3D reference of a new scene."""
+    """Return the table of waiting times for each level of the 3D reference on a new scene."""
     rows: list[Row] = [
         {
             "scene": c.scene,
@@ -363,7 +363,7 @@ def level_table(kept: Kept) -> Table:
 
 
 def cost_tables(costs: Costs) -> list[Table]:
-    """Return the processor time of cold set-ups by stage, and what cheaper variants would save and change."""
+    """Return tables of the processor time of set-ups by stage, and of savings and changes by cheaper variants."""
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
         {
@@ -403,7 +403,7 @@ def cost_tables(costs: Costs) -> list[Table]:
 
 
 def _dearest(level: ColdLevel) -> str:
-    """Return the stages that take most of a set-up's time, in words."""
+    """Return as text the stages that take most of a set-up's time."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -411,10 +411,10 @@ def _dearest(level: ColdLevel) -> str:
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Return the ratio of the finest level's time to that of the source's low-order model, scene by scene.
+    """Return the table of the finest level's time over that of the source's low-order model, by scene.
 
-    For a new process up to the loads, and for a further load case of a known geometry. ValueError for times of several
-    measuring runs.
+    For a new process up to the loads, and for a further load case of a known geometry. Raises ValueError for times of
+    several measuring runs.
     """
     rows: list[Row] = []
     for scene, several in points.items():
@@ -439,7 +439,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
 
 
 def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
-    """Return the error over cold run time of one scene, each point with its uncertainty."""
+    """Return the panel of error over cold run time on one scene, with the error's uncertainty."""
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
@@ -458,7 +458,7 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
 
 
 def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
-    """Draw the case studies without and with preload, and the screws not used in development."""
+    """Draw error over run time for case studies, without and with preload, and for screws not used in development."""
     caption = (
         "All points are errors against the finest level, with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
@@ -477,7 +477,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 
 
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
-    """Return the points of all compared scenes; ValueError if their times are of several measuring runs."""
+    """Return the time points of all compared scenes; raises ValueError if several measuring runs are mixed."""
     study.once(ladder)  # its results serve here
     points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
     one_run(p.measured for several in points.values() for p in several if p.measured is not None)
@@ -485,13 +485,13 @@ def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
 
 
 def when_measured(study: Study, step: Step) -> str:
-    """Return the conditions of the time measurement in words."""
+    """Return the conditions of the time measurement as text."""
     kept = study.once(measuring_run, step)
     return "No run times are kept." if kept is None else str(kept)
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Return tables and figures of all scenes with a reference; in a quick study without first processes and levels."""
+    """Return tables and figures on run times; a quick study has no first processes, levels and commands."""
     points, kept = study.once(all_points, step), study.once(measuring_run, step)
     items: list[Table | Figure] = [time_table(points, when_measured(study, step))]
     if not study.quick:

@@ -20,12 +20,12 @@ from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Ta
 
 
 def sketch_of(scene: Scene, name: str, title: str) -> Sketch:
-    """Return the sketch of a scene, with the inputs that the drawing does not show."""
+    """Return the sketch of a scene, with the inputs that it does not show as text."""
     return Sketch(name, title, scene, inputs(scene))
 
 
 def inputs(scene: Scene) -> str:
-    """Return the inputs that the drawing does not show, in words."""
+    """Return as text the inputs of a scene that its sketch does not show."""
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
     words = [
@@ -74,7 +74,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def judge(study: Study, name: str) -> Judged:
-    """Compare every model of a data sheet in every quantity, by the names of both."""
+    """Return the error of every model in every quantity on a scene, by names of model and quantity."""
     return {
         (model, quantity.name): one
         for model in MODELS
@@ -84,7 +84,7 @@ def judge(study: Study, name: str) -> Judged:
 
 
 def conclusion(judged: Mapping[str, Judged]) -> str:
-    """Return a sentence on the largest error of either model, on the source's cases and on others."""
+    """Return a sentence on each model's largest error, in total, on the source's cases and on other scenes."""
     kinds = (
         ("case studies of the source", REFERENCED),
         ("screws and bearings that were fixed before they were solved in 3D", UNSEEN),
@@ -108,7 +108,7 @@ def _largest(judged: Mapping[str, Judged], model: str) -> str:
 
 
 def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
-    """Return one data sheet: heading and verdict, sketch with its inputs, results."""
+    """Return the data sheet of a scene: heading with verdict, sketch with inputs, results."""
     scene = study.scene(name)
     gate = verdicts(study, name, reference)
     words = (verdict(gate), trust(reference, judged[DEFAULT, CONTACTS]))
@@ -124,12 +124,12 @@ WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
-    """Return the gate's verdict on the loads of each model."""
+    """Return the gate's verdict on the contact loads of each model."""
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
 def verdict(found: Mapping[str, Verdict]) -> str:
-    """Return a sentence on the gate's verdict on each model, with the contact that decides."""
+    """Return a sentence on the gate's verdict on each model, with the decisive contact."""
     sentences = [
         f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
@@ -142,7 +142,7 @@ def _signed(value: float) -> str:
 
 
 def trust(reference: Reference, bounds: Validated) -> str:
-    """Return a sentence on the uncertainty of the errors of a data sheet."""
+    """Return a sentence on the uncertainty of a data sheet's errors."""
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
@@ -151,10 +151,10 @@ def trust(reference: Reference, bounds: Validated) -> str:
 
 
 def results(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
-    """Return the quantities of a data sheet: reference, models, and their errors.
+    """Return the table of a data sheet: each quantity by the reference and the models, and their errors.
 
-    Of contact loads it has only the errors (as the gate takes them, and of the mean load), as the worst contact differs
-    between models.
+    Contact loads are given by errors only (of their own load as in the gate, and of the mean load), as models differ
+    in their worst contact.
     """
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}

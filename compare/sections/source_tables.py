@@ -49,26 +49,26 @@ class Layout:
 
     @property
     def names(self) -> list[str]:
-        """Names of its printed entries."""
+        """Names of its printed entries, row by row, without empty cells."""
         return [name for _, names in self.rows for name in names if name]
 
     @property
     def across(self) -> list[tuple[str, ...]]:
-        """Names of its printed entries row by row; empty for an empty cell."""
+        """Names of its printed entries as rows of columns; an empty name for an empty cell."""
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Return the name of its table in the report, by what that shows."""
+        """Return the name of the report's table for this layout; ``what``: suffix for what it shows."""
         return "-".join(filter(None, (self.case, self.number, what)))
 
     @property
     def heading(self) -> str:
-        """Number and contents."""
+        """Number and short description, as a heading."""
         return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
     def digits(self) -> int:
-        """Number of significant digits that shows all printed ones; at least five."""
+        """Number of significant digits that shows every printed number, at least five."""
         texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
@@ -112,10 +112,10 @@ def as_printed_digits(value: float | None, printed: str) -> str:
 
 
 def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
-    """Return the table in the source's layout: printed number, computed one with the printed digits, for each column.
+    """Return the table in the source's layout, with printed and computed number next to each other.
 
-    If the computed value repeats a fault of the source, the correct value is added. ``ours``: texts for entries with other
-    values, such as times.
+    The computed number has the printed digits. If it repeats a fault of the source, the correct value is added.
+    ``ours``: texts that replace other computed values, such as times.
     """
     rows: list[Row] = []
     across, down = ([_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True)))
@@ -155,9 +155,9 @@ def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
 
 
 def ours_of(f: Evidence) -> str:
-    """Return the computed value of an entry, with the printed digits.
+    """Return the computed value of an entry as text, with the printed digits.
 
-    With the source's faults if they change it, else correct; of another program's result the 3D value.
+    The first that exists: value with the source's faults, correct value, 3D value.
     """
     if f.printed.claim:
         return "–" if f.holds is None else "holds" if f.holds else "does not hold"
@@ -185,7 +185,7 @@ def compared(
     columns: Sequence[str] = (),
     note: str = "",
 ) -> Table:
-    """Return a row for each result of a layout, in its order; columns that no row fills are left out.
+    """Return the table of a layout's results, one row each in printed order; empty columns are left out.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def _compared(layout: Layout, f: Evidence, why: str) -> Row:
 
 
 def _band(p: Printed) -> str:
-    """Return ends and origin of a band in words; empty for another class."""
+    """Return the ends and the origin of an entry's band as text; empty if it has no band."""
     return f"Band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
 
 
@@ -264,7 +264,7 @@ def _tidy(rows: Sequence[Row]) -> list[Row]:
 
 
 def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Return an input table: printed value, value of the scene, remark."""
+    """Return the table of a layout's inputs: printed value, value in the scene, remark."""
     rows: list[Row] = [
         {
             Quantity("label", "parameter (symbol)", "", "s"): label,
@@ -283,7 +283,7 @@ def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
 
 
 def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
-    """Yield, for each printed table, how its numbers are computed: scenes, function, test, command."""
+    """Yield for each printed table a table of how its numbers are computed: scenes, function, test, command."""
     for name in tables:
         one = computations()[name]
         places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_in_order))
@@ -301,7 +301,7 @@ def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
 
 
 def _in_order(place: str) -> tuple[bool, list[int], str]:
-    """Return the rank of a place of a source: by chapter, tables before sections, by their numbers; appendices last."""
+    """Return the sort key of a place in a source: by chapter, tables before sections; appendices last."""
     in_text, text = "Table" not in place, place.rpartition(", ")[2]
     letter = re.match(r"\D*\b([A-Z])\b", text)
     numbers = [ord(letter[1])] if letter else [int(n) for n in re.findall(r"\d+", text)]
@@ -309,7 +309,7 @@ def _in_order(place: str) -> tuple[bool, list[int], str]:
 
 
 def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
-    """Count the printed numbers, the results among them and the reproduced ones, by table and section of the sources."""
+    """Return the table of counts by place: printed numbers, results among them, reproduced ones."""
     groups: dict[str, list[Evidence]] = {}
     for f in found:
         groups.setdefault(source(f.printed), []).append(f)
@@ -328,7 +328,7 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
 
 
 def _counted(place: str, found: Sequence[Evidence]) -> Row:
-    """Return a row of `by_place`."""
+    """Return the row of `by_place` for one place."""
     numbers = [f for f in found if not f.printed.claim]
     claims = [f for f in found if f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
@@ -349,7 +349,7 @@ def _counted(place: str, found: Sequence[Evidence]) -> Row:
 
 
 def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
-    """Yield every printed value of some tables of a case: twice those with a layout, then those in sentences."""
+    """Yield all printed values of some tables of a case: in the source's layout and row by row, then others."""
     for layout in listed:
         if layout.printed in printed:
             yield in_layout(layout, found, {})

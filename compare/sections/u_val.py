@@ -65,7 +65,7 @@ MANY = 40
 
 @dataclass(frozen=True)
 class Held:
-    """Test of the uncertainty of one level of one scene by a finer level."""
+    """Result of testing the uncertainty of one level of one scene by a finer level."""
 
     #: Name of the scene.
     scene: str
@@ -90,7 +90,7 @@ class Held:
 
 @cache
 def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Return the loads (n, 4) [N] by level that a store keeps only for tests, and the drawn scenes; empty without."""
+    """Return loads (n, 4) [N] by level that a store keeps for tests only, and the drawn scenes; empty if no file."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
@@ -98,7 +98,7 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
 
 
 def levelled(study: Study) -> dict[str, dict[int, Array]]:
-    """Return the loads (n, 4) [N] by level of every compared scene with two levels or more, drawn ones last."""
+    """Return the loads (n, 4) [N] by level of every compared scene with at least two levels, drawn scenes last."""
     out, extra = {}, dict(judges(shipped_store())[0])
     for name in SHIPPED:
         runs = [run for k in LEVELS if (run := load_run(study.scene(name), k, stores=study.stores)) is not None]
@@ -108,9 +108,9 @@ def levelled(study: Study) -> dict[str, dict[int, Array]]:
 
 
 def socket_scatter(study: Study) -> float | None:
-    """Return the standard deviation by the cut of the coarse sockets [% of the mean load]; None without the run.
+    """Return the standard deviation of contact loads by the coarse sockets' cut [% of mean load]; None without runs.
 
-    A change of the cut is the difference of two of its errors.
+    The difference of two cuts contains two such errors, hence the division by the root of two.
     """
     scene = study.scene(REFINED)
     finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
@@ -122,7 +122,7 @@ def socket_scatter(study: Study) -> float | None:
 
 
 def experience(study: Study) -> Experience | None:
-    """Return the experience from all compared scenes of a store; None if it does not hold them."""
+    """Return the experience derived from all compared scenes; None if the store does not contain them."""
     loads, sockets = levelled(study), socket_scatter(study)
     return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
 
@@ -133,7 +133,7 @@ def _scene(study: Study, name: str) -> Scene:
 
 
 def _beside_faces(study: Study) -> dict[str, Array]:
-    """Return the error of level 1 near free faces, (n, 4) [% of the mean load], of every compared scene."""
+    """Return the errors of level 1 near free faces, (n, 4) [% of the mean load], by compared scene."""
     first = min(LEVELS)
     return {
         name: error_percent(left_out(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
@@ -143,12 +143,12 @@ def _beside_faces(study: Study) -> dict[str, Array]:
 
 
 def coverage(study: Study) -> list[Held]:
-    """Test every compared scene level by level against its finest; empty if a store does not hold what is needed."""
+    """Test the uncertainty of every level of every compared scene by its finest level; empty if data are missing."""
     return study.once(_coverage)
 
 
 def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
-    """Test every compared scene that has these levels and a finer one, by these levels only."""
+    """Test the uncertainty that given levels alone state, on every compared scene that has them and a finer one."""
     return _judged(study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else [])
 
 
@@ -157,7 +157,7 @@ def _coverage(study: Study) -> list[Held]:
 
 
 def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
-    """Test the uncertainties of all scenes, by sets of levels chosen from those that each has."""
+    """Test the uncertainties of all scenes; ``choose`` returns the sets of levels to test from a scene's loads."""
     scenes, sockets = levelled(study), socket_scatter(study)
     if sockets is None or len(scenes) < len(UNSEEN):
         return []
@@ -186,7 +186,7 @@ def _held(
 
 
 def share_of(rows: Sequence[Held]) -> float:
-    """Return the share of all contacts within their uncertainty."""
+    """Return the share of contacts whose error is within the stated uncertainty."""
     return sum(h.held for h in rows) / sum(h.contacts for h in rows)
 
 
@@ -195,7 +195,7 @@ SHOWN = (DEFAULT, "lin")
 
 
 def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
-    """Return every model of the ladder in every quantity."""
+    """Return the validation results of every model of the ladder, by scene and quantity."""
     found = [validated(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
@@ -234,7 +234,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
-    """Return bias and scatter by model and quantity."""
+    """Return the table of bias and scatter by model and quantity."""
     cells: list[Row] = [
         {
             "model": s.model,
@@ -273,7 +273,7 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Return the stated error bounds, and for how many scenes they were kept."""
+    """Return the table of stated error bounds and how often they were kept."""
     rows = left_out_one(study, rungs)
     counts = [
         (f"largest error to expect, model {name}, scene left out", held, total)

@@ -26,10 +26,10 @@ Column = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Answer:
-    """Answer of a command.
+    """What a command prints.
 
-    data: JSON-ready value, or a function that returns it, called only for JSON; parts: texts and tables of rich, printed
-    as they come; code: exit code; folded: texts are wrapped to `text_width` even if the output is no terminal.
+    data: JSON-ready value, or a function that returns it, called only for JSON; parts: texts and tables of rich,
+    printed in this order; code: exit code; folded: whether texts are wrapped to `text_width` even without a terminal.
     """
 
     data: Any = None
@@ -54,7 +54,7 @@ class OutputLost(Exception):
 
 @contextmanager
 def writing() -> Iterator[None]:
-    """Raise OutputLost for a failure to write to standard output, except for a pipe without reader."""
+    """Raise OutputLost if writing to standard output fails, except for a pipe whose reader has gone."""
     try:
         yield
     except BrokenPipeError:
@@ -71,10 +71,9 @@ def print_json(value: Any) -> None:
 
 
 def _show(parts: Iterable[Any], *, folded: bool) -> None:
-    """Print texts and tables, at the width of a terminal if there is one.
+    """Print texts and tables, as wide as the terminal if there is one.
 
-    Elsewhere texts are printed as they are unless ``folded``, and tables without rules, 160 columns wide or wider if a
-    word needs it.
+    Without a terminal, texts are wrapped only if ``folded``, and tables have no rules and at least 160 columns.
     """
     terminal = sys.stdout.isatty()
     for part in parts:
@@ -160,7 +159,7 @@ def _wrapped(line: str, width: int) -> str:
 
 
 def fitted(table: Table, width: int) -> list[Table]:
-    """Split a table of texts into tables no wider than ``width``, without cutting a number.
+    """Split a table of texts into tables that are no wider than ``width``, without cutting a number.
 
     Columns that do not fit go to a further table, which repeats the columns that identify a row.
     """
@@ -181,7 +180,7 @@ def fitted(table: Table, width: int) -> list[Table]:
 
 
 def unbroken(table: Table) -> int:
-    """Return the width at which no word is broken; columns that `fitted` may break are not wrapped, others at 40."""
+    """Return the table width at which no word is broken; columns that may be folded are not wrapped."""
     widths = []
     for column in table.columns:
         column.no_wrap = column.no_wrap or column.overflow == "fold"
@@ -191,13 +190,13 @@ def unbroken(table: Table) -> int:
 
 
 def _around(table: Table) -> int:
-    """Return the width that a column needs in addition to its text: padding and rule."""
+    """Return the width that a column needs besides its text, for padding and rule."""
     _, right, _, left = table.padding
     return int(left) + int(right) + (table.box is not None)
 
 
 def _limits(column: RichColumn, around: int) -> tuple[int, int]:
-    """Return the width of a column below which words are cut, and that at which no text is wrapped."""
+    """Return two widths of a column: below the first words are cut, from the second on no text is wrapped."""
     texts = [str(column.header), *map(str, column.cells)]
     natural = max(map(len, texts))
     least = natural if column.no_wrap else max((len(word) for text in texts for word in text.split()), default=0)
@@ -207,7 +206,7 @@ def _limits(column: RichColumn, around: int) -> tuple[int, int]:
 def _part(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
-    """Return some columns of a table, each wide enough for its words; the remaining width goes to the longest texts."""
+    """Return a table of some columns, each wide enough for its words; longest texts get the remaining width."""
     from rich.table import Table as Made
 
     wide = [limits[k][0] for k in columns]
@@ -222,12 +221,12 @@ def _part(
 
 
 def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
-    """Return texts as a table with title and rules, right-aligned but for the columns with the headings ``left``."""
+    """Return texts as a table with title and rules; columns are right-aligned unless their heading is in ``left``."""
     return _filled(headings, rows, left, title=title)
 
 
 def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
-    """Return texts as a table without rules and without wrapping, ``apart`` blanks between columns; see `ruled`."""
+    """Return texts as a table without rules or wrapping, with ``apart`` blanks between columns; see `ruled`."""
     out = _filled(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
     for column in out.columns:
         column.no_wrap = True
@@ -235,7 +234,7 @@ def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collecti
 
 
 def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
-    """Return rows as a table without rules, numbers right-aligned; columns without a value are dropped."""
+    """Return rows as a table without rules; numbers are right-aligned, columns without any value left out."""
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
     texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)

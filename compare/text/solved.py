@@ -50,10 +50,10 @@ ROUND_OFF = 1e-9
 def case_table(
     one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
-    """Return a solved scene for the terminal: status, warnings, answers, tables of sets and balls, expected errors, advice.
+    """Return a solved scene for the terminal: status, warnings, answers, tables, expected errors, advice.
 
     balls: also the table of every ball; details: also further quantities, balance, solver, assumptions and neglected
-    effects (always where there are no answers).
+    effects (always if there are no answers).
     """
     result, title = one.result, []
     above_all, measured = above(result.warnings), ""
@@ -90,7 +90,7 @@ def closing_lines(
     details: bool,
     notes: Sequence[str] = (),
 ) -> list[str]:
-    """Return warnings, then the details: balance, solver, notes, assumptions, neglected effects; or how to see them."""
+    """Return warnings, then balance, solver, notes, assumptions and neglected effects, or how to show them."""
     warned = [f"warning: {line}" for line in warnings]
     if not details:
         counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
@@ -100,7 +100,7 @@ def closing_lines(
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
-    """Return a line on the solver; only the time where nothing was solved. measured: text on the discretisation error."""
+    """Return the line on the solver, or only the time if nothing was solved; measured: discretisation error."""
     if not math.isfinite(s.residual):
         return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
     return [
@@ -110,7 +110,7 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
 
 
 def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
-    """Return a load curve for the terminal: lash, stiffness, points; details: also the assumptions."""
+    """Return a load curve for the terminal: lash, stiffness and points; details: also the assumptions."""
     x, y, z = curve.direction
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
@@ -139,7 +139,7 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
 
 
 def side_by_side_lines(found: SideBySide) -> list[Any]:
-    """Return a table of scenes for the terminal: a column each, with the difference from the first."""
+    """Return a table of scenes for the terminal, one column each, with differences from the first scene."""
     rows, of = [], quantities(Alternative)
     answers = [as_json(one) or {} for one in found.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
@@ -189,7 +189,7 @@ def _balance(e: Equilibrium, *, several: bool) -> list[str]:
 
 
 def _ball_tables(one: Solved) -> list[RenderableType]:
-    """Return a table of every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
+    """Return the table of every ball and that of each flank; loads have the digits that their error warrants."""
     result = one.result
     percent = None if one.expected is None else one.expected.percent
     error = None if percent is None else mean_load(result.load, nominal_contacts(one.scene, result)) * percent / 100.0
@@ -210,7 +210,7 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
-    """Return the 6 x 6 stiffness at a section as a table in N, m and rad."""
+    """Return lines and table of the 6 x 6 stiffness at a section, in N, m and rad."""
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
     rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
@@ -222,7 +222,7 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Return the tables of sets and housings and, if asked for, those of balls and rollers, and the stiffness."""
+    """Return the tables of sets and housings and, if asked for, of balls, rollers and the stiffness."""
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -236,7 +236,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
-    """Return balls by set and index, with the loaded flanks, and rollers."""
+    """Return the tables of all balls with their loaded flanks, and of all rollers."""
     out: list[RenderableType] = []
     rows = set_balls(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
@@ -296,7 +296,7 @@ def cases_table(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """Return load cases for the terminal: answers of all together, a table, then each case."""
+    """Return load cases for the terminal: results of all together, a table of the cases, then each case."""
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]
@@ -314,7 +314,7 @@ def cases_table(
 
 
 def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield a row on every case of `cases_json`."""
+    """Yield a table row for each load case of `cases_json`."""
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)

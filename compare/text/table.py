@@ -14,7 +14,7 @@ REASONS = 5
 
 
 def table_parts(found: Table) -> list[Any]:
-    """Return the table with quantities and expected errors, then the points without an answer, and why."""
+    """Return the table of quantities with expected errors, then how many points have no answer, and why."""
     return [*fitted(aligned(_rows(found)), text_width()), "", *_words(found)]
 
 
@@ -46,7 +46,7 @@ def _words(found: Table) -> Iterator[str]:
 
 
 def failure_words(found: Table) -> Iterator[str]:
-    """Yield why points have no answer: one sentence for each of the first reasons."""
+    """Yield a sentence for each of the first reasons why points have no answer."""
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further place')}" if places[1:] else ""

@@ -16,7 +16,7 @@ UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um"
 
 @dataclass(frozen=True)
 class Table:
-    """One file of a maker's table: ``head`` (maker, origin, class, number format, remarks), ``rows`` of texts by heading."""
+    """One file of a maker's table: ``head`` (maker, origin, class, number format, remarks) and ``rows`` of texts."""
 
     name: str
     head: Mapping[str, str]

@@ -47,7 +47,7 @@ ABOUT = (
 
 
 def parameters_figure() -> Figure:
-    """Draw Table 2-1 as curves (the source's Figure 2-8), with the errors of the table and of fits 2.18, 2.25, 2.26."""
+    """Draw Table 2-1 as curves (the source's Figure 2-8), with errors of the table and fits 2.18, 2.25, 2.26."""
     at = np.linspace(0.0, 0.9999, 200)
     exact = np.array([contact_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
@@ -100,7 +100,7 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def axis_panel(found: Sequence[Evidence]) -> Panel:
-    """Return the panel of axis stiffness over nut position, fixed-fixed and fixed-supported, with the sum in series."""
+    """Return the panel of axis stiffness over nut position, for both kinds of support, with the sum in series."""
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
     unit = 1e6 * bearings.POUND_PER_INCH

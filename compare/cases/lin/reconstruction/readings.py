@@ -321,7 +321,7 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
 
 
 def probability(errors: Array, falls: float, rises: float) -> float:
-    """Return the share of `drawn_errors` with at least so large a fall of the largest error and rise of the RMS [%]."""
+    """Return the share of `drawn_errors` whose largest error falls, and RMS rises, by at least given values [%]."""
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
 

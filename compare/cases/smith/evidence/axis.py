@@ -46,7 +46,7 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 
 @dataclass(frozen=True)
 class Layout:
-    """A layout of the axis: scene, description, kind of bearing, row directions at each end (none: end slides freely)."""
+    """A layout of the axis: scene, description, kind of bearing, row directions by end (none: the end slides)."""
 
     scene: str
     words: str
@@ -184,7 +184,7 @@ def _ends(tensile: float) -> dict[str, float]:
 
 
 def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the row loads [lbf] by the source's rule: half of stretch and load at each end, added to its rows."""
+    """Return the row loads [lbf] by the source's rule: half of stretch and load at each end, in full on every row."""
     loads = as_printed.shared_loads(preload, bearings.DIRECTIONS[kind][end], 0.5 * round(pull() / bearings.POUND, -1))
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0

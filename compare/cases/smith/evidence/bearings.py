@@ -374,7 +374,7 @@ def tangent_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
 
 
 def crowned_stiffness(pounds: float) -> float:
-    """Return the stiffness [lbf/in] at a thrust [lbf] with crowned rollers in slices, to test a crown as explanation."""
+    """Return the stiffness [lbf/in] at a thrust [lbf] with crowned rollers, which a crown could explain."""
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
