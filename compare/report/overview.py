@@ -87,7 +87,7 @@ def family_of(point: TimePoint) -> str:
 
 
 def off(point: TimePoint) -> float:
-    """Return the largest error of a model or mesh on a scene [% of mean load]; for the finest level its uncertainty."""
+    """Return the largest error of a point [% of the mean load]; for the finest level its grid uncertainty."""
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 

@@ -1,9 +1,10 @@
 """Section on validation uncertainty: error against u_val, bias and scatter of every model, and how often bounds held.
 
-Uncertainties of discretisation are tested by finer levels: every scene by its coarser levels and all other scenes. The
-experience (`compare.reference.grid_parts`) is derived again without the scene and scenes with its parts. Drawn screws
-(chosen and computed by ``tests/judging_levels.py``), and levels beyond those that are studied, are stored as loads only:
-they test, but are no reference.
+Discretisation uncertainties are tested by finer levels. The uncertainty of a scene follows from its coarser levels
+and from the experience with all other scenes (`compare.reference.grid_parts`); for the test this experience is
+derived again without the scene, and without scenes that share its parts. Drawn screws (chosen and computed by
+``tests/judging_levels.py``), and levels beyond those that are studied, are stored as loads only: they are used for
+tests, not as reference.
 """
 
 from __future__ import annotations

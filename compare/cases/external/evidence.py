@@ -100,9 +100,9 @@ def _motion(found: AxisResult, station: float, freedom: str) -> float:
 
 
 def masta(findings: Findings, study: Study) -> None:
-    """Compute the entries of a deep-groove bearing between rigid rings, the inner one free only along each load.
+    """Compute the entries of a deep-groove bearing between rigid rings, the inner ring free only along each load.
 
-    Displacement and life, which is proportional to the cube of the rating that MASTA is given.
+    The entries are displacements and lives; life is proportional to the cube of the load rating given to MASTA.
     """
     rated = input_in_SI("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -132,7 +132,7 @@ def harris(findings: Findings, study: Study) -> None:
 
 
 def half_zone(findings: Findings, study: Study) -> None:
-    """Compute the load zone of half the circumference, by a row of many balls and by the integrals."""
+    """Compute the entries of a load zone of half the circumference, by a row of many balls and by the integrals."""
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solved(study, name)[1]
         assert ring.balls is not None
@@ -263,7 +263,7 @@ def mean_of_phases(case: str) -> float:
 
 
 def loads(findings: Findings, study: Study) -> None:
-    """Compute mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
+    """Compute entries on mean forces, force and life of the halves of a preloaded nut, factors e, X, Y by angle."""
     for key, case in EXAMPLES.items():
         findings.number(key, mean_of_phases(case))
     findings.number("speed_rexroth", mean_speed("rexroth"))

@@ -1,9 +1,10 @@
 """Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
 
-Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases. Every case is
-solved here from the solver's start and from random ones; it must converge, balance power in and dissipation, and give the
-same result each time. The source's method is a root of the force balance under its sigmoid from random starts: for one ball
-at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
+The cases are single balls, pairs, chains, and bearings with clearance, varied far from the printed cases; further
+runs start around these. Every case is solved here from the solver's start and from random ones: each solution must
+converge, balance power input and dissipation, and agree with the first. The source's method finds a root of the force
+balance under its sigmoid friction law from random starts: for one ball at the loads of the same case, for several
+balls as ``lowfi.friction.as_source.screw`` does.
 """
 
 from __future__ import annotations
@@ -269,14 +270,14 @@ def ball_rows() -> list[Record]:
 
 @dataclass(frozen=True)
 class LinearCase:
-    """Balls of a linear bearing, all in reach: contact angles [rad] and loads [N], (N, 4)."""
+    """Linear bearing with balls close enough to touch each other: contact angles [rad] and loads [N], (N, 4)."""
 
     bearing: LinearBearing
     angles: Array
     loads: Array
 
     def chain(self) -> Chain:
-        """Return the balls prepared for the chain solver."""
+        """Return the balls as a chain, prepared for the solver."""
         return prepare(self.bearing, self.angles, self.loads)
 
 
@@ -312,20 +313,20 @@ def chain_group(
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearCase:
-    """Return a linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
+    """Return a pair of balls by theta [deg], side force ratio, load [N], friction coefficient and speed [m/s]."""
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
 def chain_state(count: int) -> tuple[Array, Array]:
-    """Return random contact angles [rad] and loads [N] of a linear chain, (N, 4), with deviations and side forces."""
+    """Return random contact angles [rad] and loads [N], (N, 4), of a linear chain under random side forces."""
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
 def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
-    """Return a linear chain with random deviations and side forces, all neighbours in reach; ``mu``: of all parts."""
+    """Return a linear chain with random angles and side forces; ``mu``: friction coefficient of all contacts."""
     return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *chain_state(count))
 
 
@@ -372,7 +373,7 @@ def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.
 
 
 def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
-    """Return loads [N] and contact angles [rad], (N, 4), and slack (N,) [rad/s] at random; the chain is open at its end."""
+    """Return random loads [N] and angles [rad], (N, 4), and slack (N,) [rad/s] of a chain with an open end."""
     g, rng = table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
@@ -381,13 +382,13 @@ def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_chain(count: int) -> ScrewChain:
-    """Return the chain of a screw with loads, angles and gaps at random, cut open at its end."""
+    """Return a screw's chain of balls with random loads, angles and slack, open at its end."""
     g, (force, angle, slack) = table_3_6(), screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
 def screw_chains() -> Record:
-    """Return chains of a screw of several sizes."""
+    """Solve chains of a screw of several sizes and return their record."""
     rng, tally = np.random.default_rng(4), Tally()
     for count in BALLS:
         tally.cases += 1
@@ -402,7 +403,7 @@ def screw_chains() -> Record:
 
 
 def bearing_clearance() -> Record:
-    """Return the whole four-point bearing of Table 4.2 with clearance: loads and motions."""
+    """Solve the whole four-point bearing of Table 4.2 for loads and motions with clearance; return the record."""
     tally = Tally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1

@@ -1,7 +1,7 @@
-"""Run times that stand beside those of Tables 2.2, 3.5 and 3.7, all of one measuring run.
+"""Run times shown next to those of Tables 2.2, 3.5 and 3.7, all from one measuring run.
 
-``rollbench bench --source lin --store FOLDER`` measures and keeps them. Cold is a new process with empty caches, its
-imports included; further is the next load case in that process.
+``rollbench bench --source lin --store FOLDER`` measures and stores them. Cold: a new process with empty caches,
+imports included. Further: the next load case in the same process.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ def liu_screw() -> Scene:
 
 @cache
 def balls() -> int:
-    """Return the number of its balls."""
+    """Return the number of balls of the screw."""
     return liu_screw().ball_count
 
 
@@ -98,7 +98,7 @@ def implied_area(balls_a_turn: float) -> float:
 
 
 def one_error(error: float) -> Array:
-    """Return errors [m] with that of ball 33 only."""
+    """Return ball errors [m] that are zero except for ball 33."""
     errors = np.zeros(balls())
     errors[32] = error
     return errors
@@ -112,7 +112,7 @@ def single_error_state(error_um: float, load: float, chain: Chain | None = None)
 
 @cache
 def drawn_ensemble(half_range_um: int) -> Ensemble:
-    """Return screws with errors within +-half_range [um], other draws for each range."""
+    """Return the screws drawn with errors within +-half_range [um]; each range has its own draws."""
     return solve_ensemble(screw(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um)
 
 
@@ -364,7 +364,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _curves(e: Findings) -> None:
-    """Compute the claims on the curves of displacement over load, on medians."""
+    """Compute the claims on the curves of displacement over load, by the medians of the drawn screws."""
     loads = np.array(LOADS[1])
     curve = np.array([[np.median(drawn_sample(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))

@@ -61,7 +61,7 @@ class Nut:
 
     @property
     def touching(self) -> float:
-        """Balls of a turn that touch."""
+        """Number of balls in one turn if they touch one another."""
         return float(2.0 * pi / touching_angle(0.5 * self.pitch, self.lead, self.ball))
 
     @property

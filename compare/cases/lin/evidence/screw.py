@@ -76,7 +76,7 @@ def stepped(amplitude: float) -> tuple[History, StepError | None]:
 
 @cache
 def as_stepped(amplitude: float) -> History:
-    """Return the run over the source's 200 steps, loads and motions at the start of each."""
+    """Return the run in the source's 200 steps, with loads and motions at the start of each step."""
     return equal_steps(source_cases.run_of(amplitude))
 
 
@@ -511,7 +511,7 @@ RUN = (
 
 
 def summary_row(label: str, value: str, r: History) -> Row:
-    """Return the row of the sensitivity table."""
+    """Return the row of one run in the sensitivity table."""
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
     at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None

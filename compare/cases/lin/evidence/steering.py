@@ -33,7 +33,7 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
     """Return the azimuths [rad] of the balls in a pattern of Figure 4.2; stacked balls touch one another.
 
-    For "on one side", the gap is at the same side in every turn.
+    For "stacked on one side", every turn has its gap opposite the x axis, at an azimuth of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS

@@ -1,9 +1,10 @@
-"""Lin's chapter 2 in the report, with Table B.1 and section 4.3.2, a function a section.
+"""Lin's chapter 2 in the report, with Table B.1 and section 4.3.2; each function makes one section.
 
-Case studies 1, 2, 3 of 2.4.1: load distributions, centreline, claims, readings of the right end, choices. Geometric errors
-of 2.4.2, alone and combined, random ones as ensembles with bands. Hertz constants as printed, with the source's faults
-repeated, and right. Pitch against roundness errors (4.3.2) on both screws, and how the claims depend on what is not
-printed. Two solvers, one set of equations: agreement, and the measured difference of the two kinematic forms.
+Case studies 1, 2 and 3 of 2.4.1: load distributions, centreline, claims, interpretations of the right end, modelling
+choices. Geometric errors of 2.4.2, alone and combined, with random errors as bands over drawn screws. Hertz constants
+as printed, with the source's faults repeated, and correct. Pitch against roundness errors (4.3.2) on two screws, and
+how the claims depend on inputs that are not printed. The agreement of two solvers of the same equations, and the
+measured difference between the two kinematic forms.
 """
 
 from __future__ import annotations

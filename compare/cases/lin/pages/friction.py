@@ -1,6 +1,6 @@
 """Page on Lin's friction: 3.2 and 3.3 (one ball of a rotary bearing, balls of a linear bearing), 3.4 and 4.3.
 
-The latter are two balls of a ball screw, a whole screw in time, and bearings in pairs.
+Sections 3.4 and 4.3 have two balls of a ball screw, a whole screw over time, and two bearings that are compared.
 """
 
 from __future__ import annotations

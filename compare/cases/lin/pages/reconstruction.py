@@ -1,4 +1,4 @@
-"""Page on the origin of the printed errors of 2.4.1: combined readings of what the text leaves open; other statements."""
+"""Page on the origin of the errors printed in 2.4.1: combined interpretations of the text, and other statements."""
 
 from __future__ import annotations
 

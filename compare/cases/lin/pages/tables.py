@@ -144,7 +144,7 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
 
 
 def error(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%], None without one of the two."""
+    """Return the error [%] of a value against a reference; None if either is missing."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 

@@ -1,32 +1,34 @@
-"""Readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model, with their runs.
+"""Interpretations of what section 2.4.1 leaves open, in the source's low-order and 3D models, with their runs.
 
-Two forces act on such a ball, so that they lie on the line through its two contacts. Nothing keeps it from rolling along
-the track: no friction acts that way. Across it, the ball may stand beside the line of the arcs' centres by e. Both normals
-then turn by phi = e/h against the line of the contacts, h the arc's radius less the ball's, and friction holds the ball
-while tan(phi) <= mu. With arcs of one radius the line of the contacts stays parallel to that of the arcs' centres, so that
-friction turns no force. It shifts both by the arc's radius times phi, and the ball fills the grooves as a ball does whose
-radius is larger by h phi^2/2 (`closure`).
+Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts
+along the track, so nothing keeps the ball from rolling along it. Across the track, the ball may stand at a distance e
+from the line of the arcs' centres. Both contact normals then turn by phi = e/h against the line through the contacts,
+with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal radius, the
+line through the contacts stays parallel to that of the arcs' centres, so friction turns no force. Both contacts shift
+by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h phi^2/2
+(`closure`).
 
-How far a ball stands beside its line follows from how it gets there. Rolling on both grooves, it goes half of the way that
-one surface goes past the other. So does the middle of the arcs' centres, but for the tilt of one groove against the other:
-phi = r tilt/(2 h), r the arc's radius (`tilt_that_slides`).
+How far a ball stands from its line depends on how it got there. A ball that rolls on both grooves moves by half of
+the relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove
+against the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_that_slides`).
 
-Where a model keeps its balls from turning, the grooves slide on them instead, and friction does turn the forces, by mu
+If a model keeps its balls from turning, the grooves slide on them, and friction does turn the forces, by mu
 (`rollbench.compare.cases.lin.reconstruction.solvers`).
 
-The text prints that contacts are those of an augmented Lagrangian, all else by default: that leaves a penetration, and so
-softer contacts, by a penalty that is not printed (`rollbench.compare.cases.lin.reconstruction.solvers`). Its natural
-size is E/h, h the size of the source's elements; it is computed from there on downwards.
+The text states that the contacts use an augmented Lagrangian, with all other settings by default. This leaves a
+penetration, and so softer contacts, by a penalty that is not printed
+(`rollbench.compare.cases.lin.reconstruction.solvers`). The natural size of the penalty is E/h, here with h the size
+of the source's elements; it is computed from this size downwards.
 
-Readings are combined in every way: largest over smallest load of both models, the errors, and the scatter of meshes. Six
-numbers are printed: the ratio, "about 1.34", of both models, and four errors of one against the other. Each combination
-is shown with what it misses of them; no tolerance decides which of them are met, and none is taken for what the source
-did. No model reads a printed number.
+Interpretations are combined in every way. Each combination gives the largest over the smallest load by both models,
+the errors, and the scatter of meshes. Six numbers are printed: the ratio "about 1.34" for both models, and four
+errors of one model against the other. Each combination is shown with its misses of these numbers; no tolerance
+decides which numbers are met, and no combination is taken for what the source did. No model reads a printed number.
 
-A contact of case 1 is meshed as the source says, by first-order tetrahedra of about 0.08 mm, with several sizes near
-that: each is another unstructured mesh. Its approach, with what it falls by with the size taken out, scatters by some share
-s. A ball's load then changes as by a closure of s times the approach at each of its contacts, and what a closure does is
-seen in case 2, whose ball 17 is 1 um too large in radius: closed by 1 um at both contacts.
+A contact of case 1 is meshed as the source says, by first-order tetrahedra of about 0.08 mm, and with several sizes
+near that, each giving another unstructured mesh. Its approach, without its trend over size, scatters by a share s. A
+ball's load then changes as under a closure of s times the approach at each of its contacts. Case 2 shows what a
+closure does: its ball 17 is too large by 1 um in radius, which closes both contacts by 1 um.
 """
 
 from __future__ import annotations
@@ -78,9 +80,10 @@ def tilt_that_slides(scene: Scene) -> float:
 
 
 def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
-    """Return the scene with balls as far from the lines of their arcs' centres as friction can hold them.
+    """Return the scene with balls as far from the line of their arcs' centres as friction can hold them.
 
-    ``balls``: numbers from 1; all unless given.
+    ``balls``: numbers of these balls, from 1; by default all. They are modelled by their effective oversize
+    (`closure`).
     """
     oversize, gap = dict(scene.errors.balls.listed), closure(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
@@ -297,7 +300,8 @@ def share_of_closure(solid: tuple[Array, ...]) -> float:
 def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
     """Return the largest and RMS error of case 1, then of case 2, with randomly scattered approaches, (DRAWN, 4) [%].
 
-    Of both flanks the screw's: a ball in two-point contact has one load. The two cases are meshed separately.
+    Only flank SL counts, since both contacts of a ball carry the same load. Each case has its own mesh, and so its
+    own scatter.
 
     Parameters
     ----------

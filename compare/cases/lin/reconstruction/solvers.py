@@ -1,8 +1,9 @@
-"""The 3D reference with contacts that a penalty presses apart: pressure in proportion to a penetration that is left.
+"""The 3D reference with penalty contacts, whose pressure is proportional to a penetration that remains.
 
-An augmented Lagrangian lowers the penetration only where it is beyond a tolerance. Below that it is a penalty: each pair of
-nodes has a spring k A in series, k the penalty [N/m3], A the area of its pressure hat. What the place on its grid does to a
-contact's approach is known where nothing penetrates, and left out: a mesh on which it is small is needed.
+An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty:
+each pair of nodes has a spring k A in series, with k the penalty [N/m3] and A the area of the pair's pressure hat.
+The effect of a contact's place on its grid is known only without penetration. It is left out here, so a mesh is
+needed on which it is small.
 """
 
 from __future__ import annotations
@@ -67,11 +68,12 @@ def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cac
 
 
 class Dragging(Case):
-    """A load case whose contacts slide across their grooves, with ``mu`` times their loads.
+    """A load case whose contacts slide across their grooves, with a friction of ``mu`` times their loads.
 
-    They resist an axial motion of the screw in the direction of its load (negative ``mu``: against it). The frictions of a
-    ball's two contacts balance. On a body, a force across a contact's load is taken as one through the arc's centre, which
-    normal forces on its nodes make; its moment about that centre, the arc's radius times mu times the load, is neglected.
+    The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
+    balances between the two contacts of a ball. On a body, a force across the contact's load is applied as a force
+    through the arc's centre, by normal forces on the contact's nodes; its moment about that centre, the arc's radius
+    times mu times the load, is neglected.
     """
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
