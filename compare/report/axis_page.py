@@ -22,7 +22,7 @@ from rollbench.reports.scene_page import ScenePage
 
 
 def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePage:
-    """Return the page of a solved shaft with several sets.
+    """Return the page of several solved sets on a shaft.
 
     Parameters
     ----------

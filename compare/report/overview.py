@@ -87,12 +87,12 @@ def family_of(point: TimePoint) -> str:
 
 
 def off(point: TimePoint) -> float:
-    """Return the largest error of a point [% of the mean load]; for the finest level its grid uncertainty."""
+    """Return the largest error of a point [% of the mean load]; of the finest level its grid uncertainty."""
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
 def by_gate(point: TimePoint) -> Largest:
-    """Return the largest error by the gate's rule; for the finest level its uncertainty."""
+    """Return the largest error as the gate takes it; of the finest level its grid uncertainty."""
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
@@ -190,7 +190,7 @@ def screw_panel(screws: Mapping[str, Array]) -> Panel:
 
 
 def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
-    """Draw the error over the time of a further solution with the geometry prepared."""
+    """Draw the error over the time of a further solution."""
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=True)
     return Figure("error-time-further", "Error against the time of a further solve", (panel,), TIMED, columns=1)
@@ -285,7 +285,7 @@ def answer(
 
 
 def passed_text(errors: Mapping[str, Array]) -> str:
-    """Return a sentence on how many screws pass the gate's `LIMIT` by each model; empty without errors.
+    """Return a sentence on the number of screws that pass the gate's `LIMIT`; empty without errors.
 
     Parameters
     ----------
@@ -305,7 +305,7 @@ def _range(bars: Sequence[float]) -> str:
 
 
 def drawn_words(drawn: int) -> str:
-    """Return a clause that says what the drawn screws are."""
+    """Return a sentence that describes the drawn screws."""
     return (
         f"{drawn} catalogue screws, drawn by one seed without redraws and compared on level 1 of the 3D reference (section "
         "survey); finer levels, run times and the gate are shown of the shipped scenes:"
@@ -484,14 +484,14 @@ def quantity_table(study: Study) -> Table:
 
 
 def gate_word(study: Study, rung: Rung) -> str:
-    """Return the gate's verdict, one word, on a model's loads on a scene at the default limit."""
+    """Return the gate's verdict on a model's loads on a scene, at its default limit."""
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
     return judge(rung.model, rung.result.load, reference, Limits())[0].word
 
 
 def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
-    """Draw computed load over reference load of every contact, both relative to the scene's mean load."""
+    """Draw computed over reference load for every contact of every scene, both over the scene's mean load."""
     series = []
     for model in KINDS:
         x, y, names = [], [], []

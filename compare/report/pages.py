@@ -58,7 +58,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Listed:
-    """One part of the report, which makes one section or several."""
+    """A part of the report: one section or several."""
 
     #: Name for ``--only``.
     name: str
@@ -129,7 +129,7 @@ SECTIONS = _with_cases()
 
 
 def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
-    """Return the pages in order from the sections by part; pages without a section are left out."""
+    """Return the pages, in order, from sections by name of their part; pages without a section are left out."""
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
         if part.name in by_name:
@@ -138,7 +138,7 @@ def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
 
 
 def conclusion(sections: Sequence[Section]) -> str:
-    """Return the first sentence of a page: its first section's conclusion, else the number of verdicts."""
+    """Return the first sentence of a page: the conclusion of its first section that has one, else a count of verdicts."""
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
         return text
@@ -200,7 +200,7 @@ def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tup
 
 
 def lacking(sections: Iterable[Section]) -> list[LeftOut]:
-    """Return what a report leaves out because 3D pictures cannot be drawn."""
+    """Return what a report leaves out because a package is not installed or 3D pictures cannot be drawn."""
     left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()

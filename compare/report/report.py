@@ -52,20 +52,20 @@ def provenance() -> dict[str, str]:
 
 
 class Progress:
-    """Progress lines of a report: section, step and time."""
+    """Lines of progress: section, step, and time."""
 
     def __init__(self, total: int, say: Step) -> None:
-        """Start the count of sections at zero out of ``total``; ``say`` is called with each line."""
+        """Start counting sections out of ``total``; ``say`` is called with the lines."""
         self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
     def section(self, name: str) -> None:
-        """Report that a section begins."""
+        """Announce a section."""
         self.count += 1
         self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
     def step(self, text: str) -> None:
-        """Report a step within the current section."""
+        """Announce a step of the section."""
         self.say(f"      {text}")
 
 
@@ -350,7 +350,7 @@ def make_report(
 
 
 def one_scene(names: Sequence[str], **given: Any) -> None:
-    """Raise InputError if no scene is given, or an argument for one scene is given with several."""
+    """Raise InputError without a scene, and if an argument for one scene is given with several."""
     if not names:
         raise ArgumentError("scene", "an empty list", "a name, a file, or several", "name a scene")
     for name, value in given.items():

@@ -140,7 +140,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
 def _page_of_scene(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
-    """Return the page of one scene or load case."""
+    """Return the page of one load case."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
     given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
@@ -193,7 +193,7 @@ class Against:
 
     @property
     def largest_error(self) -> str:
-        """Return the largest error as a clause of a sentence."""
+        """Return the largest error as a clause."""
         e = self.error
         return f"loads are off by up to {e.max_percent:.2f} % of their mean (ball {e.ball} {e.side})"
 
@@ -256,7 +256,7 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
 
 
 def _stiffness(answers: Answers, tangent: Tangent) -> Section:
-    """Return the section of axial rigidities, by formulas and by this model, and the tangent stiffness at the nut."""
+    """Return the section on rigidities by formulas and model, and the tangent stiffness at the nut."""
     three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",

@@ -120,7 +120,7 @@ def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mappin
 
 
 def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
-    """Return the table rows of all numbers, with a column for each scene or each of its load cases."""
+    """Return a row for each number, with a column for each scene or each of its load cases."""
     columns = {}
     for label, page in zip(labels, pages, strict=True):
         for one in page.results.get("cases", [page.results]):

@@ -120,7 +120,7 @@ def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
 
 
 def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw the histogram of largest errors, and the errors over the outermost ball's distance from a face."""
+    """Draw the histogram of the largest errors, and the errors over the distance of the outermost ball from a face."""
     found = {model: errors for model in MODELS if (errors := _errors(scenes, model)).size}
     every = np.concatenate([errors[:, 1] for errors in found.values()])
     edges = np.geomspace(0.999 * every.min(), 1.001 * every.max(), BINS + 1)
@@ -137,7 +137,7 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
 
 
 def _near(errors: Array) -> str:
-    """Return as text the median errors of screws whose outermost ball is near a face, and of the others."""
+    """Return the median errors of screws whose outermost ball is near a face, and of the others."""
     near = errors[:, 0] < NEAR
     return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 

@@ -30,7 +30,7 @@ Tables = Mapping[str, list[dict[str, str]]]
 
 
 def tables(report: Path) -> Tables:
-    """Return all tables of a report by name, read from its CSV files; raises InputError for another folder."""
+    """Return all tables of a report by name, from its CSV files; InputError for a folder that is no report."""
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
         advice = "reports are written by: rollbench report"
         raise ArgumentError("against", "no report", "the folder of a report", advice, str(report))
@@ -48,7 +48,7 @@ def tables(report: Path) -> Tables:
 def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
     """Yield a line for each difference between the tables of two reports.
 
-    Rows are matched by their text cells, else by position; measured seconds and memory are not compared.
+    Rows are matched by their texts, else by their position; measured seconds and memory are left out.
     """
     for name in dict.fromkeys((*old, *new)):
         if name not in old or name not in new:
@@ -107,7 +107,7 @@ def _cell(where: str, old: str | None, new: str | None) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Checked:
-    """One input or file of a page or report, with the hash in its manifest and the present one."""
+    """One input or file of a page or report with its stated and its present hash."""
 
     #: Name.
     name: str
@@ -125,7 +125,7 @@ class Checked:
 
     @property
     def line(self) -> str:
-        """Line for the terminal on this input or file."""
+        """Line for the terminal."""
         now = f", now {self.found[:16]}" if self.state == "changed" else ""
         return f"{self.state:8} {escaped(self.name)} {escaped(self.stated[:16])}{now}"
 
@@ -136,9 +136,9 @@ def folder_of(report: Path) -> Path:
 
 
 def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
-    """Yield every hash of a report's manifest with the present one: of its files and of its inputs.
+    """Yield every hash of a report's manifest with the one computed now, of its files and inputs.
 
-    Raises InputError for a damaged manifest.
+    InputError for a damaged manifest.
     """
     folder = folder_of(report)
     try:
@@ -154,7 +154,7 @@ def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
 
 
 def read(report: Path) -> tuple[str, dict[str, Any]]:
-    """Return the text and data blocks of a page (of a folder: its index page); raises InputError for another file."""
+    """Return text and data blocks of a page, or of the first one of a folder; InputError for another file."""
     path = report / "index.html" if report.is_dir() else report
     try:
         html = page_text(path)
@@ -192,9 +192,9 @@ def run_verify(report: Path, store: Path) -> Answer:
 def run_pages(
     scenes: Sequence[str], out: Path, store: Path, against: Path | None = None, reference: Path | None = None
 ) -> Answer:
-    """Write the page of a scene, or pages of several with a table, and list changes against an earlier page.
+    """Write the page of a scene, or of several with a table, and list changes against an earlier page of one scene.
 
-    Exit code 1 if a load case did not converge. Raises InputError as `make_pages` and `read` do.
+    Exit code 1 if a load case did not converge. InputError as `make_pages`, `read`.
     """
     before = None if against is None else read(against)[1]
     pages = make_pages(scenes, out, store, reference)

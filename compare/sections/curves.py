@@ -16,7 +16,7 @@ from rollbench.reports.content import Figure, Panel, Series
 
 
 def numbers(values: Array, factor: float = 1.0) -> list[float]:
-    """Return an array as plain numbers for a record, multiplied by a factor."""
+    """Return plain numbers for a record, times a factor."""
     return [factor * float(v) for v in values]
 
 
@@ -46,7 +46,7 @@ def lateral(
 
 
 def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
-    """Return a panel of contact load over ball number."""
+    """Return a panel for contact loads over the balls."""
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
@@ -59,7 +59,7 @@ def loads(
     emphasis: bool = False,
     bar: Array | None = None,
 ) -> Series:
-    """Return a curve of one flank's loads over ball number, with uncertainty ``bar`` (n, 4) [N]."""
+    """Return the curve of the loads of one flank over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
     ends = None if bar is None else (numbers(load - bar[:, side]), numbers(load + bar[:, side]))

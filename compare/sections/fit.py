@@ -58,7 +58,7 @@ NOT_FIT = (
 
 @dataclass(frozen=True)
 class Fit:
-    """Absolute errors of one model in one quantity, over all compared scenes."""
+    """Absolute errors of a model in one quantity."""
 
     #: Quantity, a key of ``NAMES``.
     key: str
@@ -95,7 +95,7 @@ class Fit:
 
 
 def fits(points: Sequence[Point]) -> list[Fit]:
-    """Return the errors of every model in every quantity over the compared scenes."""
+    """Return the errors of every model in every compared quantity."""
     found = []
     for model in dict.fromkeys(p.model for p in points):
         for key in NAMES:

@@ -59,7 +59,7 @@ TERMS = (
 
 
 def worked(study: Study) -> str:
-    """Return an explanation of one example row of a load table; empty without the reference."""
+    """Return an explanation of one row of a table of loads, word by word; empty without the reference."""
     found = study.reference(SCENE)
     if found is None:
         return ""
@@ -85,7 +85,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def assumptions(study: Study) -> list[dict[str, Cell]]:
-    """Return the table rows of the assumptions, with the scenes that make them."""
+    """Return the assumptions, with the scenes that make them."""
     by_text: dict[str, list[str]] = {}
     for name, scene in study.used.items():
         for sentence in scene.assumed:
@@ -103,7 +103,7 @@ def _why(f: Evidence) -> str:
 
 
 def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
-    """Return the rows of the printed entries that are contradicted or that the text does not determine."""
+    """Return the entries that are contradicted, and those that the text does not determine."""
     return [
         {
             Quantity("entry", "printed", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",

@@ -55,7 +55,7 @@ class Changed:
 
 
 def choices_of(study: Study, name: str) -> Iterator[Changed]:
-    """Yield the refined model as it is, then with each choice changed; nothing without a stored reference."""
+    """Yield the refined model unchanged and with every choice varied; nothing for a scene without a stored reference."""
     scene, reference = study.scene(name), study.reference(name)
     if reference is None:
         return

@@ -62,7 +62,7 @@ def panel_of(name: str, found: ContactPressure) -> PressurePanel:
 
 
 def profiles(found: dict[str, ContactPressure]) -> Figure:
-    """Draw the pressure along both node lines through the most loaded node, with Hertz's pressure."""
+    """Draw the pressure along both lines of nodes through the most loaded node, with Hertz's."""
     panels = []
     for name, one in found.items():
         assert one.shape is not None
@@ -97,7 +97,7 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
 
 
 def step_along(found: ContactPressure) -> float:
-    """Return the mean spacing [m] of the contact nodes along the groove."""
+    """Return the mean distance of the nodes along the groove [m]."""
     assert found.shape is not None
     return float(np.abs(np.diff(found.along.reshape(found.shape), axis=1)).mean())
 
@@ -146,7 +146,7 @@ BESIDE = 0.02e-3
 
 @dataclass(frozen=True)
 class Solved:
-    """A scene solved on the coarsest mesh to draw pictures of it."""
+    """A scene solved on the coarsest mesh, for pictures."""
 
     #: The scene.
     scene: Scene
@@ -177,7 +177,7 @@ class Stresses:
 
 
 def solve_pictured(study: Study, step: Step) -> Solved:
-    """Solve the pictured scene on the coarsest level with two flanks, and choose its most loaded ball."""
+    """Solve the scene on the coarsest level, with two flanks, and choose its most loaded ball."""
     from rollbench.hifi.fields import contact_forces
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
@@ -244,7 +244,7 @@ def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
 
 
 def mesh_overview(solved: Solved) -> FieldPicture:
-    """Return the picture of the coarse screw and half of the nut, with all fine patches in place."""
+    """Return the picture of coarse screw and half of the nut, with all fine patches in their sockets."""
     from rollbench.hifi.fields import groove_patch
     from rollbench.hifi.meshing.part_meshes import body_kind, rotation
 
@@ -280,7 +280,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
 
 
 def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
-    """Return all mesh parts around the ball, with mesh lines or coloured by equivalent stress [MPa]."""
+    """Return all pieces around the ball, with the mesh or coloured by the equivalent stress in MPa."""
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
         stress = MPA * piece.von_mises if values else None
@@ -393,7 +393,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
 
 
 def loaded(solved: Solved) -> LoadedScrew:
-    """Return the picture of all balls with their contact loads by the 3D reference."""
+    """Return the picture of the contact loads of the 3D reference on all balls."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
     ball = float(specimen(scene, layout).ball_radius.max())
@@ -435,7 +435,7 @@ def stress_caption(solved: Solved, found: Stresses) -> str:
 
 
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
-    """Return the pressure map of a ball's contacts, with the contact ellipses of Hertz."""
+    """Return the pressures of the contacts of a ball, with the ellipses of Hertz."""
     panels = tuple(panel_of(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
     return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)

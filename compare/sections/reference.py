@@ -95,7 +95,7 @@ LABELS = {
 def _error_row(
     named: tuple[str, str], e: LoadError | None, ratio: float, printed: str | None, bars: tuple[float | None, float | None]
 ) -> Row:
-    """Return a row of `error_table`; ``bars``: uncertainty by grid, and by modelling choices."""
+    """Return a row of `error_table`; ``bars``: uncertainty by grid and by modelling choices."""
     errors: Sequence[float | None] = (None,) * 4
     if e is not None:
         errors = e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent
@@ -200,7 +200,7 @@ def line_figure(study: Study, found: References) -> Figure:
 
 
 def gate_text(found: References, study: Study) -> str:
-    """Return a sentence on the contacts whose error exceeds the gate's limit."""
+    """Return a sentence on the contacts beyond the gate's limit, from the data."""
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
@@ -217,7 +217,7 @@ def gate_text(found: References, study: Study) -> str:
 
 
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
-    """Return the low-order error [%] of a contact against a reference with a rigid nut; None without such a run."""
+    """Return the low-order error of a contact against a reference whose nut is rigid too [%]; None without such a run."""
     run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None

@@ -36,7 +36,7 @@ def _changed(error: LoadError, form: str = ".2f") -> Row:
 
 
 def _refined(variant: str) -> bool:
-    """Return whether a variant of a run refines one numerical choice."""
+    """Return whether a variant refines a single numerical choice."""
     return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
 
@@ -153,7 +153,7 @@ def coverage_table(study: Study) -> Table | None:
 
 
 def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
-    """Return a row of `coverage_table` for one scene or a group of scenes."""
+    """Return a row of `coverage_table`, of one scene or of several."""
     row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
     for k in sorted({h.level for h in group}):

@@ -155,7 +155,7 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 
 def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
-    """Measure all models of scenes with a reference; ``levels``: also the reference's levels and first processes."""
+    """Measure all models of scenes with a reference now; ``levels``: also the reference and first processes."""
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
         for model, bodies in models_of(name, found, study):
@@ -174,7 +174,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
 
 
 def typed_now(step: Step) -> Kept:
-    """Measure the commands of `COMMANDS`, each started in an empty home directory."""
+    """Measure the commands of `COMMANDS` from an empty home now."""
     commands = []
     for command in COMMANDS:
         step(f"{command}, from an empty home")
@@ -197,12 +197,12 @@ def measuring_run(study: Study, step: Step) -> Kept | None:
 
 
 def compared_scenes(study: Study) -> dict[str, Reference]:
-    """Return the references of all compared scenes; in a quick study those of the case studies only."""
+    """Return the references of all scenes that have one; in a quick study of the case studies only."""
     return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
 
 
 def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
-    """Return the models that suit a scene, each with its file of condensed bodies if it takes one."""
+    """Return the models of a scene, each with the file of its condensed bodies, if it takes them."""
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
@@ -210,7 +210,7 @@ def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Pa
 
 
 def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
-    """Return the 3D reference runs of a scene: on the source's mesh if stored, then on its levels."""
+    """Return the runs of the 3D reference of a scene: on the source's mesh, if any, and on its levels."""
     source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 
@@ -247,7 +247,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
 
 
 def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
-    """Return the result of a model on a scene; for condensed bodies the ladder's result, if computed."""
+    """Return the result of a model on a scene; with condensed bodies that of the ladder if it was computed."""
     if bodies is None:
         return study.solve(name, model.name)
     for rung in study.computed.get((ladder,), ()):
@@ -403,7 +403,7 @@ def cost_tables(costs: Costs) -> list[Table]:
 
 
 def _dearest(level: ColdLevel) -> str:
-    """Return as text the stages that take most of a set-up's time."""
+    """Return the stages that take most of a set-up's time, in words."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -485,7 +485,7 @@ def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
 
 
 def when_measured(study: Study, step: Step) -> str:
-    """Return the conditions of the time measurement as text."""
+    """Return the conditions of the time measurement in words."""
     kept = study.once(measuring_run, step)
     return "No run times are kept." if kept is None else str(kept)
 

@@ -20,12 +20,12 @@ from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Ta
 
 
 def sketch_of(scene: Scene, name: str, title: str) -> Sketch:
-    """Return the sketch of a scene, with the inputs that it does not show as text."""
+    """Return the sketch of a scene, with the inputs that the drawing does not show."""
     return Sketch(name, title, scene, inputs(scene))
 
 
 def inputs(scene: Scene) -> str:
-    """Return as text the inputs of a scene that its sketch does not show."""
+    """Return the inputs that the drawing does not show, in words."""
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
     words = [
@@ -108,7 +108,7 @@ def _largest(judged: Mapping[str, Judged], model: str) -> str:
 
 
 def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
-    """Return the data sheet of a scene: heading with verdict, sketch with inputs, results."""
+    """Return one data sheet: heading and verdict, sketch with its inputs, results."""
     scene = study.scene(name)
     gate = verdicts(study, name, reference)
     words = (verdict(gate), trust(reference, judged[DEFAULT, CONTACTS]))
@@ -124,12 +124,12 @@ WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
-    """Return the gate's verdict on the contact loads of each model."""
+    """Return the gate's verdict on the loads of each model."""
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
 def verdict(found: Mapping[str, Verdict]) -> str:
-    """Return a sentence on the gate's verdict on each model, with the decisive contact."""
+    """Return a sentence on the gate's verdict on each model, with the contact that decides."""
     sentences = [
         f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
@@ -142,7 +142,7 @@ def _signed(value: float) -> str:
 
 
 def trust(reference: Reference, bounds: Validated) -> str:
-    """Return a sentence on the uncertainty of a data sheet's errors."""
+    """Return a sentence on the uncertainty of the errors of a data sheet."""
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))

@@ -68,7 +68,7 @@ class Layout:
 
     @property
     def digits(self) -> int:
-        """Number of significant digits that shows every printed number, at least five."""
+        """Number of significant digits that shows all printed ones; at least five."""
         texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
@@ -242,7 +242,7 @@ def _compared(layout: Layout, f: Evidence, why: str) -> Row:
 
 
 def _band(p: Printed) -> str:
-    """Return the ends and the origin of an entry's band as text; empty if it has no band."""
+    """Return ends and origin of a band in words; empty for another class."""
     return f"Band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
 
 
@@ -283,7 +283,7 @@ def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
 
 
 def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
-    """Yield for each printed table a table of how its numbers are computed: scenes, function, test, command."""
+    """Yield, for each printed table, how its numbers are computed: scenes, function, test, command."""
     for name in tables:
         one = computations()[name]
         places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_in_order))

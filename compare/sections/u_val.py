@@ -66,7 +66,7 @@ MANY = 40
 
 @dataclass(frozen=True)
 class Held:
-    """Result of testing the uncertainty of one level of one scene by a finer level."""
+    """Test of the uncertainty of one level of one scene by a finer level."""
 
     #: Name of the scene.
     scene: str
@@ -99,7 +99,7 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
 
 
 def levelled(study: Study) -> dict[str, dict[int, Array]]:
-    """Return the loads (n, 4) [N] by level of every compared scene with at least two levels, drawn scenes last."""
+    """Return the loads (n, 4) [N] by level of every compared scene with two levels or more, drawn ones last."""
     out, extra = {}, dict(judges(shipped_store())[0])
     for name in SHIPPED:
         runs = [run for k in LEVELS if (run := load_run(study.scene(name), k, stores=study.stores)) is not None]
@@ -123,7 +123,7 @@ def socket_scatter(study: Study) -> float | None:
 
 
 def experience(study: Study) -> Experience | None:
-    """Return the experience derived from all compared scenes; None if the store does not contain them."""
+    """Return the experience from all compared scenes of a store; None if it does not hold them."""
     loads, sockets = levelled(study), socket_scatter(study)
     return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
 

@@ -102,7 +102,7 @@ def _cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
 
 
 def shown_error(error: float | None) -> float | None:
-    """Return an error [%] for a table cell: None if infinite (printed zero), zero if it is round-off."""
+    """Return an error [%] for a cell: None if infinite (the printed number is zero), zero if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
     return error if abs(error) > ROUND_OFF else 0.0

@@ -99,7 +99,7 @@ def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -
 
 
 def production(found: Sequence[Level]) -> list[Level]:
-    """Return the runs on the production mesh, one for each contact job."""
+    """Return the runs on the production mesh, one for each contact."""
     return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
 
 
@@ -140,7 +140,7 @@ def mesh_row(one: Level) -> Row:
 
 
 def error_row(one: Level) -> Row:
-    """Return the row of a run in the table of errors."""
+    """Return a row of the table of errors."""
     counts: Row = {
         "unknowns": one.run.unknowns,
         Quantity("contact_nodes", "contact nodes", "", "s"): one.run.contact_nodes,

@@ -54,7 +54,7 @@ class OutputLost(Exception):
 
 @contextmanager
 def writing() -> Iterator[None]:
-    """Raise OutputLost if writing to standard output fails, except for a pipe whose reader has gone."""
+    """Raise OutputLost for a failure to write to standard output, except for a pipe without reader."""
     try:
         yield
     except BrokenPipeError:
@@ -71,9 +71,10 @@ def print_json(value: Any) -> None:
 
 
 def _show(parts: Iterable[Any], *, folded: bool) -> None:
-    """Print texts and tables, as wide as the terminal if there is one.
+    """Print texts and tables, at the width of a terminal if there is one.
 
-    Without a terminal, texts are wrapped only if ``folded``, and tables have no rules and at least 160 columns.
+    Elsewhere texts are printed as they are unless ``folded``, and tables without rules, 160 columns wide or wider if a
+    word needs it.
     """
     terminal = sys.stdout.isatty()
     for part in parts:
@@ -159,7 +160,7 @@ def _wrapped(line: str, width: int) -> str:
 
 
 def fitted(table: Table, width: int) -> list[Table]:
-    """Split a table of texts into tables that are no wider than ``width``, without cutting a number.
+    """Split a table of texts into tables no wider than ``width``, without cutting a number.
 
     Columns that do not fit go to a further table, which repeats the columns that identify a row.
     """
@@ -180,7 +181,7 @@ def fitted(table: Table, width: int) -> list[Table]:
 
 
 def unbroken(table: Table) -> int:
-    """Return the table width at which no word is broken; columns that may be folded are not wrapped."""
+    """Return the width at which no word is broken; columns that `fitted` may break are not wrapped, others at 40."""
     widths = []
     for column in table.columns:
         column.no_wrap = column.no_wrap or column.overflow == "fold"
@@ -190,7 +191,7 @@ def unbroken(table: Table) -> int:
 
 
 def _around(table: Table) -> int:
-    """Return the width that a column needs besides its text, for padding and rule."""
+    """Return the width that a column needs in addition to its text: padding and rule."""
     _, right, _, left = table.padding
     return int(left) + int(right) + (table.box is not None)
 
@@ -206,7 +207,7 @@ def _limits(column: RichColumn, around: int) -> tuple[int, int]:
 def _part(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
-    """Return a table of some columns, each wide enough for its words; longest texts get the remaining width."""
+    """Return some columns of a table, each wide enough for its words; the remaining width goes to the longest texts."""
     from rich.table import Table as Made
 
     wide = [limits[k][0] for k in columns]
@@ -221,12 +222,12 @@ def _part(
 
 
 def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
-    """Return texts as a table with title and rules; columns are right-aligned unless their heading is in ``left``."""
+    """Return texts as a table with title and rules, right-aligned but for the columns with the headings ``left``."""
     return _filled(headings, rows, left, title=title)
 
 
 def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
-    """Return texts as a table without rules or wrapping, with ``apart`` blanks between columns; see `ruled`."""
+    """Return texts as a table without rules and without wrapping, ``apart`` blanks between columns; see `ruled`."""
     out = _filled(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
     for column in out.columns:
         column.no_wrap = True
@@ -234,7 +235,7 @@ def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collecti
 
 
 def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
-    """Return rows as a table without rules; numbers are right-aligned, columns without any value left out."""
+    """Return rows as a table without rules, numbers right-aligned; columns without a value are dropped."""
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
     texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)

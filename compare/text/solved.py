@@ -50,10 +50,10 @@ ROUND_OFF = 1e-9
 def case_table(
     one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
-    """Return a solved scene for the terminal: status, warnings, answers, tables, expected errors, advice.
+    """Return a solved scene for the terminal: status, warnings, answers, tables of sets and balls, expected errors, advice.
 
     balls: also the table of every ball; details: also further quantities, balance, solver, assumptions and neglected
-    effects (always if there are no answers).
+    effects (always where there are no answers).
     """
     result, title = one.result, []
     above_all, measured = above(result.warnings), ""
@@ -90,7 +90,7 @@ def closing_lines(
     details: bool,
     notes: Sequence[str] = (),
 ) -> list[str]:
-    """Return warnings, then balance, solver, notes, assumptions and neglected effects, or how to show them."""
+    """Return warnings, then the details: balance, solver, notes, assumptions, neglected effects; or how to see them."""
     warned = [f"warning: {line}" for line in warnings]
     if not details:
         counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
@@ -100,7 +100,7 @@ def closing_lines(
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
-    """Return the line on the solver, or only the time if nothing was solved; measured: discretisation error."""
+    """Return a line on the solver; only the time where nothing was solved. measured: text on the discretisation error."""
     if not math.isfinite(s.residual):
         return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
     return [
@@ -110,7 +110,7 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
 
 
 def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
-    """Return a load curve for the terminal: lash, stiffness and points; details: also the assumptions."""
+    """Return a load curve for the terminal: lash, stiffness, points; details: also the assumptions."""
     x, y, z = curve.direction
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
@@ -139,7 +139,7 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
 
 
 def side_by_side_lines(found: SideBySide) -> list[Any]:
-    """Return a table of scenes for the terminal, one column each, with differences from the first scene."""
+    """Return a table of scenes for the terminal: a column each, with the difference from the first."""
     rows, of = [], quantities(Alternative)
     answers = [as_json(one) or {} for one in found.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
@@ -222,7 +222,7 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Return the tables of sets and housings and, if asked for, of balls, rollers and the stiffness."""
+    """Return the tables of sets and housings and, if asked for, those of balls and rollers, and the stiffness."""
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -296,7 +296,7 @@ def cases_table(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """Return load cases for the terminal: results of all together, a table of the cases, then each case."""
+    """Return load cases for the terminal: answers of all together, a table, then each case."""
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]

@@ -46,7 +46,7 @@ def _words(found: Table) -> Iterator[str]:
 
 
 def failure_words(found: Table) -> Iterator[str]:
-    """Yield a sentence for each of the first reasons why points have no answer."""
+    """Yield why points have no answer: one sentence for each of the first reasons."""
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further place')}" if places[1:] else ""

@@ -61,9 +61,9 @@ def assumptions() -> dict[str, tuple[str, ...]]:
 
 
 def assembly(name: str) -> Assembly:
-    """Return the shipped scene ``external-NAME``, which has rolling sets on a shaft.
+    """Return a shipped scene ``external-NAME`` with sets on a shaft.
 
-    Raises AssertionError for a scene of another kind.
+    Raises AssertionError where it is another kind.
     """
     found = catalogue.shipped(PREFIX + name)
     if not isinstance(found, Assembly):
@@ -72,9 +72,9 @@ def assembly(name: str) -> Assembly:
 
 
 def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
-    """Solve the shipped scene ``external-NAME``, which has one rolling set between rigid rings.
+    """Solve a shipped scene ``external-NAME`` with one rolling set between rigid rings.
 
-    Returns the result of the shaft and that of its set.
+    Returns the result, and that of its set.
     """
     result = study.once(_solved, name)
     return result, result.sets[0]
@@ -132,7 +132,7 @@ def harris(findings: Findings, study: Study) -> None:
 
 
 def half_zone(findings: Findings, study: Study) -> None:
-    """Compute the entries of a load zone of half the circumference, by a row of many balls and by the integrals."""
+    """Compute the load zone of half the circumference, by a row of many balls and by the integrals."""
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solved(study, name)[1]
         assert ring.balls is not None
@@ -148,7 +148,7 @@ def half_zone(findings: Findings, study: Study) -> None:
 
 
 def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
-    """Return the bearing of a catalogue row (pitch diameter [mm], ball diameter [mm], number of balls, ...)."""
+    """Return the bearing of a catalogue row (pitch diameter mm, ball diameter mm, number of balls)."""
     d_m, d_w, balls = row[:3]
     angle, young = input_in_SI(case, "contact_angle", "angle"), input_in_SI(case, "youngs_modulus", "pressure")
     poisson = float(inputs()[case]["poissons_ratio"])
@@ -333,7 +333,7 @@ def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
 
 
 def _hertz(case: str) -> tuple[float, HertzConstants]:
-    """Return the load [N] and the Hertz constants of an example of CONTACT."""
+    """Return the load [N] and Hertz's constants of an example."""
     load, radii, young, poisson = _example(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
@@ -501,7 +501,7 @@ def double_over_single(study: Study) -> float:
 
 
 def _drag(study: Study, findings: Findings) -> None:
-    """Compute the preload drag torque by the maker's formula, and from the sliding of the balls in both nuts."""
+    """Compute the preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
     case = inputs()["thk"]
     preload, lead, mu = (
         input_in_SI("thk", "preload", "force"),

@@ -56,7 +56,7 @@ COLUMNS = (
 
 
 def fixations(scene: Scene) -> dict[str, Scene]:
-    """Return copies of the scene, by name of the surfaces at which the nut is fixed; the left face comes first."""
+    """Return copies of the scene with its nut fixed at different surfaces, by name; its left face first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
     seat = 0.5 * outer, 0.5 * RIM * outer
@@ -230,7 +230,7 @@ def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: s
 
 
 def flanged_words() -> str:
-    """Return a sentence on the default model's errors for randomly drawn nuts that are fixed at a flange."""
+    """Return a sentence on the errors of the default model for drawn nuts fixed at flanges."""
     nuts = [p for p in surveyed_points() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
         return "No drawn nut held by a flange was compared with the 3D reference."

@@ -151,7 +151,7 @@ def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
-    """Return `AT_REST` of the most loaded contact of two balls of a screw by the static reference."""
+    """Return `AT_REST` of the most loaded contact of two balls of a screw; cells: grid of the static reference."""
     at, load, material = _most_loaded()
     return _read(verification.static_reference(at, load, *material, cells))
 

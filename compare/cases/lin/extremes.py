@@ -182,7 +182,7 @@ def _drive_power(problem: Problem, wrench: Array) -> float:
 
 
 def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
-    """Solve one ball by least dissipation and by the source's root finding, from random starts; count both."""
+    """Solve a ball by least dissipation and by the source's root finding from random starts up to ``off`` away."""
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
@@ -277,7 +277,7 @@ class LinearCase:
     loads: Array
 
     def chain(self) -> Chain:
-        """Return the balls as a chain, prepared for the solver."""
+        """Return the balls prepared for the chain solver."""
         return prepare(self.bearing, self.angles, self.loads)
 
 
@@ -313,13 +313,13 @@ def chain_group(
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearCase:
-    """Return a pair of balls by theta [deg], side force ratio, load [N], friction coefficient and speed [m/s]."""
+    """Return a linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
 def chain_state(count: int) -> tuple[Array, Array]:
-    """Return random contact angles [rad] and loads [N], (N, 4), of a linear chain under random side forces."""
+    """Return random contact angles [rad] and loads [N] of a linear chain, (N, 4), with deviations and side forces."""
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
@@ -476,7 +476,7 @@ ROOT_STARTS = 8
 
 
 def pair_extremes() -> list[tuple[str, list[Chain]]]:
-    """Return groups of extreme linear pairs, each prepared as a chain for the solver."""
+    """Return groups of extreme linear pairs, each a chain ready to solve."""
 
     def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
@@ -557,7 +557,7 @@ COLUMNS = (
 
 
 def by_model(tried: Sequence[Record]) -> str:
-    """Return a text on how many starts the source's root finding solves, by model, the worst first."""
+    """Return the number of starts that the source's root finding solves, by model, the worst first."""
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))

@@ -38,7 +38,7 @@ class Compared:
     refined: Array
 
     def off(self, model: Array) -> tuple[float, float, int]:
-        """Return RMS and largest difference of a model from the chain [% of mean load], and the ball at largest."""
+        """Return RMS and largest difference of a model from the chain [% of the mean load], and the ball of the largest."""
         change = error_percent(model, self.axial, float(model.mean()))
         ball = int(np.abs(change).argmax())
         return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
@@ -59,7 +59,7 @@ def same_screw(scene: Scene) -> Row:
 
 
 def compare_models(study: Study) -> tuple[Compared, ...]:
-    """Compare the models without errors, with one ball too small or large, and for drawn screws, at both loads."""
+    """Compare the models without errors, with one ball too small or too large, and drawn screws, under both loads."""
     scene = study.scene(SCENE)
     chain = same_screw(scene).chain
     drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.balls(), HALF_RANGE)
@@ -116,7 +116,7 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
 
 
 def axial_loads(scene: Scene) -> Array:
-    """Return the loads (78, 4) [N] by the axial chain on a scene of the screw, equal at both contacts of a ball."""
+    """Return the loads (78, 4) [N] of the axial chain on a scene of the screw, equal at both contacts of a ball."""
     row, load = same_screw(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load

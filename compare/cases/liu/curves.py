@@ -81,7 +81,7 @@ def _free_of_errors(force: float) -> tuple[float, float]:
 
 
 def deformation() -> Figure:
-    """Draw Figure 11: contact deformation of every ball with errors of +-2 um under three loads."""
+    """Draw Figure 11: approach of every ball with errors of +-2 um under three loads."""
     errors, panels = _errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _load(errors, force)

@@ -92,7 +92,7 @@ def screw(law: Law = "implicit") -> Chain:
 
 
 def implied_area(balls_a_turn: float) -> float:
-    """Return the area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that follows from the calibration."""
+    """Return the area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that the calibration implies."""
     scene = liu_screw()
     return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * screw().compliance)
 
@@ -122,7 +122,7 @@ def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
 
 
 def place_in(values: Array, printed: float, half_digit: float) -> tuple[Percentile, str]:
-    """Return the percentile of a printed number in a sample, and a text that states it."""
+    """Return the percentile of a printed number in a sample, and the sentence that states it."""
     p = percentile(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = f"percentile {p.middle:.1f} ± {p.error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
@@ -199,7 +199,7 @@ def mei() -> Chain:
 
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Return the largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's and over its own loads."""
+    """Return the largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
     load = solve_chain(chain, errors, calibration_load()).load
     mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
@@ -298,7 +298,7 @@ SETS = "abc"
 
 
 def sample_of(key: str) -> Array:
-    """Return the drawn sample for an entry with key quantity_range_load, in its printed unit."""
+    """Return the sample behind an entry named quantity_range_load, in its printed unit."""
     name, which, load = key.removesuffix("_again").split("_")
     values = drawn_sample(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
@@ -324,7 +324,7 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
 
 
 def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Return whether an event is likely enough, and its probability as text."""
+    """Return whether an event is likely enough, and its probability in words."""
     p = float(np.mean(mask))
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 

@@ -34,7 +34,7 @@ TORQUE = 4.0 / 3.0
 
 @cache
 def over_pair(name: str) -> tuple[float, float, float]:
-    """Return preload, tangent rigidity and starting torque of a bearing set over those of a pair."""
+    """Return preload, tangent rigidity and starting torque of a set, relative to those of a pair of the same bearings."""
     one = PointRow()
 
     def totals_of(name: str) -> Array:
@@ -95,7 +95,7 @@ def _ring() -> Scene:
 
 
 def ring(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
-    """Return one ball row as a scene; diameters of ball and pitch circle [m], contact angle [rad]."""
+    """Return a row of balls as a scene, from diameters of ball and pitch circle [m], contact angle [rad] and conformity."""
     one = _ring()
     groove = conformity * ball
     return replace(
@@ -114,7 +114,7 @@ FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
 
 @cache
 def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
-    """Return C/(Z^(2/3) D^1.8) and C_0/(Z D^2) [N, m] by ISO 281 and ISO 76, as functions of D/d_m."""
+    """Return C over Z^(2/3) D^1.8 and C_0 over Z D^2 [N, m] by ISO 281 and ISO 76, over D/d_m."""
     rings = [ring(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
     dynamic = [rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
@@ -123,7 +123,7 @@ def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
 
 
 def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
-    """Return number (not rounded) and diameter [m] of the balls of a row from its ratings C and C_0 [N].
+    """Return number (a fraction) and diameter [m] of the balls of a row whose ratings are C and C_0 [N].
 
     By ISO 281 and ISO 76, with pitch diameter [m] and contact angle [rad].
     """

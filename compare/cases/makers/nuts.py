@@ -92,7 +92,7 @@ def of_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, floa
 
 
 def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
-    """Return the axial displacement [m] of a nut without preload: equal ball loads, nut and screw as thick tubes."""
+    """Return the axial displacement of a nut without preload [m]: equal balls, nut and screw as thick tubes."""
     one = one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, slope_of(one)
     each = load / (filling * nut.touching * nut.turns * slope)
@@ -104,10 +104,9 @@ def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bo
 
 
 def turns_printed(row: Mapping[str, str]) -> tuple[float, bool]:
-    """Return the total turns of a catalogue row, and whether each circuit has one turn.
+    """Return the turns of all circuits of a row, and whether each circuit has one turn.
 
-    Notations: ``4`` of ``T4`` or ``K4``; ``2x2.5``, whose sign may be lost; circuits and turns in two columns;
-    ``1,2x4`` for several starts.
+    ``4`` of ``T4`` or ``K4``, ``2x2.5`` whose sign may be lost, circuits and turns separately, ``1,2x4`` of several starts.
     """
     circuits, turns = row["circuits"], row["turns"].replace(",", ".")
     if "of the name" in turns:
@@ -311,7 +310,7 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class Drag:
-    """Drag torque of one size, divided by preload and nominal diameter."""
+    """Drag torque over preload times nominal diameter, of one size."""
 
     diameter: float
     lead: float
@@ -332,7 +331,7 @@ def size(lead: float) -> Nut:
 
 
 def sweep() -> list[Drag]:
-    """Return the computed drag torque of a nut over the lead, with balls and preload unchanged."""
+    """Return the computed torque of a nut over the lead, with the balls and the preload unchanged."""
     rows = []
     for lead in SWEPT[1]:
         nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]
@@ -343,7 +342,7 @@ def sweep() -> list[Drag]:
 
 
 def power_exponent(values: list[float], over: list[float]) -> float:
-    """Return the exponent of the power law fitted to values."""
+    """Return the exponent of a power law through values."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
 

@@ -153,7 +153,7 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
 def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Return number, bias and scatter of the outside values, by quantity."""
+    """Return the number of outside values, bias and scatter, by quantity."""
     rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 

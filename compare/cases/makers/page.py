@@ -31,7 +31,7 @@ LAWS = (
 
 
 def outside_values(study: Study) -> tuple[outside.Outside, ...]:
-    """Return all outside values, sorted by quantity."""
+    """Return every outside value, by quantity."""
     return study.once(_computed)
 
 
@@ -78,7 +78,7 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
 
 
 def clearances(found: Sequence[outside.Outside]) -> str:
-    """Return a text on how NSK defines clearances and rigidities, as inferred from computed values."""
+    """Return a text on how NSK defines clearances and rigidities, as far as computed values show it."""
     stiff = _of(found, "rigidity", "bearing whose angle turns")
     off = _clearances_off(found)
     return (
@@ -113,7 +113,7 @@ def why_softer(found: Sequence[outside.Outside]) -> str:
 
 
 def balls_counted(found: Sequence[outside.Outside]) -> str:
-    """Return a text on the number of loaded balls that the makers' load ratings imply."""
+    """Return the number of loaded balls that the ratings imply."""
     shares = dict[str, list[tuple[float, float]]]()
     for source in tables("nuts-"):
         for row in source.rows:
@@ -139,7 +139,7 @@ def balls_counted(found: Sequence[outside.Outside]) -> str:
 
 
 def drag(found: Sequence[outside.Outside]) -> str:
-    """Return a text on the makers' drag-torque formulas against sliding balls and measured screws."""
+    """Return a text on the makers' drag formulas, compared with sliding balls and with measured screws."""
     rows = nuts.sweep()
     leads = [r.lead for r in rows]
     sliding = [nuts.power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]

@@ -131,7 +131,7 @@ def figure(found: Sequence[Evidence]) -> Figure:
 
 
 def loads_figure(found: Sequence[Evidence]) -> Figure:
-    """Draw the row loads of 4.2 from end to end: printed, and by equilibrium."""
+    """Draw loads of the rows of 4.2 from end to end: printed, by equilibrium."""
     panels = []
     for kind, words in (("ball", "ball bearings"), ("taper", "tapered roller bearings")):
         series, names = [], []

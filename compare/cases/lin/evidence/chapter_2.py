@@ -249,7 +249,7 @@ class Choice:
 
 
 def choices(study: Study) -> list[Choice]:
-    """Return case 1 under every choice that the source leaves open, and with its faults; the first is the default."""
+    """Return case 1 under every choice that the source leaves open, and under its faults; the first is the default."""
     base = study.solve("lin-case1")
     case = study.scene("lin-case1")
     small = with_groove(case, TABLE_CONFORMITY)

@@ -252,7 +252,7 @@ def table_3_5(findings: Findings, study: Study) -> None:
 
 
 def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
-    """Return b/a, and a over the ball's radius at a Hertz pressure [Pa], for a ball in a straight groove."""
+    """Return the ratio b/a, and a over the ball's radius at the Hertz pressure [Pa], of a ball in a straight groove."""
     h = hertz_constants(
         np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
     )

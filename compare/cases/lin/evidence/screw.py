@@ -69,7 +69,7 @@ def screw_run(amplitude: float) -> History:
 
 @cache
 def stepped(amplitude: float) -> tuple[History, StepError | None]:
-    """Return the run with as many steps as keep its error below ``STEP_GOAL``, and this error."""
+    """Return the run with as many steps as keep their error below ``STEP_GOAL``, and that error."""
     run = source_cases.run_of(amplitude)
     return resolved(run, run.duration, None, STEP_GOAL)
 
@@ -186,12 +186,12 @@ def _both(as_text: float, oversized: float) -> str:
 
 
 def settled(r: History) -> Array:
-    """Return the groove torque [N m] without the first step, whose loads are computed without friction."""
+    """Return the torque of the grooves [N m] after the first step, whose loads are computed without friction."""
     return r.groove_torque[1:]
 
 
 def variation(r: History) -> float:
-    """Return the range of the groove torque over its mean, from the second step on."""
+    """Return the largest less smallest torque of the grooves over its mean, from the second step on."""
     torque = settled(r)
     return float(np.ptp(torque) / torque.mean())
 
@@ -204,7 +204,7 @@ def engages_again(r: History) -> bool:
 
 
 def steps_in_words(amplitude: float) -> str:
-    """Return a clause on the run's number of steps and error, and the result with the source's number of steps."""
+    """Return a sentence on the steps of the run: number, error, and the result with the source's number of steps."""
     (found, error), base = stepped(amplitude), as_stepped(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
     few = 100.0 * summarise(base).largest
@@ -330,7 +330,7 @@ OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0
 
 
 def oversize_text() -> str:
-    """Return the inferred oversize as text."""
+    """Return the inferred oversize in words."""
     return f"{1e6 * source_cases.inferred_oversize():g} µm"
 
 
@@ -396,7 +396,7 @@ def reading_rows() -> list[Row]:
 
 
 def implied_contact_load() -> float:
-    """Return the contact load [N] per ball that printed force and printed increase of case a imply together."""
+    """Return the contact load [N] of a ball that the printed force and increase of case a imply together."""
     force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
     return implied_load(source_cases.inferred(radians(THETA["a"])), force, 1e-2 * increase)
 

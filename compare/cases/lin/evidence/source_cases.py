@@ -39,7 +39,7 @@ def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
 
 
 def k_f() -> float:
-    """Return the slope of the friction force over c/a that the source took from its Figure 3.11 for its formulas."""
+    """Return the slope of the friction force over c/a that the source read off its Figure 3.11 for its formulas."""
     return value_of("lin-G", "k_f")
 
 

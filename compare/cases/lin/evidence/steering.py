@@ -109,7 +109,7 @@ def peak_to_peak(test: LoadCurve) -> float:
 
 
 def difference(values: list[float]) -> float:
-    """Return (largest - smallest) / smallest [%] over the patterns, as fits the printed axial value best."""
+    """Return (largest - smallest) / smallest [%] over the patterns: the definition that fits the printed axial one best."""
     return float(error_percent(max(values), min(values)))
 
 
@@ -162,13 +162,13 @@ def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResu
 
 
 def largest_loads(result: AxisResult) -> tuple[float, float]:
-    """Return the largest contact load [N] of the ball screw and that of the bearing."""
+    """Return the largest contact loads [N] of ball screw and bearing."""
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
 
 
 def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
-    """Return the largest load at 18 deg over that at 0 deg, of ball screw and bearing; opposed: see `at_angle`."""
+    """Return the largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
     low, high = largest_loads(at_angle(gear, 0.0)), largest_loads(at_angle(gear, 18.0, opposed=opposed))
     return high[0] / low[0], high[1] / low[1]
 
@@ -292,7 +292,7 @@ def lash_map(scene: Scene) -> Iterator[LashPoint]:
 
 @dataclass(frozen=True)
 class RatioPoint:
-    """Layout of the steering gear, with the largest load at 18 deg over that at 0 deg of ball screw and bearing."""
+    """Layout of the steering gear, and largest loads at 18 deg over those at 0 deg of ball screw and bearing."""
 
     pinion: float
     hold: str
@@ -303,7 +303,7 @@ class RatioPoint:
 
 
 def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
-    """Return the gear with another pinion station [m], pinion restraint, and bearing offset from the nut [m]."""
+    """Return the gear with another station of its pinion [m], restraint, and offset of its bearing from the nut [m]."""
     (support,) = gear.supports
     held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
     sets = []

@@ -316,7 +316,7 @@ def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
 
 
 def plain_ratio(case: str, coupling: Coupling) -> float:
-    """Return the force of a pair without oversize at ``LOAD``, over the printed force."""
+    """Return the force of a pair without oversize at ``LOAD`` over the printed one."""
     m = screw.pair_map(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
     return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
@@ -357,7 +357,7 @@ def map_figure() -> Figure:
 
 
 def onset_of(found: TorqueCurve) -> float:
-    """Return the first load angle [deg] at which any ball has more than two loaded contacts."""
+    """Return the first load angle [deg] at which a ball takes more than two contacts."""
     return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
 
 

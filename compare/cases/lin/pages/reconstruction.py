@@ -200,7 +200,7 @@ def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
 
 
 def conclusion(found: list[combined.Combined]) -> str:
-    """Return the conclusion as text: the printed error is not identified; range of computed ones, nearest misses."""
+    """Return the conclusion: the printed error is not identified; its values by every combination, and the nearest."""
     errors = [c.errors["own"][0] for c in found if not c.against_text]
     missed = float(np.sqrt(np.mean(combined.nearest(found).misses ** 2)))
     return (
@@ -245,7 +245,7 @@ def _given(c: combined.Combined) -> str:
 
 
 def _fallen(c: combined.Combined) -> float:
-    """Return the fall of the largest error from case 1 to case 2 [% of the printed fall]."""
+    """Return the fall of the largest error from case 1 to case 2, per cent of the printed one."""
     return 100.0 * fall_and_rise(c.errors["own"])[0] / fall_and_rise(combined.printed_errors())[0]
 
 
@@ -255,7 +255,7 @@ def _span(values: Sequence[float], digits: int = 2) -> str:
 
 
 def penalty_paragraph(study: Study) -> str:
-    """Return the paragraph on penetration by the printed contact formulation, computed penalties, and mesh effect."""
+    """Return a paragraph on penetration by the printed kind of contact, the computed penalties, and the mesh."""
     soft = [(r, combined.penalty_share(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
@@ -275,7 +275,7 @@ def penalty_paragraph(study: Study) -> str:
 
 
 def scatter_paragraph(study: Study, found: list[combined.Combined]) -> str:
-    """Return the paragraph on the mesh scatter needed by the combination that is nearest in the ratio."""
+    """Return a paragraph on the scatter of the mesh that the combination nearest in the ratio would need."""
     falls, rises = fall_and_rise(combined.printed_errors())
     best = combined.nearest(combined.without_penalty(found), 2)
     loads = combined.low_loads(study, best.low), combined.solid_loads(study, best.solid)
@@ -344,7 +344,7 @@ def missed_table(found: list[combined.Combined]) -> Table:
 
 
 def _six(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Return the table cells of both ratios and the four errors."""
+    """Return cells of both ratios and four errors."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
         Quantity("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
@@ -408,7 +408,7 @@ def _row(c: combined.Combined) -> Row:
 
 
 def figure(found: list[combined.Combined]) -> Figure:
-    """Draw the ratios of all combinations, and their errors in both cases, with the printed values."""
+    """Draw ratios of all combinations, and their errors in both cases with the printed ones."""
     shown, aim = [*combined.explanations(found).values()], combined.printed_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()

@@ -86,7 +86,7 @@ def _ordered(found: steering.Lash) -> str:
 
 
 def rack_figure(points: list[steering.RatioPoint]) -> Figure:
-    """Draw the load ratios over pinion station by layout, with the printed ones, and the largest loads over angle."""
+    """Draw ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
     gear = rack()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):

@@ -304,7 +304,7 @@ def mesh_figure(study: Study) -> Figure:
 
 
 def answers_rows(study: Study) -> Iterator[Row]:
-    """Yield the rows of loads and errors of the case studies, by the 3D reference and by each model."""
+    """Yield loads and errors of the case studies, as ``rollbench compare`` prints them."""
     for k, name in STATIC.items():
         found = study.reference(name)
         if found is None:

@@ -325,7 +325,7 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
 
 
 def probability(errors: Array, falls: float, rises: float) -> float:
-    """Return the share of `drawn_errors` whose largest error falls, and RMS rises, by at least given values [%]."""
+    """Return the share of `drawn_errors` whose largest error falls, and whose RMS rises, by given values or more [%]."""
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
 
@@ -372,7 +372,7 @@ def printed_ratio() -> float:
 
 
 def ratio(load: Array) -> float:
-    """Return the largest over the smallest load on flank SL."""
+    """Return the largest over smallest load of SL."""
     return float(load[:, 0].max() / load[:, 0].min())
 
 

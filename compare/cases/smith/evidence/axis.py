@@ -169,7 +169,7 @@ def pull() -> float:
 
 @cache
 def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> SetState:
-    """Return the equilibrium of an end's bearings under "preload", "stretch", or with the load "applied"."""
+    """Return the equilibrium of the bearings of an end under "preload", "stretch", or with the load "applied"."""
     rows = bearings.bearing_set(kind, end, preload)
     if state == "preload":
         return equilibrium(rows)
@@ -178,7 +178,7 @@ def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD
 
 
 def _ends(tensile: float) -> dict[str, float]:
-    """Return the thrust [N] of each end with the load of 4.2 on the nut at mid-length, towards the left end."""
+    """Return the thrust [N] of either end with the load of 4.2 on the nut in the middle, towards the left end."""
     left, right = support_loads(bearings.axis(), 0.5 * bearings.axis().length, -bearings.APPLIED, tensile)
     return {"left": left, "right": right}
 

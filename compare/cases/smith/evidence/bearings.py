@@ -374,7 +374,7 @@ def tangent_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
 
 
 def crowned_stiffness(pounds: float) -> float:
-    """Return the stiffness [lbf/in] at a thrust [lbf] with crowned rollers, which a crown could explain."""
+    """Return the stiffness [lbf/in] at a thrust [lbf] with sliced, crowned rollers, as a possible explanation."""
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
@@ -392,7 +392,7 @@ def sheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
 
 
 def rounding_range() -> tuple[float, float]:
-    """Return the range of the deflection as printed [in] over all roundings of the printed inputs."""
+    """Return the least and greatest deflection [in] as printed over all roundings of the printed inputs."""
     b = taper_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
