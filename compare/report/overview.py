@@ -107,6 +107,7 @@ def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
 
 
 def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+    """Return errors and times of one model or mesh over its scenes."""
     first = group[0][1]
     errors = [off(p) for _, p in group]
     k = int(np.argmax(errors))
@@ -211,6 +212,7 @@ def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
 def _time_panel(
     points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
 ) -> Panel:
+    """Return the panel of gate error over time: every scene, medians by family, and the Pareto front of medians."""
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
@@ -251,6 +253,7 @@ def _time_panel(
 
 
 def _shown(point: TimePoint, family: str) -> bool:
+    """Return whether a point is drawn: converged, with an error, and of the family."""
     return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
 
 
@@ -298,6 +301,7 @@ def passed_text(errors: Mapping[str, Array]) -> str:
 
 
 def _range(bars: Sequence[float]) -> str:
+    """Return the range of uncertainties as text."""
     if not bars:
         return "unknown (one mesh level only)"
     low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"

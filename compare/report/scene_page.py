@@ -341,6 +341,7 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
 
 
 def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
+    """Return the provenance of the page, with that of the references."""
     out = provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(

@@ -61,6 +61,7 @@ def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
 
 
 def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iterator[str]:
+    """Yield a line for each difference between two tables."""
     before, after = _keyed(old), _keyed(new)
     if before.keys() != after.keys() and len(old) == len(new):
         before, after = ({f"row {k + 1}": row for k, row in enumerate(rows)} for rows in (old, new))
@@ -91,6 +92,7 @@ def _parsed(text: str) -> float | None:
 
 
 def _cell(where: str, old: str | None, new: str | None) -> Iterator[str]:
+    """Yield a line if two cells differ by more than round-off."""
     if old == new:
         return
     if old is None or new is None:

@@ -116,6 +116,7 @@ def conclusion(found: Sequence[Fit]) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
+    """Return names as a list in a sentence."""
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 

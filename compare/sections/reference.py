@@ -47,6 +47,7 @@ def modelling(study: Study) -> dict[str, Modelling]:
 
 
 def _modelling(study: Study) -> dict[str, Modelling]:
+    """Compute the modelling uncertainty for `modelling`."""
     scenes = [study.scene(name) for name in VARIED]
     found = {scene.name: combined(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}

@@ -102,6 +102,7 @@ def conclusion(judged: Mapping[str, Judged]) -> str:
 
 
 def _largest(judged: Mapping[str, Judged], model: str) -> str:
+    """Return the largest contact-load error of a model as text, with its scene."""
     errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % in {model} ({name})"

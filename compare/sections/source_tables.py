@@ -80,6 +80,7 @@ def layouts(case: Case) -> list[Layout]:
 
 
 def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
+    """Return a layout from its tables in ``layout.toml``; raises InputError for an unknown entry."""
     rows = []
     for label, *keys in one["rows"]:
         names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
@@ -151,6 +152,7 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
 
 
 def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
+    """Return the units of the printed numbers among some entries."""
     return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
@@ -224,6 +226,7 @@ def compared(
 
 
 def _compared(layout: Layout, f: Evidence, why: str) -> Row:
+    """Return the row of one result: printed, computed, and errors."""
     p, form = f.printed, f"g{layout.digits}"
     values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
     off = {key: _off(value, p.value) for key, value in values.items()}
@@ -247,12 +250,14 @@ def _band(p: Printed) -> str:
 
 
 def _off(value: float | None, reference: float | None) -> float | None:
+    """Return the error [%] of a value; None without one of the two, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
     return shown_error(float(error_percent(value, reference)))
 
 
 def _round_off(value: float | None) -> float | None:
+    """Return zero for round-off, else the value."""
     return 0.0 if value is not None and abs(value) < 1e-9 else value
 
 

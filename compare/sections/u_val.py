@@ -154,6 +154,7 @@ def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
 
 
 def _coverage(study: Study) -> list[Held]:
+    """Test every scene by its first level, its first two levels, and so on."""
     return _judged(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
 
 
@@ -173,6 +174,7 @@ def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -
 def _held(
     scene: Scene, levels: tuple[int, ...], scenes: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
 ) -> Held:
+    """Test one scene's uncertainty by its finest level, with experience from the other scenes."""
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}

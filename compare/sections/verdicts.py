@@ -62,6 +62,7 @@ def printed_table(
 
 
 def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
+    """Return the columns of `printed_table` that its entries need."""
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
     wanted = (

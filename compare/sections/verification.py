@@ -109,6 +109,7 @@ def verdict(found: Sequence[Level]) -> list[str]:
 
 
 def _met(one: Level) -> str:
+    """Return a sentence on whether a run meets the targets."""
     missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
     parts = [
         f"{name} {one.errors[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
@@ -121,6 +122,7 @@ def _met(one: Level) -> str:
 
 
 def _source_errors(one: Level) -> str:
+    """Return a sentence on the errors of the source's mesh."""
     return (
         f"Job {one.run.job} on first-order tetrahedra of the source's size ({one.run.b_over_h:.1f} across the short "
         f"semi-axis): approach {one.errors['approach']:+.1f} %, semi-axes {one.errors['semi-axes']:+.1f} %, "

@@ -148,6 +148,7 @@ def wrapped(text: str, width: int) -> str:
 
 
 def _wrapped(line: str, width: int) -> str:
+    """Return one line wrapped at words, for `wrapped`."""
     if len(line) <= width:
         return line
     label = re.match(r" *\S+  +(?=\S)", line)
@@ -243,6 +244,7 @@ def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str |
 
 
 def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
+    """Return a table with headings and rows; ``look``: further arguments of the table of rich."""
     from rich.table import Table as Made
 
     out = Made(title_justify="left", **look)

@@ -175,6 +175,7 @@ def _sized(value: Any) -> str:
 
 
 def _balance(e: Equilibrium, *, several: bool) -> list[str]:
+    """Return lines on the residuals of force and moment balance."""
     sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
@@ -260,6 +261,7 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
 
 
 def _stiffness_lines(result: AxisResult) -> list[str]:
+    """Return lines on the stiffness of the whole shaft, with other freedoms fixed or free."""
     if result.stiffness is None:
         return []
     d = np.diag(result.stiffness)

@@ -81,6 +81,7 @@ def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
 
 
 def _solved(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
+    """Solve a shipped scene for `solved`; raises AssertionError if it does not converge."""
     result = run_model(assembly(name), "lin")
     if not result.converged:
         raise AssertionError(f"{PREFIX}{name}: {result.status}")

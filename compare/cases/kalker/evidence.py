@@ -51,6 +51,7 @@ def coefficients() -> tuple[Coefficient, ...]:
 
 
 def _solved() -> Iterator[Coefficient]:
+    """Yield each coefficient: its values by grid, and the extrapolated one if they converge from one side."""
     for ratio, shapes in GRIDS.items():
         cells = np.array([1.0 / s[1] for s in shapes])
         for poisson in POISSON:
@@ -157,12 +158,14 @@ def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
 
 
 def _most_loaded() -> tuple[Place, float, tuple[float, float]]:
+    """Return place, load [N] and elastic constants of the most loaded contact of a screw's two balls."""
     scene = case_of(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
     return place_of(scene, touch)[0], touch.load, (scene.young, scene.poisson)
 
 
 def _at_rest() -> Iterator[Proof]:
+    """Yield the tests of a contact at rest against the static reference's patch."""
     at, load, material = _most_loaded()
     exact = resting()
     found = [_read(verification.at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
@@ -172,10 +175,12 @@ def _at_rest() -> Iterator[Proof]:
 
 
 def _read(one: verification.Pressed) -> tuple[float, ...]:
+    """Return approach [um], semi-axes [um] and peak pressure [MPa] of a pressed contact."""
     return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
 
 
 def _elements() -> Iterator[Proof]:
+    """Yield the tests of finite elements under uniform traction against the half space."""
     load, radii, young, poisson = GROOVE
     at = Place(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
@@ -187,6 +192,7 @@ def _elements() -> Iterator[Proof]:
 
 
 def _rubbing() -> Iterator[Proof]:
+    """Yield the tests of friction between two balls over a patch against friction at one point."""
     choices = Choices((12, 16))
     scene = case_of(case(LINEAR, KindScene), choices).touching
     found = solve_rolling(scene, choices)
@@ -198,6 +204,7 @@ def _rubbing() -> Iterator[Proof]:
 
 
 def _carter() -> Iterator[Proof]:
+    """Yield the tests against Carter's solution: force, and half width of the stick zone."""
     for share in (0.1, 0.25, 0.5, 0.75, 0.9):
         found = [verification.carter(n, share) for n in (41, 61, 82)]
         for k, name in enumerate(("force over mu P", "half width of stick over a")):
@@ -211,6 +218,7 @@ def _carter() -> Iterator[Proof]:
 
 
 def _mindlin() -> Iterator[Proof]:
+    """Yield the tests against Cattaneo and Mindlin: force and stick radius, on half spaces and finite balls."""
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
             found = [verification.mindlin(n, share, balls=balls) for n in (14, 20, 28)]
@@ -220,6 +228,7 @@ def _mindlin() -> Iterator[Proof]:
 
 
 def _full_slip() -> Iterator[Proof]:
+    """Yield the tests under full slip: by quadrature, by the grid, and by differences as runs are evaluated."""
     for where, creep in SLIPS.items():
         exact = _wrench(*verification.slip_everywhere(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
@@ -241,10 +250,12 @@ def _full_slip() -> Iterator[Proof]:
 
 
 def _wrench(force: Array, moment: float) -> tuple[float, float]:
+    """Return a tangential force [N] and a moment [N mm] from a force vector [N] and a moment [N m]."""
     return float(force[0]), 1e3 * moment
 
 
 def _stiff(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
+    """Return force [N] and moment [N mm] of steady rolling with the elastic response scaled by ``share``."""
     found = verification.steady(patch, creep, MU, elastic=share)
     return _wrench(found.force, found.moment)
 
@@ -257,6 +268,7 @@ def _differenced(patch: Patch, creep: verification.Creep, limits: list[tuple[flo
 
 
 def _kalker() -> Iterator[Proof]:
+    """Yield the tests against Kalker's printed creep coefficients."""
     for one in coefficients():
         name, ratio, poisson = one.key.split("_")
         value = value_of("kalker-E3", one.key)

@@ -83,6 +83,7 @@ def fields() -> tuple[PatchField, ...]:
 
 
 def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
+    """Return the fields of one contact, the axis across the groove first; slip relative to the rolling speed."""
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene)
     along, across = hertz_size(scene, touch)
@@ -201,11 +202,13 @@ def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) ->
 
 
 def _change(row: RollingRow) -> float | None:
+    """Return the change [%] of a quantity by finite bodies; None where it means nothing."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
 
 def _beside(row: RollingRow) -> Row:
+    """Return the table row of a quantity by rigid bodies, half spaces and finite bodies."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -261,6 +264,7 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
 
 
 def _conclusion(found: dict[str, list[RollingRow]]) -> str:
+    """Return a sentence on the low-order error of the force between two balls; empty without a stored run."""
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
         return ""
@@ -322,6 +326,7 @@ def _proof(p: Proof) -> Row:
 
 
 def _compared(row: RollingRow) -> Row:
+    """Return the table row of a quantity by the low-order and the 3D model."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -342,12 +347,14 @@ def _compared(row: RollingRow) -> Row:
 
 
 def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
+    """Return the stored runs of a scene of rolling, the one with the source's cell size first."""
     scene = shipped_case(name, KindScene)
     found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 
 
 def _grid_rows(stores: Sequence[Path]) -> list[Row]:
+    """Return the table rows of all stored runs: grid, value, effect of elasticity, processor time."""
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _runs(name, stores)]
     common = most_of(run.measured for _, run in every)
@@ -371,6 +378,7 @@ def _grid_rows(stores: Sequence[Path]) -> list[Row]:
 
 
 def _rest(s: Series) -> Row:
+    """Return the table row of a run from rest."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
         Quantity("steps", "steps", "", "d"): s.steps,

@@ -73,6 +73,7 @@ def compare_models(study: Study) -> tuple[Compared, ...]:
 
 
 def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array, load: float) -> Compared:
+    """Compare the models on one screw under one load."""
     changed = with_errors(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
     return Compared(name, load, solve_chain(chain, errors, load).load, beam, refined)

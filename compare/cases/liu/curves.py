@@ -44,6 +44,7 @@ def _errors(half_range: int, number: int = 0) -> Array:
 
 
 def _over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
+    """Return values over the ball number as a line."""
     return Series(label, list(range(1, liu.balls() + 1)), [float(v) for v in values], "line", emphasis=emphasis)
 
 
@@ -57,6 +58,7 @@ def _printed(x: Sequence[float], y: Sequence[float], label: str = "printed") -> 
 
 @cache
 def _ensemble(half_range: int) -> Ensemble:
+    """Return the drawn screws of an error range, solved under all loads of the test."""
     return solve_ensemble(liu.screw(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range)
 
 
@@ -71,6 +73,7 @@ def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[floa
 
 
 def _without(value: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
+    """Return a quantity without errors over the load as a line."""
     return Series("no errors", list(loads), [value(f) for f in loads], "line")
 
 
@@ -246,6 +249,7 @@ def displacement() -> Figure:
 
 
 def _printed_stiffness(found: dict[str, float], which: int | str, label: str) -> Series:
+    """Return the printed stiffness values of one error range as markers over the load."""
     keys = [k for k in found if k.startswith(f"K_{which}_")]
     return _printed([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
 

@@ -85,6 +85,7 @@ def sets() -> Iterator[Outside]:
 
 @cache
 def _ring() -> Scene:
+    """Return the shipped bearing scene with the elastic constants used for all bearings."""
     found = catalogue.shipped("bearing-9")
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
@@ -142,6 +143,7 @@ def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple
 
 
 def _middle(row: Mapping[str, str]) -> float:
+    """Return the mean of bore and outside diameter of a catalogue row [m]."""
     return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
 
 

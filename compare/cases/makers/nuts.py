@@ -44,6 +44,7 @@ LIFT = 2.0**1.5
 
 @cache
 def _base() -> Scene:
+    """Return the shipped scene of a ball screw that all nuts are made from."""
     found = catalogue.shipped("unseen-40x10")
     assert isinstance(found, Scene)
     return found

@@ -36,6 +36,7 @@ def outside_values(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def _computed(study: Study) -> tuple[outside.Outside, ...]:
+    """Compute all outside values, sorted by quantity."""
     found = [*outside.printed_elsewhere(study), *outside.calculix(study), *(x for law in LAWS for x in law())]
     rank = {name: k for k, name in enumerate(ORDER)}
     return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
@@ -47,6 +48,7 @@ def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
 
 
 def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = "") -> outside.Standing:
+    """Return bias and scatter of one quantity; law and maker are given by how their names begin."""
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
     result = outside.bias_and_scatter(values)
     assert result is not None

@@ -315,6 +315,7 @@ def _given_errors(study: Study, findings: Findings) -> None:
 
 
 def _single_errors(study: Study, findings: Findings) -> None:
+    """Compute the claims on profile errors and on pitch errors, each alone."""
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_of(load[:, 0] > 0)}, SR {count_of(load[:, 1] > 0)} loaded"
@@ -333,6 +334,7 @@ def _single_errors(study: Study, findings: Findings) -> None:
 
 
 def _drawn_errors(study: Study, findings: Findings) -> None:
+    """Compute the claims on randomly drawn errors, from the stored study."""
     base = study.solve("lin-case1").load
     random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([two_point(load) for load in random])
@@ -403,6 +405,7 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _claims(study: Study, findings: Findings, screw: str) -> None:
+    """Compute the claims of 4.3.2 on one screw."""
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
     findings.claim(

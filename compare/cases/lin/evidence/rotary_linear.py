@@ -163,6 +163,7 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _worst_case(findings: Findings) -> None:
+    """Compute the entry of the worst case: loss between the balls over the loss without contact."""
     worst = pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.free.loss))
     findings.number(
@@ -174,6 +175,7 @@ def _worst_case(findings: Findings) -> None:
 
 
 def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
+    """Compute the claims on the maps of force and losses."""
     difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))

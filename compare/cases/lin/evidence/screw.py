@@ -153,6 +153,7 @@ def table_3_7(findings: Findings, study: Study) -> None:
 
 
 def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
+    """Compute force and increase of one case of Table 3.7."""
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = pair(case, "plain"), pair(case, "inferred")
     implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
@@ -182,6 +183,7 @@ def _ansys_of_3_7(findings: Findings, study: Study, case: str) -> None:
 
 
 def _both(as_text: float, oversized: float) -> str:
+    """Return a text with the values of the plain and the inferred interpretation."""
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 
@@ -297,6 +299,7 @@ def section_4_3(findings: Findings, study: Study) -> None:
 
 
 def _bearings(findings: Findings) -> None:
+    """Compute the entries of 4.3.1: torque over load angle of both bearings."""
     four, double = curve("4P", True), curve("DR", True)
     ratios = torque_ratio_up_to(four, 18.0), torque_ratio_up_to(double, 18.0), torque_ratio_up_to(curve("DR", False), 18.0)
     at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])

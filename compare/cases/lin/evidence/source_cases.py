@@ -68,6 +68,7 @@ def inferred(theta: float | None = None) -> Pair:
 
 
 def _with_theta(pair: Pair, theta: float | None) -> Pair:
+    """Return the pair with its second theta replaced, unless ``theta`` is None."""
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 

@@ -94,6 +94,7 @@ def conical(scene: Scene, direction: float, reach: float, loads: str = ENDS, hel
 
 
 def _test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
+    """Return the load curve of a test with some freedoms of the left end fixed."""
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
     return load_curve(scene, read_course(course), "lin", Options(engine="compiled"))
 
@@ -196,6 +197,7 @@ def section_4_2(findings: Findings, study: Study) -> None:
 
 
 def _lash(findings: Findings, study: Study) -> None:
+    """Compute the entries of the lash tests."""
     found = lash(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
@@ -205,6 +207,7 @@ def _lash(findings: Findings, study: Study) -> None:
 
 
 def _sizing(findings: Findings) -> None:
+    """Compute the entries of the sizing of ball screw and bearing."""
     gear = rack()
     results = [at_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_loads(r) for r in results])
@@ -357,6 +360,7 @@ def _changed(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> 
 
 
 def _oversize(scene: Scene, excess: float) -> Scene:
+    """Return the scene with all ball radii larger by an excess [m]."""
     return replace(scene, errors=Errors(balls=BallErrors(oversize=excess)))
 
 
@@ -364,10 +368,12 @@ Parts = TypeVar("Parts", Scene, Assembly)
 
 
 def _thick(scene: Parts, diameter: float) -> Parts:
+    """Return the scene with another outer diameter of its screw [m]."""
     return replace(scene, screw=replace(scene.screw, outer_diameter=diameter))
 
 
 def _turned(scene: Scene, angle: float) -> Scene:
+    """Return the scene with its balls moved on by an angle [deg]."""
     azimuths = tuple(a + float(np.radians(angle)) for a in scene.balls.azimuths)
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 

@@ -466,6 +466,7 @@ def introduction(pairs: Table, runs: Table) -> Text:
 
 
 def _of_the_pair(pairs: Table) -> str:
+    """Return the paragraph on the pair of Table 3.7."""
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
@@ -485,6 +486,7 @@ def _of_the_pair(pairs: Table) -> str:
 
 
 def _of_the_run(runs: Table) -> str:
+    """Return the paragraph on the whole run of 3.4.4."""
     cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))

@@ -57,6 +57,7 @@ def other_table(study: Study) -> Table:
 
 
 def _statement(place: str, printed: str, computed: str, verdict: str) -> Row:
+    """Return the row of one statement of the source."""
     return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
@@ -191,6 +192,7 @@ def names(readings: Combination) -> str:
 
 
 def _four(values: Sequence[float]) -> str:
+    """Return the four errors as text."""
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
@@ -403,6 +405,7 @@ def combination_table(found: list[combined.Combined]) -> Table:
 
 
 def _row(c: combined.Combined) -> Row:
+    """Return the table row of a combination: its keys, ratios and errors."""
     row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
     return row | _cells(c)
 

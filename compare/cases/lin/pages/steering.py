@@ -57,6 +57,7 @@ def lash_figure(scene: Scene) -> Figure:
 
 
 def _series(name: str, test: LoadCurve) -> Series:
+    """Return the displacement [um] over the load of a test as a curve."""
     known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 

@@ -248,6 +248,7 @@ def load_figure(study: Study) -> Figure:
 
 
 def _ratio_mark(study: Study) -> list[Series]:
+    """Return loads by Mei's model, and the printed ratio as a line."""
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
     mei = loads("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
@@ -255,6 +256,7 @@ def _ratio_mark(study: Study) -> list[Series]:
 
 
 def _ball_17(study: Study) -> list[Series]:
+    """Return the mark of the printed increase at ball 17."""
     load = study.solve("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 

@@ -403,6 +403,7 @@ def solid_loads(study: Study, readings: Combination, level: int | None = None) -
 
 
 def _runs(study: Study, readings: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001 - for `Study.once`
+    """Return the stored runs of both cases; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
         raise LookupError(f"no run of {key_of(readings)}: python -m {__package__}")

@@ -112,6 +112,7 @@ def by_scene(study: Study, layout: Layout, place: float) -> Ends:
 
 
 def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG001 - kept by the study
+    """Solve a layout's scene with the load at a place; raises AssertionError if it does not converge."""
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{layout.scene} is an axis")

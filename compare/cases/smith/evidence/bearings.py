@@ -409,6 +409,7 @@ def taper_sheet_tangent(pounds: float) -> float:
 
 
 def _sheet(e: Findings) -> None:
+    """Compute the cells of figure 3-6: inputs, load zone, deflection."""
     b = taper_bearing()
     e.numbers(
         {
@@ -453,11 +454,13 @@ def _sheet(e: Findings) -> None:
 
 
 def _ball_growth() -> float:
+    """Return the growth [%] of the ball bearing's stiffness over the tested loads."""
     low, high = (float(state(f * POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
 
 def _contacts(e: Findings) -> None:
+    """Compute the contact entries of the tapered roller bearing."""
     b, c = taper_bearing(), contacts()
     p = as_printed.taper_contact(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
@@ -484,6 +487,7 @@ def _contacts(e: Findings) -> None:
 
 
 def _torque(e: Findings) -> None:
+    """Compute tested stiffness and torque of the tapered roller bearing."""
     load = TAPER_TORQUE_LOAD / POUND
     middle = tangent_stiffness(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
