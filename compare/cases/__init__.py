@@ -1,1 +1,1 @@
-"""A folder a case, as `rollbench.compare.case` describes it."""
+"""Cases of the comparison, one folder each; `rollbench.compare.case` describes their contents."""

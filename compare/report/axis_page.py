@@ -92,7 +92,7 @@ def verdict(result: AxisResult, answers: AxisAnswers) -> str:
 
 
 def _sets(one: SolvedAxis) -> list[Table]:
-    """Table of the sets; stiffness of the whole."""
+    """Return the table of the sets and, if computed, that of the stiffness of the whole shaft."""
     result = one.result
     rows: list[Row] = [
         {Quantity(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
@@ -111,7 +111,7 @@ def _sets(one: SolvedAxis) -> list[Table]:
 
 
 def _contacts(result: AxisResult) -> Iterator[Table]:
-    """Every loaded contact of balls, and every roller."""
+    """Yield the tables of every loaded ball contact and of every roller."""
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
         {

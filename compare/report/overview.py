@@ -48,9 +48,9 @@ NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
 
 @dataclass(frozen=True)
 class Standing:
-    """Errors and time of a model or mesh over the shipped scenes.
+    """Errors and run time of one model or mesh over the shipped scenes.
 
-    The error of a level that is itself the finest is its grid uncertainty.
+    The finest level has its grid uncertainty as error.
     """
 
     #: Short name.
@@ -80,7 +80,7 @@ class Standing:
 
 
 def family_of(point: TimePoint) -> str:
-    """Return the family of a model or mesh."""
+    """Return the family of a model; all 3D meshes are one family."""
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
@@ -97,7 +97,7 @@ def by_gate(point: TimePoint) -> Largest:
 
 
 def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
-    """Return every model and mesh over its scenes, from the largest median error to the smallest."""
+    """Return errors and times of every model and mesh over its scenes, largest median error first."""
     found: dict[str, list[tuple[str, TimePoint]]] = {}
     for scene, several in points.items():
         for point in several:
@@ -107,6 +107,7 @@ def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
 
 
 def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+    """Return errors and times of one model or mesh over its scenes."""
     first = group[0][1]
     errors = [off(p) for _, p in group]
     k = int(np.argmax(errors))
@@ -129,7 +130,7 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
 
 
 def front(found: Sequence[Standing]) -> list[Standing]:
-    """Return those that no other one beats in both median gate error and median time, fastest first."""
+    """Return the models and meshes that no other one beats in both median gate error and time, fastest first."""
     best: list[Standing] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
         if not best or one.gate.error < best[-1].gate.error:
@@ -181,7 +182,7 @@ TIMED = (
 
 
 def screw_panel(screws: Mapping[str, Array]) -> Panel:
-    """Return the share of all compared screws over their largest error, by model."""
+    """Return the panel of the share of compared screws up to a largest error, by model."""
     series = []
     for model, errors in screws.items():
         share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
@@ -197,13 +198,13 @@ def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
 
 
 def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the sorted largest errors of all compared screws [% of the mean load], by representative models."""
+    """Return the sorted largest errors of all compared screws [% of the mean load], by model of `KINDS`."""
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
 def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the largest errors of all compared screws by the gate's rule [%], by representative models."""
+    """Return the largest errors of all compared screws by the gate's rule [%], by model of `KINDS`."""
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
 
@@ -211,6 +212,7 @@ def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
 def _time_panel(
     points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
 ) -> Panel:
+    """Return the panel of gate error over time: every scene, medians by family, and the Pareto front of medians."""
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
@@ -251,6 +253,7 @@ def _time_panel(
 
 
 def _shown(point: TimePoint, family: str) -> bool:
+    """Return whether a point is drawn: converged, with an error, and of the family."""
     return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
 
 
@@ -298,6 +301,7 @@ def passed_text(errors: Mapping[str, Array]) -> str:
 
 
 def _range(bars: Sequence[float]) -> str:
+    """Return the range of uncertainties as text."""
     if not bars:
         return "unknown (one mesh level only)"
     low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
@@ -313,7 +317,7 @@ def drawn_words(drawn: int) -> str:
 
 
 def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
-    """Return statements on the ranges that the scenes span."""
+    """Return paragraphs on how many scenes there are, and on the ranges of their inputs."""
     if not scenes:
         return []
     every = list(scenes.values())
@@ -358,7 +362,7 @@ LIMITS = (
 
 
 def models_figure(found: Sequence[Standing]) -> Figure:
-    """Draw the median and the largest of every model's and mesh's largest errors as bars and marks."""
+    """Draw the largest error by model and mesh: median of the scenes as bar, largest of them as mark."""
     rows = [float(k) for k in range(1, len(found) + 1)]
     series = (
         Series("median of the scenes", [s.median for s in found], rows, "bars"),
@@ -379,7 +383,7 @@ def models_figure(found: Sequence[Standing]) -> Figure:
 
 
 def standing_table(found: Sequence[Standing]) -> Table:
-    """Return the table of every model and mesh over its scenes."""
+    """Return the table of errors and times by model and mesh."""
     rows: list[Row] = [
         {
             "name": s.name,
@@ -433,13 +437,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
-    """Return the largest total uncertainty of the scenes [%]: discretisation, modelling choices, input."""
+    """Return the largest total uncertainty of a case study's reference [%]: mesh, modelling choices, input."""
     totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
 
 
 def quantity_table(study: Study) -> Table:
-    """Return the table of bias, scatter and largest error by quantity, and of what others print and measure."""
+    """Return the table of bias, scatter and largest error by quantity, against 3D and against outside values."""
     rungs = study.once(ladder)
     rows = rows_of(study, rungs)
     from rollbench.compare.cases.makers.page import first_page

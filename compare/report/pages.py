@@ -117,7 +117,7 @@ PLACED = (
 
 
 def _with_cases() -> tuple[Listed, ...]:
-    """Return the sections in the order of the pages, with those of cases that are not placed above."""
+    """Return all parts in the order of the pages, with those of the cases that are not listed in `PLACED`."""
     placed = {part.page for part in PLACED}
     cases = (case for case in every_case() if case.page and case.name not in placed)
     added = [Listed(case.name, case.name, case.page, package=case.package) for case in cases]
@@ -165,7 +165,7 @@ AGREES = 1e-3
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Sections or files that a report leaves out."""
+    """Sections or files that a report leaves out, with reason and remedy."""
 
     #: Their names.
     names: tuple[str, ...]
@@ -180,9 +180,10 @@ class LeftOut:
 
 
 def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tuple[list[Listed], list[LeftOut]]:
-    """Return the sections that can be made on this machine, and those left out.
+    """Return the parts that can be made on this machine, and what is left out.
 
-    Left out are costly ones unless named or all are asked for, and those that mesh if gmsh cannot be loaded.
+    Left out are costly parts, unless parts are named or all are asked for, and parts that mesh if gmsh cannot be
+    loaded.
     """
     left: list[LeftOut] = []
     out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
@@ -223,7 +224,7 @@ class LiveCheck:
 
     @property
     def agrees(self) -> bool:
-        """Whether the difference is round-off."""
+        """Whether the recomputed run differs from the stored one by round-off only."""
         return self.percent <= AGREES
 
     def __str__(self) -> str:
@@ -236,7 +237,7 @@ class LiveCheck:
 
 
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
-    """Recompute one stored run without any cache; None if no store has it under this machine's key."""
+    """Recompute one shipped run without cache and compare it; None if no store has it."""
     scene = catalogue.scene(CHECKED)
     stored = load_run(scene, LEVEL, stores=stores)
     if stored is None:

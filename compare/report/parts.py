@@ -24,12 +24,12 @@ LIBRARIES = ("numpy", "scipy", "numba")
 
 
 def scene_text(name: str) -> str:
-    """Text of a scene file, or of a shipped scene."""
+    """Return the text of a scene file or of a shipped scene."""
     return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
 
 
 def notes(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
-    """Warnings, assumptions, what is left out."""
+    """Return the section of warnings, assumptions and neglected effects."""
     items: list[Text | Table | Figure] = []
     warned = (*warnings, *result.warnings)
     for head, lines in (("Warning", warned), ("Assumed", result.assumed), ("Left out", result.left_out)):
@@ -63,12 +63,12 @@ def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
 
 
 def source_files() -> dict[str, str]:
-    """SHA-256 of the sources."""
+    """Return the SHA-256 of the program's sources, by name."""
     return {SOURCES: sources_hash()}
 
 
 def provenance(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
-    """Scene with its hash, versions, date and model."""
+    """Return the provenance of a page: scene with its hash, versions, date and model."""
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",

@@ -70,7 +70,7 @@ class Progress:
 
 
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
-    """Compute the runs that the report needs and no store of the study holds; ``fresh``: all of them."""
+    """Compute the 3D runs that the report needs and that no store has; ``fresh``: all of them."""
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import all_variants, ensure, expected_cost, plan, refinements
@@ -100,9 +100,10 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 
 
 def keep_experience(stores: Sequence[Path]) -> None:
-    """Write the experience from all compared scenes to the first store.
+    """Write to the first store what the uncertainty takes from all compared scenes.
 
-    These are parts of the discretisation uncertainty that a scene's levels do not show, and the modelling choices.
+    These are the parts of the discretisation uncertainty that a scene's levels do not show, and that of modelling
+    choices.
     """
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combined, varied
@@ -120,7 +121,7 @@ def keep_experience(stores: Sequence[Path]) -> None:
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
-    """Return the sections named, else all, or those of a quick report; InputError for an unknown name."""
+    """Return the named parts, else those of a full or quick report; raises InputError for an unknown name."""
     for name in only:
         if name not in (names := [part.name for part in SECTIONS]):
             raise ArgumentError("only", f'"{name}"', ", ".join(names), "name a section")
@@ -128,7 +129,7 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
 
 
 def of_source(name: str) -> list[Listed]:
-    """Return the sections of the page of a case; InputError for a case without page."""
+    """Return the parts of a case's page; raises InputError for a case without page."""
     with_page = [case.name for case in every_case() if case.page]
     if name not in with_page:
         raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "name a case that has a page")
@@ -136,7 +137,7 @@ def of_source(name: str) -> list[Listed]:
 
 
 def save_model_form(study: Study) -> None:
-    """Write the data of the estimate of the model's error to the report's store, to be shipped for ``rollbench solve``."""
+    """Write the measured model errors, from which ``rollbench solve`` estimates errors, to the first store."""
     from rollbench.compare.models.applicability import save_places
     from rollbench.compare.models.model_form import save_points
     from rollbench.compare.models.modelling import ladder, points
@@ -148,7 +149,7 @@ def save_model_form(study: Study) -> None:
 
 
 def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
-    """Return the sections of a part; for the ladder also save the data of the model-form estimate."""
+    """Return the sections of a part; for the ladder also write the measured model errors."""
     path, _, function = part.module.partition(":")
     module = import_module(f"{part.package}.{path}")
     usual = (
@@ -163,10 +164,10 @@ def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
 def _elsewhere(
     parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Return the sections of parts by name, and a study with the scenes and evidence that they used.
+    """Make sections in a worker process; return them by part, with a study of the scenes and evidence used.
 
-    Runs in a worker process. The study also gets the evidence of the printed ``tables``. With ``keeping`` the bodies of
-    geometries are kept on disk, as on the command line.
+    The study also gets the evidence of the printed ``tables``. With ``keeping`` the bodies of geometries are kept on
+    disk, as on the command line.
     """
     if keeping:
         kept.switch_on()
@@ -182,10 +183,10 @@ def _elsewhere(
 def make_sections(
     parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
-    """Return the sections of the parts, made one after the other or in two processes.
+    """Return the sections of the parts, made in one process or in two.
 
-    Of two processes one makes the pages that rest on compiled kernels, the other the rest, so that neither compiles or
-    computes what the other does. Parts that collect the results of all others come last.
+    Of two processes, one makes the pages that use compiled kernels and the other the rest, so that nothing is
+    compiled or computed twice. Parts that collect the results of all others are made last.
 
     Parameters
     ----------

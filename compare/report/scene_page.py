@@ -58,7 +58,7 @@ SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
 
 @contextmanager
 def replaced(out: Path) -> Iterator[None]:
-    """Let a report be written into the folder ``out``; InputError if it holds other files or cannot be written."""
+    """Turn errors of writing to the folder ``out`` into InputError, also if it holds files of something else."""
     from rollbench.reports.pages import check_target
 
     try:
@@ -103,7 +103,7 @@ def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> Scen
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
-    """Return the page of the load case with the highest pressure, with the sums over all load cases above it."""
+    """Return the page of the load case with the highest pressure, headed by the results of all cases together."""
     solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
     whole = together(cycle, solved)
@@ -182,7 +182,7 @@ def _page_of_scene(
 
 @dataclass(frozen=True)
 class Against:
-    """Comparison with a user's reference."""
+    """Comparison of a result with the user's reference."""
 
     #: Errors of the loads.
     error: LoadError
@@ -199,7 +199,7 @@ class Against:
 
 
 def against(given: Reference, result: StaticResult) -> Against:
-    """Compare a result with a user's reference."""
+    """Compare the loads of a result with the user's reference."""
     error = load_error(result.load, given.load, given.contacts)
     return Against(error, uncertainty_percent(given), given.stated)
 
@@ -207,7 +207,7 @@ def against(given: Reference, result: StaticResult) -> Against:
 def verdict(
     answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
 ) -> str:
-    """Return the main result in one sentence: largest pressure, safety, and the error to expect."""
+    """Return the main result in one sentence: highest pressure, static safety, and measured or expected error."""
     worst, safety = answers.loads.worst, answers.loads.safety
     if worst is None or safety is None:
         return "No contact carries load."
@@ -229,7 +229,7 @@ def verdict(
 
 
 def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
-    """Return figure and table of all contacts with their pressures, next to those of references."""
+    """Return the section of all contact loads with their pressures, next to those of the references."""
     panels = []
     pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
@@ -289,7 +289,7 @@ def _stiffness(answers: Answers, tangent: Tangent) -> Section:
 def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
-    """Return the section on measured error with u_val, expected error, and the compared range."""
+    """Return the section of errors: measured with u_val, expected, and whether the scene is in the compared range."""
     items: list[Text | Table | Figure] = []
     if given is not None:
         text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.largest_error}, "
@@ -333,7 +333,7 @@ def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
 
 
 def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
-    """Return the SHA-256 of sources, of the data of the estimate, and of every run of the reference that was used."""
+    """Return SHA-256 by file: sources, data of the error estimate, and the reference runs that were used."""
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
@@ -341,6 +341,7 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
 
 
 def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
+    """Return the provenance of the page, with that of the references."""
     out = provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
@@ -360,7 +361,7 @@ PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
 def section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
-    """Return the section on friction of a solved scene with a coefficient; None for others, or without balance."""
+    """Return the section on friction; None if the scene has no friction coefficient."""
     if scene.friction is None:
         return None
     motion = scene.motion or ONE_TURN
@@ -406,13 +407,13 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
 
 
 def _turn(scene: Scene, motion: Motion) -> Time:
-    """Return the scene's run, or one turn; for a bearing the angle after which the balls repeat."""
+    """Return the scene's time span, or one turn; for a bearing the angle at which the ball pattern repeats."""
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
 def _over_turn(run: Run) -> list[Panel]:
-    """Return the torque over the angle, with that of the grooves only; none if the run did not start."""
+    """Return the panel of friction torque over angle, total and of the grooves; none if the run did not start."""
     h = run.history
     if not h.begun:
         return []
@@ -425,7 +426,7 @@ def _over_turn(run: Run) -> list[Panel]:
 
 
 def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
-    """Return the torque over the measured coefficients, with the scene's."""
+    """Return the panel of friction torque over the friction coefficient, with the scene's value marked."""
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
@@ -435,7 +436,7 @@ def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
 
 
 def _over_play(solved: Solved) -> Panel:
-    """Return the torque with balls larger or smaller than the scene's."""
+    """Return the panel of friction torque over a change of the ball radius."""
     scene, torques = solved.scene, []
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)

@@ -98,7 +98,7 @@ def _files(names: Sequence[str]) -> list[str]:
 
 
 def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
-    """Return the first page: results of each scene and a table of all; ``files``: pages by scene."""
+    """Return the first page of several scenes: their results and a table; ``files``: page file by scene."""
     labels = [file.removesuffix(".html") for file in files]
     note = "A dash: the scene has no such answer. Loads are those of contacts; errors are those to be expected."
     table = Table.of("answers", "Every number that the scenes answer", number_rows(labels, pages), note, unfolded=True)
@@ -138,13 +138,13 @@ def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
 
 
 def _place(key: tuple[str, str]) -> int:
-    """Return the order of a row's group; rows within a group keep their order."""
+    """Return the sort rank of a row's group; rows within a group keep their order."""
     groups = [split_unit(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
 def _numbers(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
-    """Yield the numbers of the tables of a summary, by name of the table and key."""
+    """Yield the numbers of a summary, with the name of their group and their key."""
     for name in GROUPS:
         table = summary.get(name)
         words, unit = split_unit(name)

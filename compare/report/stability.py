@@ -34,7 +34,7 @@ BINS, NEAR = 24, 2.0
 
 
 def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Return the section on drawn catalogue screws: histogram and errors near a face, status, errors, each scene."""
+    """Return the section on drawn catalogue screws: error histogram, errors near a face, status, each screw."""
     step("stored survey")
     every = survey.shipped()["scenes"]
     scenes = [r for r in every if r["number"] < KNOWN_SCREWS]
@@ -86,7 +86,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
 
 
 def _unseen(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
-    """Return how the refined model does on the first drawn screws and on further ones; nothing without further ones."""
+    """Return text and table of the refined model's errors on first and on further screws; empty without further."""
     if not further:
         return ()
     found = {"first screws": survey.accuracy(first), "further screws": survey.accuracy(further)}
@@ -110,7 +110,7 @@ def _unseen(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple
 
 
 def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
-    """Return distance of outermost ball from a face [ball radii] and largest error [% of mean] of the scenes, (n, 2)."""
+    """Return (n, 2): distance of the outermost ball from a face [ball radii], largest error [% of mean load]."""
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
         for r in scenes

@@ -61,6 +61,7 @@ def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
 
 
 def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iterator[str]:
+    """Yield a line for each difference between two tables."""
     before, after = _keyed(old), _keyed(new)
     if before.keys() != after.keys() and len(old) == len(new):
         before, after = ({f"row {k + 1}": row for k, row in enumerate(rows)} for rows in (old, new))
@@ -74,7 +75,7 @@ def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iter
 
 
 def _keyed(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
-    """Return rows by their texts; rows with equal texts are numbered."""
+    """Return rows by their text cells, numbered where those are equal."""
     by_text: dict[str, dict[str, str]] = {}
     for row in rows:
         texts = [cell for cell in row.values() if cell and _parsed(cell) is None]
@@ -91,6 +92,7 @@ def _parsed(text: str) -> float | None:
 
 
 def _cell(where: str, old: str | None, new: str | None) -> Iterator[str]:
+    """Yield a line if two cells differ by more than round-off."""
     if old == new:
         return
     if old is None or new is None:
@@ -118,7 +120,7 @@ class Checked:
 
     @property
     def state(self) -> str:
-        """ok, changed, missing, or added."""
+        """Result of the check: ok, changed, missing, or added."""
         if not self.stated:
             return "added"
         return "missing" if not self.found else "ok" if self.found == self.stated else "changed"
@@ -131,7 +133,7 @@ class Checked:
 
 
 def folder_of(report: Path) -> Path:
-    """Return the folder of a report, named by the folder or its first page."""
+    """Return the folder of a report, given by that folder or by its first page."""
     return report if report.is_dir() else report.parent
 
 
@@ -165,7 +167,7 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
 
 
 def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[Checked]:
-    """Yield every hash of a page's manifest with the one computed now: the page, its contents, sources, stored files."""
+    """Yield every hash of a page's manifest with the present one: page, scene, results, sources, stored runs."""
     manifest = blocks["manifest"]
     carried = {
         "page": sha256(without_manifest(html)),
@@ -179,7 +181,7 @@ def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> I
 
 
 def run_verify(report: Path, store: Path) -> Answer:
-    """Return the state of every hash; exit code 1 if one differs. InputError for a file without manifest."""
+    """Check every hash; exit code 1 if one differs. Raises InputError for a file without manifest."""
     stores = (store, shipped_store(), folder_of(report))  # the last one: pages of several scenes
     whole = (folder_of(report) / FILE).is_file()
     rows = list(checked_report(report, stores) if whole else checked_page(*read(report), stores))
@@ -214,19 +216,19 @@ def run_pages(
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
-    """Return a manifest without what differs in every run: the date, and hashes of files with run times."""
+    """Return a manifest without what differs in every run: date, hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _stable(results: dict[str, Any]) -> dict[str, Any]:
-    """Return results without run times."""
+    """Return results without the solver's report, which has run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
     return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
 
 
 def moved(old: Any, new: Any, path: str = "") -> Iterator[str]:
-    """Yield a line for each difference between two results: numbers beyond round-off with their change, and others."""
+    """Yield a line for each difference between two results; numbers count if they differ beyond round-off."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
             yield from moved(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))

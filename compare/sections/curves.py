@@ -71,10 +71,10 @@ MOST = 8
 
 
 def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference) -> Figure | None:
-    """Draw extreme loads and displacements over the cell size, relative to the finest level.
+    """Draw extreme loads and displacements over the relative cell size, as differences from the finest level.
 
-    In per cent of the panel's largest value, with uncertainties at the finest level and extrapolation to zero cell size.
-    None with fewer than two levels.
+    In per cent of the panel's largest value, with the uncertainty at the finest level and the extrapolation to zero
+    cell size. None with fewer than two levels.
     """
     if len(found.runs) < 2:
         return None
@@ -97,7 +97,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
 
 
 def _curves(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
-    """Return the values of one quantity over the cell size, and the power law from the finest to zero cell size."""
+    """Return the curve of one quantity over cell size, and its power law down to zero cell size."""
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:
         return []

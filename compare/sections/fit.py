@@ -69,17 +69,17 @@ class Fit:
 
     @property
     def within(self) -> float | None:
-        """Share within the gate's limit; None if it has none."""
+        """Share of scenes whose error is within the gate's limit; None if the quantity has no limit."""
         return float(np.mean(self.errors <= LIMITS[self.key])) if self.key in LIMITS else None
 
     @property
     def good(self) -> bool | None:
-        """Whether 95 of 100 are within the gate's limit; None if it has none."""
+        """Whether 95 % of the scenes are within the gate's limit; None if the quantity has no limit."""
         return None if self.within is None else self.within >= 0.95
 
     @property
     def table_row(self) -> Row:
-        """Return median, 95th percentile and largest error, the gate's limit and the share within it."""
+        """Return the table row of the errors: median, 95th percentile, largest, gate limit, share within it."""
         share, good = self.within, self.good
         return {
             "quantity": WORDS[self.key],
@@ -106,7 +106,7 @@ def fits(points: Sequence[Point]) -> list[Fit]:
 
 
 def conclusion(found: Sequence[Fit]) -> str:
-    """Return a sentence on the errors within which 95 of 100 compared scenes are."""
+    """Return a sentence on which model is fit, and which is not, for which quantities."""
     good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
     bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
     held = " The gate's limits hold there on at least 95 of 100 compared scenes."
@@ -116,6 +116,7 @@ def conclusion(found: Sequence[Fit]) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
+    """Return names as a list in a sentence."""
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
@@ -133,7 +134,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
 
 
 def range_table(scene: Scene | None = None) -> Table:
-    """Return the compared ranges, with the values of a scene if one is given."""
+    """Return the table of the descriptors' compared ranges, with the values of a scene if one is given."""
     rows: list[Row] = []
     placed = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
     ring = scene is not None and scene.track.lead == 0.0
@@ -160,7 +161,7 @@ def range_table(scene: Scene | None = None) -> Table:
 
 
 def range_figure(scene: Scene | None = None) -> Figure:
-    """Draw the compared scenes by pairs of descriptors, with a given scene."""
+    """Draw the compared scenes by pairs of descriptors, with a scene marked if one is given."""
     pairs = ((0, 1), (2, 4), (6, 3), (5, 7))
     ring = scene is not None and scene.track.lead == 0.0
     panels = []
@@ -177,5 +178,5 @@ def _label(d: Descriptor) -> str:
 
 
 def items_of(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
-    """Return table and figure without a given scene."""
+    """Return table and figure of the compared ranges, without marking a scene."""
     return range_table(), range_figure()

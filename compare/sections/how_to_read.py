@@ -98,7 +98,7 @@ def assumptions(study: Study) -> list[dict[str, Cell]]:
 
 
 def _why(f: Evidence) -> str:
-    """Return the best explanation of an entry."""
+    """Return the explanation of an entry: that of its computed value, else its printed remark."""
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
 

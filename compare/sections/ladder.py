@@ -42,7 +42,7 @@ VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 @dataclass(frozen=True)
 class Changed:
-    """Effect of one choice of the refined model on one scene."""
+    """Effect of one modelling choice of the refined model on one scene."""
 
     #: Name of the scene.
     scene: str
@@ -68,7 +68,7 @@ def choices_of(study: Study, name: str) -> Iterator[Changed]:
 
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:
-    """Return the errors of every model of the ladder on every scene."""
+    """Return the table of the errors of every model of the ladder on every scene."""
     rows: list[Row] = [
         {
             "scene": r.scene,
@@ -115,7 +115,7 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
-    """Return the effect of each choice of the refined model, varied one at a time, and the error with it."""
+    """Return the table of the effect of each choice of the refined model, changed one at a time."""
     rows: list[Row] = []
     for name in VARIED:
         step(f"choices of the refined model varied on {name}")
@@ -139,7 +139,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
 
 
 def shares_table(study: Study) -> Table:
-    """Return the contributions of each body's idealisation to the error of the refined model."""
+    """Return the table of how much each body's simplification contributes to the refined model's error."""
     found = study.once(shares)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
@@ -162,7 +162,7 @@ def shares_table(study: Study) -> Table:
 
 
 def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
-    """Return the errors expected of every compared screw from all others, and the measured ones."""
+    """Return table and figure of each screw's error as expected from all other screws, and as measured."""
     rows = left_out_one(study, rungs)
     lines: list[Row] = []
     panels = []
@@ -207,7 +207,7 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
 
 
 def headline(rungs: Sequence[Rung]) -> str:
-    """Return the largest errors of the source's and the default model, on case studies and unseen screws."""
+    """Return a sentence on the largest errors by model, on case studies and on screws not used in development."""
     words = []
     for label, names in (("case studies", REFERENCED), ("unseen screws", UNSEEN)):
         for model in ("lin", "refined", "condensed"):

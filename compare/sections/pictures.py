@@ -48,7 +48,7 @@ MM, MPA = 1e3, 1e-6
 
 
 def panel_of(name: str, found: ContactPressure) -> PressurePanel:
-    """Return the map of one contact."""
+    """Return the pressure map of one contact."""
     h = found.hertz
     return PressurePanel(
         name,
@@ -164,7 +164,7 @@ class Solved:
 
 @dataclass(frozen=True)
 class Stresses:
-    """Fields around one ball in its frame."""
+    """Stress fields around one ball, in the ball's frame."""
 
     #: Coarse screw and nut.
     bodies: tuple[SolidField, SolidField]
@@ -238,7 +238,7 @@ def contact_point(solved: Solved, side: int) -> Array:
 
 
 def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
-    """Return a part of a mesh without the nodes that its cells do not use."""
+    """Return part of a mesh with only the nodes that its cells use."""
     nodes, local = np.unique(cells, return_inverse=True)
     return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
 
@@ -298,9 +298,9 @@ def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
 def section_picture(
     solved: Solved, found: Stresses, name: str, title: str, caption: str, *, height: float, side: int | None = None
 ) -> FieldPicture:
-    """Return the picture of the mesh in the groove's section through the ball; or of one contact of it, enlarged.
+    """Return the picture of the mesh cut through the ball, or of one contact (``side``), enlarged.
 
-    The screw is below, the nut above.
+    The cut is the groove's section; the screw is below, the nut above.
     """
     x3, y3, _ = frame(solved)
     m = solved.setup.map
@@ -374,9 +374,10 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 
 def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
-    """Press the ball whose least loaded contact carries most on a fine mesh, by its loads in the reference.
+    """Press one ball on a fine mesh by its loads in the stored reference, and return its number and pressures.
 
-    Without a stored reference by its loads in the default model.
+    It is the ball whose least loaded contact carries most. Without a stored reference its loads are those of the
+    default model.
     """
     from rollbench.hifi.fields import pressed_ball
 
@@ -417,7 +418,7 @@ def loaded(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses) -> str:
-    """Return the largest equivalent stresses below the screw contact, by the 3D reference and by Hertz."""
+    """Return a caption with the largest equivalent stresses below the screw contact, in 3D and by Hertz."""
     from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
     setup = solved.setup

@@ -42,23 +42,24 @@ def case_studies(study: Study) -> dict[str, Reference]:
 
 
 def modelling(study: Study) -> dict[str, Modelling]:
-    """Return the modelling uncertainty of the scenes on which choices were varied."""
+    """Return the modelling uncertainty of the scenes whose modelling choices were varied."""
     return study.once(_modelling)
 
 
 def _modelling(study: Study) -> dict[str, Modelling]:
+    """Compute the modelling uncertainty for `modelling`."""
     scenes = [study.scene(name) for name in VARIED]
     found = {scene.name: combined(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 
 def answer(study: Study, name: str, model: str) -> Loads:
-    """Return loads and displacements of a low-order model for a scene, without times."""
+    """Return loads and displacements of a scene by a low-order model."""
     return from_result(study.solve(name, model))
 
 
 def error_table(study: Study, found: References) -> Table:
-    """Return the errors of every low-order model, of the source's mesh and of coarser levels against the finest."""
+    """Return the table of errors against the finest level: of low-order models, the source's mesh, coarser levels."""
     rows: list[Row] = []
     modelled = modelling(study)
     for name, ref in found.items():
@@ -115,7 +116,7 @@ def _error_row(
 
 
 def load_tables(study: Study, found: References) -> list[Table]:
-    """Return every contact load of every model, in a table for each scene."""
+    """Return a table for each scene with every contact load by every model."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -150,7 +151,7 @@ def _number(value: Any) -> float | None:
 
 
 def line_table(study: Study, found: References) -> Table:
-    """Return the displacement of the screw's axis at the reference's stations."""
+    """Return the table of the screw axis displacement at the reference's stations, by refined model and reference."""
     rows: list[Row] = []
     for name, ref in found.items():
         low = answer(study, name, "refined")
@@ -227,7 +228,7 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 
 
 def exceedance_table(found: References, study: Study) -> Table:
-    """Return the contacts beyond the gate's limit, with the cause in the gate's data and its evidence."""
+    """Return the table of contacts beyond the gate's limit, with known causes and the error with a rigid nut."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in found.items():

@@ -27,7 +27,7 @@ References = Mapping[str, Reference]
 
 
 def _changed(error: LoadError, form: str = ".2f") -> Row:
-    """Return cells on the change of the loads by a choice."""
+    """Return table cells with the load changes that a choice causes."""
     return {
         Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
         Quantity("rms", "RMS change", "% of mean", form): error.rms_percent,
@@ -86,7 +86,7 @@ def level_table(study: Study, found: References) -> Table:
 
 
 def convergence_table(found: References) -> Table:
-    """Return the uncertainty of every scene's contact loads by the mesh, part by part."""
+    """Return the table of every scene's mesh uncertainty of contact loads, by contribution."""
     rows: list[Row] = []
     for name, ref in found.items():
         p = ref.parts
@@ -122,7 +122,7 @@ def convergence_table(found: References) -> Table:
 
 
 def coverage_table(study: Study) -> Table | None:
-    """Return the uncertainties of coarser levels against the changes to finer ones; None if runs are missing."""
+    """Return the table of coarser levels' uncertainties, tested by finer levels; None if runs are missing."""
     found = coverage(study)
     if not found:
         return None
@@ -163,7 +163,7 @@ def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
 
 
 def shared_text(study: Study) -> str:
-    """Return a sentence on the error that all contacts share and no uncertainty covers, with its evidence."""
+    """Return a text on the error that all contacts share and that no stated uncertainty includes."""
     low, high = SHARED
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
@@ -179,7 +179,7 @@ def shared_text(study: Study) -> str:
 
 
 def _only(common: Measured | None) -> str:
-    """Return which times a table shows, in words."""
+    """Return a sentence on which measured times a table shows."""
     return f"Times are those measured with {common}; others are left out."
 
 
@@ -200,7 +200,7 @@ def stage_table(found: References) -> Table:
 
 
 def study_items(study: Study, found: References) -> list[Table | Figure]:
-    """Return the mesh study of every scene with two levels or more: extreme loads and axis of the screw."""
+    """Return tables and figures of the mesh study of every scene with at least two levels."""
     out: list[Table | Figure] = []
     for name in found:
         ref = studied(study.scene(name), study.stores)
@@ -232,7 +232,7 @@ KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "the scene
 
 
 def spread_table(study: Study) -> Table | None:
-    """Return the effect of modelling choices on the reference, without and with preload, on the coarsest level."""
+    """Return the table of load changes by modelling choices of the reference; None if there is no run."""
     rows: list[Row] = []
     for name in VARIED:
         scene = study.scene(name)
@@ -267,7 +267,7 @@ def spread_table(study: Study) -> Table | None:
 
 
 def single_choice_table(study: Study) -> Table | None:
-    """Return the effect of each numerical choice of the finest level, with the stated uncertainty for it."""
+    """Return the table of load changes by each numerical choice of the finest level, against its uncertainty."""
     scene, found, rows = study.scene(REFINED), study.reference(REFINED), list[Row]()
     if found is None:
         return None
@@ -296,7 +296,7 @@ def single_choice_table(study: Study) -> Table | None:
 
 
 def modelling_table(study: Study) -> Table | None:
-    """Return the modelling uncertainty by choice and in total, and what it does not include."""
+    """Return the table of the modelling uncertainty by choice and in total, and of choices not varied."""
     found = modelling(study)
     if not found:
         return None
@@ -338,7 +338,7 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
-    """Yield case studies whose coarsest run was also solved without single ingredients: name, run, the source's model."""
+    """Yield name, coarsest run and source's model of case studies that were also solved with ingredients left out."""
     for name in case_studies(study):
         run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
         if run is not None and run.without:
@@ -346,7 +346,7 @@ def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
 
 
 def ablation_table(study: Study) -> Table | None:
-    """Return the effect of each ingredient of the reference, in per cent and seconds."""
+    """Return the table of each reference ingredient's effect on loads [%] and time [s]; None if there is no run."""
     rows: list[Row] = []
     common = most_of(run.measured for _, run, _ in _ablated(study))
     for name, run, low in _ablated(study):
@@ -373,7 +373,7 @@ def ablation_table(study: Study) -> Table | None:
 
 
 def ablation_text(study: Study) -> str:
-    """Return a sentence on the cause of the low-order error, from the data."""
+    """Return a text on how the low-order error changes if the nut is rigid in the reference too."""
     parts = []
     for name, run, low in _ablated(study):
         if "elastic nut" not in run.without:
@@ -390,7 +390,7 @@ def ablation_text(study: Study) -> str:
 
 
 def conclusion(found: References) -> str:
-    """Return a sentence on the accuracy of the finest levels."""
+    """Return a sentence on the mesh uncertainty of the finest levels."""
     bars = [uncertainty_percent(ref) for ref in found.values()]
     if not bars:
         return ""

@@ -145,7 +145,7 @@ def errors_of(value: Array, found: Reference) -> dict[str, Any]:
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
-    """Return the time of a further solution with known bodies and compiled kernels [s], a median of some calls."""
+    """Return the time [s] of a further solution with bodies and compiled kernels ready: the median of some calls."""
     spent = []
     for _ in range(WARM_CALLS + 1):
         start = perf_counter()
@@ -183,10 +183,10 @@ def typed_now(step: Step) -> Kept:
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
-    """Return the times that a report shows: stored ones, or those of a measuring run now for a timed study.
+    """Return the run times that a report shows: stored ones or, for a timed study, those measured now.
 
-    A measuring run takes every model and level of every compared scene (about an hour) and is stored in the first store; a
-    quick study measures models only, and stores nothing.
+    A measuring run takes every model and level of every compared scene (about an hour) and is stored in the first
+    store. A quick study measures models only, and stores nothing.
     """
     if not study.timed:
         return load_times((*(study.stores or ()), shipped_store()))
@@ -216,9 +216,9 @@ def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
 
 
 def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """Return all models and meshes of a scene with times of the measuring run.
+    """Return errors and times of all models and meshes of a scene.
 
-    Times of runs that it did not measure are given with the conditions of their measurement.
+    Times that the measuring run does not contain are given as text, with the conditions of their measurement.
     """
     kept, out = study.once(measuring_run, step), []
     measured = None if kept is None else kept.measured
@@ -257,7 +257,7 @@ def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> Stati
 
 
 def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
-    """Return the table of every point of every scene; ``measured``: sentence on the measurement."""
+    """Return the table of errors and times of every model and mesh; ``measured``: text on the measurement."""
     rows: list[Row] = [
         {
             "scene": scene,
@@ -290,7 +290,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
 
 
 def compile_table(kept: Kept) -> Table:
-    """Return the time of a first process on a machine, with and without compiling the kernels."""
+    """Return the table of times of a first process, with interpreted and with compiled kernels."""
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
@@ -311,7 +311,7 @@ def compile_table(kept: Kept) -> Table:
 
 
 def typed_table(kept: Kept) -> Table:
-    """Return the waiting time for commands typed in an empty home directory."""
+    """Return the table of waiting times of commands that are run from an empty home directory."""
     rows: list[Row] = [
         {
             Quantity("command", "command", "", "s"): c.command,
@@ -336,7 +336,7 @@ def typed_table(kept: Kept) -> Table:
 
 
 def level_table(kept: Kept) -> Table:
-    """Return the waiting time for a level of the 3D reference of a new scene."""
+    """Return the table of waiting times for each level of the 3D reference on a new scene."""
     rows: list[Row] = [
         {
             "scene": c.scene,
@@ -363,7 +363,7 @@ def level_table(kept: Kept) -> Table:
 
 
 def cost_tables(costs: Costs) -> list[Table]:
-    """Return the processor time of cold set-ups by stage, and what cheaper variants would save and change."""
+    """Return tables of the processor time of set-ups by stage, and of savings and changes by cheaper variants."""
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
         {
@@ -411,10 +411,10 @@ def _dearest(level: ColdLevel) -> str:
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Return the ratio of the finest level's time to that of the source's low-order model, scene by scene.
+    """Return the table of the finest level's time over that of the source's low-order model, by scene.
 
-    For a new process up to the loads, and for a further load case of a known geometry. ValueError for times of several
-    measuring runs.
+    For a new process up to the loads, and for a further load case of a known geometry. Raises ValueError for times of
+    several measuring runs.
     """
     rows: list[Row] = []
     for scene, several in points.items():
@@ -439,7 +439,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
 
 
 def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
-    """Return the error over cold run time of one scene, each point with its uncertainty."""
+    """Return the panel of error over cold run time on one scene, with the error's uncertainty."""
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
@@ -458,7 +458,7 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
 
 
 def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
-    """Draw the case studies without and with preload, and the screws not used in development."""
+    """Draw error over run time for case studies, without and with preload, and for screws not used in development."""
     caption = (
         "All points are errors against the finest level, with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
@@ -477,7 +477,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 
 
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
-    """Return the points of all compared scenes; ValueError if their times are of several measuring runs."""
+    """Return the time points of all compared scenes; raises ValueError if several measuring runs are mixed."""
     study.once(ladder)  # its results serve here
     points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
     one_run(p.measured for several in points.values() for p in several if p.measured is not None)
@@ -491,7 +491,7 @@ def when_measured(study: Study, step: Step) -> str:
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Return tables and figures of all scenes with a reference; in a quick study without first processes and levels."""
+    """Return tables and figures on run times; a quick study has no first processes, levels and commands."""
     points, kept = study.once(all_points, step), study.once(measuring_run, step)
     items: list[Table | Figure] = [time_table(points, when_measured(study, step))]
     if not study.quick:

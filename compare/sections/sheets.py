@@ -74,7 +74,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def judge(study: Study, name: str) -> Judged:
-    """Compare every model of a data sheet in every quantity, by the names of both."""
+    """Return the error of every model in every quantity on a scene, by names of model and quantity."""
     return {
         (model, quantity.name): one
         for model in MODELS
@@ -84,7 +84,7 @@ def judge(study: Study, name: str) -> Judged:
 
 
 def conclusion(judged: Mapping[str, Judged]) -> str:
-    """Return a sentence on the largest error of either model, on the source's cases and on others."""
+    """Return a sentence on each model's largest error, in total, on the source's cases and on other scenes."""
     kinds = (
         ("case studies of the source", REFERENCED),
         ("screws and bearings that were fixed before they were solved in 3D", UNSEEN),
@@ -102,6 +102,7 @@ def conclusion(judged: Mapping[str, Judged]) -> str:
 
 
 def _largest(judged: Mapping[str, Judged], model: str) -> str:
+    """Return the largest contact-load error of a model as text, with its scene."""
     errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % in {model} ({name})"
@@ -151,10 +152,10 @@ def trust(reference: Reference, bounds: Validated) -> str:
 
 
 def results(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
-    """Return the quantities of a data sheet: reference, models, and their errors.
+    """Return the table of a data sheet: each quantity by the reference and the models, and their errors.
 
-    Of contact loads it has only the errors (as the gate takes them, and of the mean load), as the worst contact differs
-    between models.
+    Contact loads are given by errors only (of their own load as in the gate, and of the mean load), as models differ
+    in their worst contact.
     """
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}

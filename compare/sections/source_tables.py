@@ -49,21 +49,21 @@ class Layout:
 
     @property
     def names(self) -> list[str]:
-        """Names of its printed entries."""
+        """Names of its printed entries, row by row, without empty cells."""
         return [name for _, names in self.rows for name in names if name]
 
     @property
     def across(self) -> list[tuple[str, ...]]:
-        """Names of its printed entries row by row; empty for an empty cell."""
+        """Names of its printed entries as rows of columns; an empty name for an empty cell."""
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Return the name of its table in the report, by what that shows."""
+        """Return the name of the report's table for this layout; ``what``: suffix for what it shows."""
         return "-".join(filter(None, (self.case, self.number, what)))
 
     @property
     def heading(self) -> str:
-        """Number and contents."""
+        """Number and short description, as a heading."""
         return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
@@ -80,6 +80,7 @@ def layouts(case: Case) -> list[Layout]:
 
 
 def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
+    """Return a layout from its tables in ``layout.toml``; raises InputError for an unknown entry."""
     rows = []
     for label, *keys in one["rows"]:
         names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
@@ -112,10 +113,10 @@ def as_printed_digits(value: float | None, printed: str) -> str:
 
 
 def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
-    """Return the table in the source's layout: printed number, computed one with the printed digits, for each column.
+    """Return the table in the source's layout, with printed and computed number next to each other.
 
-    If the computed value repeats a fault of the source, the correct value is added. ``ours``: texts for entries with other
-    values, such as times.
+    The computed number has the printed digits. If it repeats a fault of the source, the correct value is added.
+    ``ours``: texts that replace other computed values, such as times.
     """
     rows: list[Row] = []
     across, down = ([_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True)))
@@ -151,13 +152,14 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
 
 
 def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
+    """Return the units of the printed numbers among some entries."""
     return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
 def ours_of(f: Evidence) -> str:
-    """Return the computed value of an entry, with the printed digits.
+    """Return the computed value of an entry as text, with the printed digits.
 
-    With the source's faults if they change it, else correct; of another program's result the 3D value.
+    The first that exists: value with the source's faults, correct value, 3D value.
     """
     if f.printed.claim:
         return "–" if f.holds is None else "holds" if f.holds else "does not hold"
@@ -185,7 +187,7 @@ def compared(
     columns: Sequence[str] = (),
     note: str = "",
 ) -> Table:
-    """Return a row for each result of a layout, in its order; columns that no row fills are left out.
+    """Return the table of a layout's results, one row each in printed order; empty columns are left out.
 
     Parameters
     ----------
@@ -224,6 +226,7 @@ def compared(
 
 
 def _compared(layout: Layout, f: Evidence, why: str) -> Row:
+    """Return the row of one result: printed, computed, and errors."""
     p, form = f.printed, f"g{layout.digits}"
     values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
     off = {key: _off(value, p.value) for key, value in values.items()}
@@ -247,12 +250,14 @@ def _band(p: Printed) -> str:
 
 
 def _off(value: float | None, reference: float | None) -> float | None:
+    """Return the error [%] of a value; None without one of the two, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
     return shown_error(float(error_percent(value, reference)))
 
 
 def _round_off(value: float | None) -> float | None:
+    """Return zero for round-off, else the value."""
     return 0.0 if value is not None and abs(value) < 1e-9 else value
 
 
@@ -264,7 +269,7 @@ def _tidy(rows: Sequence[Row]) -> list[Row]:
 
 
 def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Return an input table: printed value, value of the scene, remark."""
+    """Return the table of a layout's inputs: printed value, value in the scene, remark."""
     rows: list[Row] = [
         {
             Quantity("label", "parameter (symbol)", "", "s"): label,
@@ -301,7 +306,7 @@ def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
 
 
 def _in_order(place: str) -> tuple[bool, list[int], str]:
-    """Return the rank of a place of a source: by chapter, tables before sections, by their numbers; appendices last."""
+    """Return the sort key of a place in a source: by chapter, tables before sections; appendices last."""
     in_text, text = "Table" not in place, place.rpartition(", ")[2]
     letter = re.match(r"\D*\b([A-Z])\b", text)
     numbers = [ord(letter[1])] if letter else [int(n) for n in re.findall(r"\d+", text)]
@@ -309,7 +314,7 @@ def _in_order(place: str) -> tuple[bool, list[int], str]:
 
 
 def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
-    """Count the printed numbers, the results among them and the reproduced ones, by table and section of the sources."""
+    """Return the table of counts by place: printed numbers, results among them, reproduced ones."""
     groups: dict[str, list[Evidence]] = {}
     for f in found:
         groups.setdefault(source(f.printed), []).append(f)
@@ -328,7 +333,7 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
 
 
 def _counted(place: str, found: Sequence[Evidence]) -> Row:
-    """Return a row of `by_place`."""
+    """Return the row of `by_place` for one place."""
     numbers = [f for f in found if not f.printed.claim]
     claims = [f for f in found if f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
@@ -349,7 +354,7 @@ def _counted(place: str, found: Sequence[Evidence]) -> Row:
 
 
 def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
-    """Yield every printed value of some tables of a case: twice those with a layout, then those in sentences."""
+    """Yield all printed values of some tables of a case: in the source's layout and row by row, then others."""
     for layout in listed:
         if layout.printed in printed:
             yield in_layout(layout, found, {})

@@ -28,25 +28,25 @@ WORDS = {
 
 @cache
 def stored() -> dict[str, Any]:
-    """Return the shipped summary."""
+    """Return the shipped summary of the tolerance sweep."""
     found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 
 def command(found: Mapping[str, Any]) -> str:
-    """Return the command that made a summary."""
+    """Return the ``rollbench sweep`` command that made a summary."""
     vary = "".join(f' --vary "{text}"' for text in found["vary"])
     options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
     return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
 
 
 def short(vary: Vary) -> str:
-    """Return a short name of a key."""
+    """Return the short name of a varied key."""
     return key_description(vary).partition(":")[0]
 
 
 def key_description(vary: Vary) -> str:
-    """Return a description of a key."""
+    """Return the description of a varied key."""
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
 
@@ -55,7 +55,7 @@ def _short(row: Mapping[str, Cell]) -> str:
 
 
 def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
-    """Return a row per key, sorted by total Sobol index: mean of the largest load over the range, Sobol indices."""
+    """Return a row for each varied key, largest total Sobol index first: range of the mean largest load, indices."""
     indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
     for vary in sorted(keys, key=lambda v: -indices[v.key]["total"]):

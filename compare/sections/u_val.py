@@ -1,9 +1,10 @@
 """Section on validation uncertainty: error against u_val, bias and scatter of every model, and how often bounds held.
 
-Uncertainties of discretisation are tested by finer levels: every scene by its coarser levels and all other scenes. The
-experience (`compare.reference.grid_parts`) is derived again without the scene and scenes with its parts. Drawn screws
-(chosen and computed by ``tests/judging_levels.py``), and levels beyond those that are studied, are stored as loads only:
-they test, but are no reference.
+Discretisation uncertainties are tested by finer levels. The uncertainty of a scene follows from its coarser levels
+and from the experience with all other scenes (`compare.reference.grid_parts`); for the test this experience is
+derived again without the scene, and without scenes that share its parts. Drawn screws (chosen and computed by
+``tests/judging_levels.py``), and levels beyond those that are studied, are stored as loads only: they are used for
+tests, not as reference.
 """
 
 from __future__ import annotations
@@ -90,7 +91,7 @@ class Held:
 
 @cache
 def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Return the loads (n, 4) [N] by level that a store keeps only for tests, and the drawn scenes; empty without."""
+    """Return loads (n, 4) [N] by level that a store keeps for tests only, and the drawn scenes; empty if no file."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
@@ -108,9 +109,9 @@ def levelled(study: Study) -> dict[str, dict[int, Array]]:
 
 
 def socket_scatter(study: Study) -> float | None:
-    """Return the standard deviation by the cut of the coarse sockets [% of the mean load]; None without the run.
+    """Return the standard deviation of contact loads by the coarse sockets' cut [% of mean load]; None without runs.
 
-    A change of the cut is the difference of two of its errors.
+    The difference of two cuts contains two such errors, hence the division by the root of two.
     """
     scene = study.scene(REFINED)
     finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
@@ -133,7 +134,7 @@ def _scene(study: Study, name: str) -> Scene:
 
 
 def _beside_faces(study: Study) -> dict[str, Array]:
-    """Return the error of level 1 near free faces, (n, 4) [% of the mean load], of every compared scene."""
+    """Return the errors of level 1 near free faces, (n, 4) [% of the mean load], by compared scene."""
     first = min(LEVELS)
     return {
         name: error_percent(left_out(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
@@ -143,21 +144,22 @@ def _beside_faces(study: Study) -> dict[str, Array]:
 
 
 def coverage(study: Study) -> list[Held]:
-    """Test every compared scene level by level against its finest; empty if a store does not hold what is needed."""
+    """Test the uncertainty of every level of every compared scene by its finest level; empty if data are missing."""
     return study.once(_coverage)
 
 
 def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
-    """Test every compared scene that has these levels and a finer one, by these levels only."""
+    """Test the uncertainty that given levels alone state, on every compared scene that has them and a finer one."""
     return _judged(study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else [])
 
 
 def _coverage(study: Study) -> list[Held]:
+    """Test every scene by its first level, its first two levels, and so on."""
     return _judged(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
 
 
 def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
-    """Test the uncertainties of all scenes, by sets of levels chosen from those that each has."""
+    """Test the uncertainties of all scenes; ``choose`` returns the sets of levels to test from a scene's loads."""
     scenes, sockets = levelled(study), socket_scatter(study)
     if sockets is None or len(scenes) < len(UNSEEN):
         return []
@@ -172,6 +174,7 @@ def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -
 def _held(
     scene: Scene, levels: tuple[int, ...], scenes: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
 ) -> Held:
+    """Test one scene's uncertainty by its finest level, with experience from the other scenes."""
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
@@ -186,7 +189,7 @@ def _held(
 
 
 def share_of(rows: Sequence[Held]) -> float:
-    """Return the share of all contacts within their uncertainty."""
+    """Return the share of contacts whose error is within the stated uncertainty."""
     return sum(h.held for h in rows) / sum(h.contacts for h in rows)
 
 
@@ -195,7 +198,7 @@ SHOWN = (DEFAULT, "lin")
 
 
 def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
-    """Return every model of the ladder in every quantity."""
+    """Return the validation results of every model of the ladder, by scene and quantity."""
     found = [validated(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
@@ -234,7 +237,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
-    """Return bias and scatter by model and quantity."""
+    """Return the table of bias and scatter by model and quantity."""
     cells: list[Row] = [
         {
             "model": s.model,
@@ -273,7 +276,7 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Return the stated error bounds, and for how many scenes they were kept."""
+    """Return the table of stated error bounds and how often they were kept."""
     rows = left_out_one(study, rungs)
     counts = [
         (f"largest error to expect, model {name}, scene left out", held, total)

@@ -28,9 +28,9 @@ FAULTS = "As printed: computed with the source's faults repeated; empty where no
 def printed_table(
     name: str, title: str, found: Sequence[Evidence], note: str = "", *, digits: int = 5, place: bool = False
 ) -> Table:
-    """Return printed entries, each with its computed values, error, class, verdict and remark.
+    """Return the table of printed entries, each with computed values, error, class, verdict and remark.
 
-    Columns of values with repeated faults and under an inferred assumption are there if an entry has one.
+    Values with the source's faults, and values under an inferred assumption, have columns if an entry has any.
 
     Parameters
     ----------
@@ -62,6 +62,7 @@ def printed_table(
 
 
 def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
+    """Return the columns of `printed_table` that its entries need."""
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
     wanted = (
@@ -109,7 +110,7 @@ def shown_error(error: float | None) -> float | None:
 
 
 def _number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that rows share by their number; return these remarks in order."""
+    """Replace remarks that several rows share by references to a numbered list; return the list."""
     count = Counter(str(row["remark"]) for row in rows)
     common = [text for text, times in count.items() if text and times > SHARED]
     for row in rows:
@@ -129,7 +130,7 @@ INFERRED = (
 
 
 def total_text(rows: Sequence[Evidence]) -> str:
-    """Return a sentence on all entries and verdicts, with claims, table values and computed results separately."""
+    """Return a sentence with the number of entries by verdict, and the kinds of those that are reproduced."""
     total = audited_counts(rows)[-1]
     kinds = Counter(r.printed.kind for r in rows if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
@@ -138,7 +139,7 @@ def total_text(rows: Sequence[Evidence]) -> str:
 
 
 def kinds_table(rows: Sequence[Evidence]) -> Table:
-    """Return the entries by kind and verdict."""
+    """Return the table of the number of entries by kind and verdict."""
     tally = Counter((r.printed.kind, r.verdict) for r in rows)
     cells: list[Row] = [
         {
@@ -184,7 +185,7 @@ def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
 
 
 def counts_table(rows: Sequence[Evidence]) -> Table:
-    """Return the entries by source and verdict."""
+    """Return the table of the number of entries by source and verdict."""
     headings = [(v, f"{v}, apart" if v in APART else v) for v in VERDICTS]
     columns = _texts(("source", "source"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: without inputs and identities, which say nothing of a model."
@@ -192,7 +193,7 @@ def counts_table(rows: Sequence[Evidence]) -> Table:
 
 
 def misprints_table(case: str = "") -> Table:
-    """Return the misprints and faults of a case, or of all sources."""
+    """Return the table of misprints and faults, of one case or of all sources."""
     columns = _texts(
         *(() if case else (("source", "source"),)),
         ("place", "place"),
@@ -207,7 +208,7 @@ def misprints_table(case: str = "") -> Table:
 
 
 def audit_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of every printed entry."""
+    """Return the section that audits every printed entry, by source."""
     step("every printed entry")
     rows = audit(study)
     words = [trust(row) for row in counts(rows)]

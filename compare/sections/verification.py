@@ -66,7 +66,7 @@ WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 @dataclass(frozen=True)
 class Level:
-    """A run against Hertz."""
+    """One run of a contact job, with its errors against Hertz."""
 
     #: Label of its mesh.
     label: str
@@ -77,7 +77,7 @@ class Level:
 
 
 def level(label: str, run: HertzRun) -> Level:
-    """Return a run with its errors against the closed form; of the semi-axes the larger error counts."""
+    """Return a run with its errors [%] against Hertz; "semi-axes" is the larger error of the two."""
     exact = run.exact
     values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
     closed = exact.approach, exact.semi_x, exact.semi_y, exact.pole_pressure, exact.pole_pressure
@@ -86,7 +86,7 @@ def level(label: str, run: HertzRun) -> Level:
 
 
 def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
-    """Compute all runs: each contact on each element's meshes, and on the source's."""
+    """Compute all runs: each contact job on the meshes of every element type, and on the source's mesh."""
     for element in wanted:
         solve_block(JOBS["A"], element, 1.0)  # loads the libraries, which no run should be charged for
     out = []
@@ -104,11 +104,12 @@ def production(found: Sequence[Level]) -> list[Level]:
 
 
 def verdict(found: Sequence[Level]) -> list[str]:
-    """Return sentences on whether the production mesh meets its targets, and on the source's mesh."""
+    """Return sentences on whether the production mesh meets its targets, and on the errors of the source's mesh."""
     return [*map(_met, production(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
 
 
 def _met(one: Level) -> str:
+    """Return a sentence on whether a run meets the targets."""
     missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
     parts = [
         f"{name} {one.errors[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
@@ -121,6 +122,7 @@ def _met(one: Level) -> str:
 
 
 def _source_errors(one: Level) -> str:
+    """Return a sentence on the errors of the source's mesh."""
     return (
         f"Job {one.run.job} on first-order tetrahedra of the source's size ({one.run.b_over_h:.1f} across the short "
         f"semi-axis): approach {one.errors['approach']:+.1f} %, semi-axes {one.errors['semi-axes']:+.1f} %, "
@@ -135,7 +137,7 @@ STAGES = {"mesh": "meshing"}
 
 
 def mesh_row(one: Level) -> Row:
-    """Return the first cells of a row on a mesh."""
+    """Return the cells that begin the table row of a run: job, mesh, b/h."""
     return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
 
 
@@ -151,7 +153,7 @@ def error_row(one: Level) -> Row:
 
 
 def value_rows(found: Sequence[Level]) -> list[Row]:
-    """Return the values of the production mesh and of the closed form."""
+    """Return the rows of values by the production mesh and by Hertz."""
     rows: list[Row] = []
     quantities = (
         ("approach", "µm", 1e6, "approach"),
@@ -207,7 +209,7 @@ def figure(found: Sequence[Level], job: str) -> Figure:
 
 
 def times_table(found: Sequence[Level]) -> Table:
-    """Return the seconds of every run by stage; stages have separate keys, as one has the name of the mesh column."""
+    """Return the table of seconds by stage for every run."""
     stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
     rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
     return Table.of("verification-times", "Where the time goes [s]", rows)
@@ -219,7 +221,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def drawn(found: Sequence[Level]) -> Section:
-    """Return the section of given runs."""
+    """Return the section on Hertz for given runs."""
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
         f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies elastic) "
@@ -274,7 +276,7 @@ NUT = (
 
 
 def run_table(data: CrossData) -> Table:
-    """Return every run: choices, meshes, effort, and the effect of weak springs and the last correction."""
+    """Return the table of CalculiX runs: choices, meshes, effort, effects of weak springs and last correction."""
     rows: list[Row] = []
     base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
@@ -310,7 +312,7 @@ def run_table(data: CrossData) -> Table:
 
 
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
-    """Return every contact by both programs, CalculiX extrapolated; and on every mesh of both."""
+    """Return the tables of contact loads by both programs: with CalculiX extrapolated, and on every mesh."""
     rows = contact_rows(data, ours, limit)
     headings = mesh_columns(data, ours)
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))

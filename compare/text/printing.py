@@ -26,10 +26,10 @@ Column = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Answer:
-    """Answer of a command.
+    """What a command prints.
 
-    data: JSON-ready value, or a function that returns it, called only for JSON; parts: texts and tables of rich, printed
-    as they come; code: exit code; folded: texts are wrapped to `text_width` even if the output is no terminal.
+    data: JSON-ready value, or a function that returns it, called only for JSON; parts: texts and tables of rich,
+    printed in this order; code: exit code; folded: whether texts are wrapped to `text_width` even without a terminal.
     """
 
     data: Any = None
@@ -148,6 +148,7 @@ def wrapped(text: str, width: int) -> str:
 
 
 def _wrapped(line: str, width: int) -> str:
+    """Return one line wrapped at words, for `wrapped`."""
     if len(line) <= width:
         return line
     label = re.match(r" *\S+  +(?=\S)", line)
@@ -197,7 +198,7 @@ def _around(table: Table) -> int:
 
 
 def _limits(column: RichColumn, around: int) -> tuple[int, int]:
-    """Return the width of a column below which words are cut, and that at which no text is wrapped."""
+    """Return two widths of a column: below the first words are cut, from the second on no text is wrapped."""
     texts = [str(column.header), *map(str, column.cells)]
     natural = max(map(len, texts))
     least = natural if column.no_wrap else max((len(word) for text in texts for word in text.split()), default=0)
@@ -243,6 +244,7 @@ def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str |
 
 
 def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
+    """Return a table with headings and rows; ``look``: further arguments of the table of rich."""
     from rich.table import Table as Made
 
     out = Made(title_justify="left", **look)

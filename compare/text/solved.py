@@ -175,6 +175,7 @@ def _sized(value: Any) -> str:
 
 
 def _balance(e: Equilibrium, *, several: bool) -> list[str]:
+    """Return lines on the residuals of force and moment balance."""
     sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
@@ -189,7 +190,7 @@ def _balance(e: Equilibrium, *, several: bool) -> list[str]:
 
 
 def _ball_tables(one: Solved) -> list[RenderableType]:
-    """Return a table of every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
+    """Return the table of every ball and that of each flank; loads have the digits that their error warrants."""
     result = one.result
     percent = None if one.expected is None else one.expected.percent
     error = None if percent is None else mean_load(result.load, nominal_contacts(one.scene, result)) * percent / 100.0
@@ -210,7 +211,7 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
-    """Return the 6 x 6 stiffness at a section as a table in N, m and rad."""
+    """Return lines and table of the 6 x 6 stiffness at a section, in N, m and rad."""
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
     rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
@@ -236,7 +237,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
-    """Return balls by set and index, with the loaded flanks, and rollers."""
+    """Return the tables of all balls with their loaded flanks, and of all rollers."""
     out: list[RenderableType] = []
     rows = set_balls(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
@@ -260,6 +261,7 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
 
 
 def _stiffness_lines(result: AxisResult) -> list[str]:
+    """Return lines on the stiffness of the whole shaft, with other freedoms fixed or free."""
     if result.stiffness is None:
         return []
     d = np.diag(result.stiffness)
@@ -314,7 +316,7 @@ def cases_table(
 
 
 def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield a row on every case of `cases_json`."""
+    """Yield a table row for each load case of `cases_json`."""
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)

@@ -14,11 +14,12 @@ REASONS = 5
 
 
 def table_parts(found: Table) -> list[Any]:
-    """Return the table with quantities and expected errors, then the points without an answer, and why."""
+    """Return the table of quantities with expected errors, then how many points have no answer, and why."""
     return [*fitted(aligned(_rows(found)), text_width()), "", *_words(found)]
 
 
 def _rows(found: Table) -> list[dict[str, Any]]:
+    """Return the rows: varied keys, quantities, expected errors."""
     named, rows = quantities(TableRow), []
     for row, place in zip(found.rows, found.places, strict=True):
         shown: dict[str, Any] = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
@@ -37,6 +38,7 @@ def _rounded(percent: float | None) -> float | None:
 
 
 def _words(found: Table) -> Iterator[str]:
+    """Yield lines on points with an answer, on failures, and on missing expected errors."""
     matrix = any(row.stiffness is not None for row in found.rows)
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
     further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""

@@ -43,7 +43,7 @@ PREFIX = "external-"
 
 
 def inputs() -> dict[str, Any]:
-    """Return the tables of ``cases.toml`` as they stand, quantities as texts."""
+    """Return the tables of ``cases.toml`` unparsed: quantities with units remain text."""
     return files.shipped_table("cases/external/cases.toml")
 
 
@@ -56,7 +56,7 @@ def input_in_SI(case: str, key: str, quantity: str) -> float:
 
 
 def assumptions() -> dict[str, tuple[str, ...]]:
-    """Return the assumptions of each case that has no separate scene, by case."""
+    """Return the assumptions of each case that has no separate scene file, by name of the case."""
     return {name: tuple(table["assumed"]) for name, table in inputs().items() if "assumed" in table}
 
 
@@ -81,6 +81,7 @@ def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
 
 
 def _solved(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
+    """Solve a shipped scene for `solved`; raises AssertionError if it does not converge."""
     result = run_model(assembly(name), "lin")
     if not result.converged:
         raise AssertionError(f"{PREFIX}{name}: {result.status}")
@@ -94,15 +95,15 @@ ANY = (0.53, 0.56)
 
 
 def _motion(found: AxisResult, station: float, freedom: str) -> float:
-    """Return the motion of the shaft at a station [m] in a freedom [m, rad]."""
+    """Return a displacement [m] or rotation [rad] of the shaft at the computed station nearest to a given one [m]."""
     place = int(np.abs(found.centreline_z - station).argmin())
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
 def masta(findings: Findings, study: Study) -> None:
-    """Compute the entries of a deep-groove bearing between rigid rings, the inner one free only along each load.
+    """Compute the entries of a deep-groove bearing between rigid rings, the inner ring free only along each load.
 
-    Displacement and life, which is proportional to the cube of the rating that MASTA is given.
+    The entries are displacements and lives; life is proportional to the cube of the load rating given to MASTA.
     """
     rated = input_in_SI("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -156,15 +157,15 @@ def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
 
 
 def _pair(bearing: BallBearing, preload: float) -> BearingSet:
-    """Return two bearings against each other under a preload [N]."""
+    """Return two opposed bearings, preloaded against each other by a force [N]."""
     return preloaded(BallRow(bearing), (1, -1), preload)
 
 
 @cache
 def gmn_rigidity(name: str, which: str, conformity: float) -> float:
-    """Return the rigidity of a pair of the catalogue at its preload [N/um], both rows next to each other.
+    """Return the axial rigidity [N/um] of a catalogue pair at its preload: twice that of one row.
 
-    ``conformity``: of the series.
+    ``which``: preload class; ``conformity``: of the grooves of the series.
     """
     row = inputs()["gmn"]["rows"][name]
     one = BallRow(_spindle("gmn", row, conformity))
@@ -172,7 +173,7 @@ def gmn_rigidity(name: str, which: str, conformity: float) -> float:
 
 
 def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the strong over light rigidity of every row, over that printed."""
+    """Return, for every row, the growth of rigidity from light to strong preload: computed over printed."""
     out = []
     for name in inputs()["gmn"]["rows"]:
         printed = [entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
@@ -193,7 +194,7 @@ def gmn(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table
 
 
 def gmn_rms_percent() -> float:
-    """Return the RMS error [%] of the rigidities of the series against those printed, without the slip."""
+    """Return the RMS error [%] of the computed rigidities against all printed ones of class band."""
     inferred = float(inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
     off = [float(error_percent(gmn_rigidity(name, which, inferred), value)) for (name, which), value in rows]
@@ -201,9 +202,9 @@ def gmn_rms_percent() -> float:
 
 
 def snfa(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of a catalogue with constant contact angles.
+    """Compute the entries of a catalogue that keeps contact angles constant.
 
-    As printed with rigid balls scaled back, right with contact angles that change under load.
+    The values as printed keep the angles constant; the correct ones let them change under load.
     """
     case = inputs()["snfa"]
     row = [1e3 * input_in_SI("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
@@ -230,7 +231,7 @@ def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
 
 
 def frozen_lift_off() -> float:
-    """Return the load over preload at which a row of a pair becomes loose if the contact angle stood still: 2^(3/2)."""
+    """Return the load that unloads one row of a pair, over the preload, if contact angles were constant: 2^(3/2)."""
     return float(2.0**1.5)
 
 
@@ -245,7 +246,7 @@ SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
 def mean_speed(case: str) -> float:
-    """Mean speed [rpm] of a scene whose load cases have the speeds and times of the phases."""
+    """Return the mean speed [rpm] of the shipped scene with the speeds and times of a case's phases."""
     given = inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
@@ -256,14 +257,14 @@ def mean_speed(case: str) -> float:
 
 
 def mean_of_phases(case: str) -> float:
-    """Return the mean force of phases with forces, speeds and shares of the time, in the unit of the forces."""
+    """Return the mean force of a case's phases (force, speed, share of time), in the unit of the forces."""
     given = inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
     return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
 def loads(findings: Findings, study: Study) -> None:
-    """Compute mean forces, forces and life of preloaded halves, factors of rows by contact angle."""
+    """Compute entries on mean forces, force and life of the halves of a preloaded nut, factors e, X, Y by angle."""
     for key, case in EXAMPLES.items():
         findings.number(key, mean_of_phases(case))
     findings.number("speed_rexroth", mean_speed("rexroth"))
@@ -341,7 +342,7 @@ def _hertz(case: str) -> tuple[float, HertzConstants]:
 
 @dataclass(frozen=True)
 class Example:
-    """Results of CONTACT's example."""
+    """Computed results of CONTACT's rolling example."""
 
     #: Lateral force over mu P.
     lateral: float
@@ -357,7 +358,7 @@ class Example:
 
 @lru_cache(maxsize=8)
 def example(cells: int, *, by_cells: bool = False) -> Example:
-    """Solve CONTACT's example on a grid with some cells along each axis; ``by_cells``: discretised as by CONTACT."""
+    """Solve CONTACT's example on a grid of cells x cells; ``by_cells``: with CONTACT's difference scheme."""
     case, touch = inputs()["contact"], _example("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
@@ -369,9 +370,9 @@ def example(cells: int, *, by_cells: bool = False) -> Example:
 
 
 def rolling(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute CONTACT's example with lateral creepage and spin.
+    """Compute the entries of CONTACT's examples: steady rolling, a wheel, and transients.
 
-    Hertz's part, and force and moment of exact half spaces.
+    Steady rolling has lateral creepage and spin: the Hertz contact, then force and moment on half spaces.
     """
     load, hertz = _hertz("contact")
     cube = float(np.cbrt(load))
@@ -406,7 +407,7 @@ def _wheel(findings: Findings) -> None:
 
 @lru_cache(maxsize=4)
 def transient(case: str, steps: int) -> list[Onset]:
-    """Solve CONTACT's example of a ball that is pushed aside, and then rolls by some cells under that force."""
+    """Solve a CONTACT example: a ball is pushed sideways, then rolls ``steps`` cells under that force."""
     numbers, (load, circle) = inputs()[case], _hertz(case)
     margin = 0.5 * input_in_SI(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
@@ -414,7 +415,7 @@ def transient(case: str, steps: int) -> list[Onset]:
 
 
 def _transients(findings: Findings) -> None:
-    """Compute a push aside, and the path from there to steady rolling, cell by cell as CONTACT takes it."""
+    """Compute the entries of the sideways push, and of the steps of one cell from there towards steady rolling."""
     found = {"cattaneo": transient("cattaneo", 0), "onset": transient("onset", ONSET_STEPS)}
     for row in load_table(findings.table):
         case, _, rest = row.key.partition("_")
@@ -446,7 +447,7 @@ def scene_name(size: str) -> str:
 
 
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the rigidity [N/m] of the contacts alone and with the bodies at an axial load [N].
+    """Return the axial rigidity [N/m] at an axial load [N]: of the contacts only, and of contacts and bodies.
 
     Raises ValueError without a wall.
     """
@@ -456,7 +457,7 @@ def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
 
 
 def rigidity_unequal_loads(study: Study, name: str, model: str) -> float:
-    """Return the rigidity [N/m] with unequal loads by a model; zero where it did not converge."""
+    """Return the axial rigidity [N/m] by a model in which ball loads may differ; zero if it did not converge."""
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
 
@@ -482,10 +483,10 @@ def nuts(findings: Findings, study: Study) -> None:
 
 
 def double_over_single(study: Study) -> float:
-    """Return the rigidity of a double nut over that of the single nut, both with their bodies.
+    """Return the rigidity of a double nut over that of a single nut, both with their bodies.
 
-    The preload is a third of the single nut's load, and the load goes up to that which unloads one nut. Each nut moves by
-    its deflection under the preload before the other one is loose, and then carries all.
+    The preload is a third of the single nut's load. The double nut carries the load that just unloads one of its
+    nuts: it has then moved by the deflection of one nut under the preload.
     """
     scene = study.scene(scene_name(DOUBLE))
     full = scene.loads[0].force[2]
@@ -520,7 +521,7 @@ def _drag(study: Study, findings: Findings) -> None:
 
 
 def drag_torque(study: Study, preload: float, mu: float) -> float:
-    """Return the friction torque of both nuts of a double nut under a preload [N m], each as a single nut under it."""
+    """Return the friction torque [N m] of a double nut under a preload [N]: twice that of a single nut."""
     scene = study.scene(scene_name(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
     found = run_model(nut, "lin", Options(discretisation=False))

@@ -79,12 +79,12 @@ def fixations(scene: Scene) -> dict[str, Scene]:
 
 @cache
 def stored_results(store: Path) -> list[dict[str, Any]]:
-    """Return the 3D results of a store by fixation: scene, held, level, status, rigidity [N/m], ball loads by flank [N]."""
+    """Return the stored 3D results: scene, fixation, mesh level, status, rigidity [N/m], ball loads by flank [N]."""
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
 
 def loads_of(row: dict[str, Any]) -> Array:
-    """Return the contact loads ``(n, 4)`` [N] of a stored row."""
+    """Return the contact loads ``(n, 4)`` [N] of a stored 3D result; zero on flanks that it does not contain."""
     by_side = row["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
@@ -105,7 +105,7 @@ class Solved(NamedTuple):
 
 
 def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
-    """Return the stored runs of a scene with one fixation of its nut, by mesh level from coarse to fine."""
+    """Return the converged stored runs of a scene with one fixation of its nut, by mesh level from coarse to fine."""
     runs = [
         x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")
     ]
@@ -113,9 +113,10 @@ def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
 
 
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
-    """Return the largest uncertainty of a contact load by the mesh [% of the mean load].
+    """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given level.
 
-    95 % by `grid_parts`, with one level by experience, plus the part of contacts near a free face.
+    Sum of the 95 % uncertainty of `grid_parts` (from experience if there is one level) and the error near a free
+    face.
 
     Parameters
     ----------
@@ -130,10 +131,10 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
 
 
 def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
-    """Return a row for each fixation of the nut of a catalogue size.
+    """Return the table rows of a catalogue size, one for each fixation of the nut and each model.
 
-    First by the default model (none for bolts, as it fixes the whole annulus of a flange), then for every fixation and
-    level of the 3D reference that is stored.
+    The default model comes first (without bolts, as it fixes the whole annulus of a flange), then every stored level
+    of the 3D reference.
     """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
@@ -177,7 +178,7 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
 
 
 def bolted_words() -> str:
-    """Return a sentence on the effect in 3D of single bolts instead of the whole annulus, on the finest stored level."""
+    """Return a sentence on what fixing single bolts instead of the whole annulus changes in 3D."""
     words = []
     for size in SIZES:
         scene = scene_name(size)
@@ -197,7 +198,7 @@ def bolted_words() -> str:
 
 
 def mesh_words(rows: list[dict[str, Cell]]) -> str:
-    """Return a sentence on the uncertainty of the meshes, and on the change of the table by a finer one."""
+    """Return a sentence on the mesh uncertainty of the loads, and on how much a finer level changes the table."""
     bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
     if not bars:
         return f"Nothing was solved in {THREE}."
@@ -223,7 +224,7 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
 
 
 def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
-    """Return smallest and largest value of a column by the default model, of fixations that begin with ``held``."""
+    """Return as text the range of a column over the default model's rows whose fixation begins with ``held``."""
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
 

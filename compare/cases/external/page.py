@@ -69,7 +69,7 @@ def summary(found: Sequence[Evidence]) -> str:
 
 
 def assumed_table(study: Study) -> Table:
-    """Return the assumptions of each case."""
+    """Return the table of the assumptions made to compute each external case."""
     rows: list[dict[str, Cell]] = []
     for name, thing in study.used.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
@@ -94,7 +94,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return the catalogue sizes: name, axial load [N], rigidities [N/um] by what they include, and printed."""
+    """Return name, axial load [N] and rigidities [N/um] (by included effects, and printed) of each catalogue size."""
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
         name = external.scene_name(size)
@@ -119,10 +119,10 @@ def displacement_3d(scene: Scene, found: Reference) -> float:
 
 
 def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
-    """Return rigidities [N/um] of a scene with a stored 3D reference.
+    """Return the row of rigidities [N/um] of a scene: by effects in the model, and by its stored 3D reference.
 
-    None without one, without axial load, or where the screw is displaced without loads, from where nothing of the reference
-    counts.
+    None without a stored reference, without axial load, or where the screw is displaced even at zero load, since the
+    reference's displacements do not start from there.
     """
     scene, found = study.scene(name), study.reference(name)
     if found is None:
@@ -151,7 +151,7 @@ def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
 def stages_table(
     study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], names: Sequence[str]
 ) -> Table:
-    """Return the catalogue sizes with the printed rigidity, then scenes with a 3D reference."""
+    """Return the table of rigidities by included effects: catalogue sizes, then scenes with a 3D reference."""
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
         row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **stages, "reference": None}

@@ -51,6 +51,7 @@ def coefficients() -> tuple[Coefficient, ...]:
 
 
 def _solved() -> Iterator[Coefficient]:
+    """Yield each coefficient: its values by grid, and the extrapolated one if they converge from one side."""
     for ratio, shapes in GRIDS.items():
         cells = np.array([1.0 / s[1] for s in shapes])
         for poisson in POISSON:
@@ -106,10 +107,10 @@ RUB_REACH = 0.01
 
 @dataclass(frozen=True)
 class Proof:
-    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach.
+    """A test against a known answer: values on three grids, exact or printed value, target for the error [%].
 
-    The answer, of the finest grid where not said otherwise; cells of the finest grid over those of the coarsest along an
-    axis (None: the grids' errors have no order).
+    ``answer`` is the value of the finest grid unless stated otherwise. ``finer`` is the number of cells along an axis
+    of the finest grid over that of the coarsest (None: the grids' errors have no order).
     """
 
     case: str
@@ -127,14 +128,15 @@ class Proof:
 
     @property
     def reached(self) -> bool:
-        """Whether it is as close as was to be reached."""
+        """Whether the error of the answer is within its target."""
         return abs(self.error) <= self.reach
 
     @property
     def order(self) -> float | None:
-        """Observed order of the errors from the first grid to the last.
+        """Observed order of the errors from the coarsest grid to the finest.
 
-        None where the last is round-off, or one is no smaller than on the grid before: such errors follow where cells lie.
+        None if the last error is round-off, or if an error does not fall from grid to grid: it then depends on where
+        cells lie.
         """
         errors = np.abs(np.array(self.values) - self.exact)
         if self.finer is None or not errors[-1] > 1e-12 * abs(self.exact) or (np.diff(errors) >= 0.0).any():
@@ -144,24 +146,26 @@ class Proof:
 
 @lru_cache(maxsize=2)
 def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
-    """Return all known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
+    """Return all tests against known answers; without ``meshing``, without those that need gmsh."""
     parts = (_elements, _carter, _mindlin, _full_slip, _rubbing, _kalker, _contact)
     return tuple(proof for proof_of in ((_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
-    """Return ``AT_REST`` of the most loaded contact of two balls of a screw by the static reference with so many cells."""
+    """Return `AT_REST` of the most loaded contact of two balls of a screw; cells: grid of the static reference."""
     at, load, material = _most_loaded()
     return _read(verification.static_reference(at, load, *material, cells))
 
 
 def _most_loaded() -> tuple[Place, float, tuple[float, float]]:
+    """Return place, load [N] and elastic constants of the most loaded contact of a screw's two balls."""
     scene = case_of(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
     return place_of(scene, touch)[0], touch.load, (scene.young, scene.poisson)
 
 
 def _at_rest() -> Iterator[Proof]:
+    """Yield the tests of a contact at rest against the static reference's patch."""
     at, load, material = _most_loaded()
     exact = resting()
     found = [_read(verification.at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
@@ -171,10 +175,12 @@ def _at_rest() -> Iterator[Proof]:
 
 
 def _read(one: verification.Pressed) -> tuple[float, ...]:
+    """Return approach [um], semi-axes [um] and peak pressure [MPa] of a pressed contact."""
     return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
 
 
 def _elements() -> Iterator[Proof]:
+    """Yield the tests of finite elements under uniform traction against the half space."""
     load, radii, young, poisson = GROOVE
     at = Place(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
@@ -186,6 +192,7 @@ def _elements() -> Iterator[Proof]:
 
 
 def _rubbing() -> Iterator[Proof]:
+    """Yield the tests of friction between two balls over a patch against friction at one point."""
     choices = Choices((12, 16))
     scene = case_of(case(LINEAR, KindScene), choices).touching
     found = solve_rolling(scene, choices)
@@ -197,6 +204,7 @@ def _rubbing() -> Iterator[Proof]:
 
 
 def _carter() -> Iterator[Proof]:
+    """Yield the tests against Carter's solution: force, and half width of the stick zone."""
     for share in (0.1, 0.25, 0.5, 0.75, 0.9):
         found = [verification.carter(n, share) for n in (41, 61, 82)]
         for k, name in enumerate(("force over mu P", "half width of stick over a")):
@@ -210,6 +218,7 @@ def _carter() -> Iterator[Proof]:
 
 
 def _mindlin() -> Iterator[Proof]:
+    """Yield the tests against Cattaneo and Mindlin: force and stick radius, on half spaces and finite balls."""
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
             found = [verification.mindlin(n, share, balls=balls) for n in (14, 20, 28)]
@@ -219,6 +228,7 @@ def _mindlin() -> Iterator[Proof]:
 
 
 def _full_slip() -> Iterator[Proof]:
+    """Yield the tests under full slip: by quadrature, by the grid, and by differences as runs are evaluated."""
     for where, creep in SLIPS.items():
         exact = _wrench(*verification.slip_everywhere(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
@@ -240,22 +250,25 @@ def _full_slip() -> Iterator[Proof]:
 
 
 def _wrench(force: Array, moment: float) -> tuple[float, float]:
+    """Return a tangential force [N] and a moment [N mm] from a force vector [N] and a moment [N m]."""
     return float(force[0]), 1e3 * moment
 
 
 def _stiff(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
+    """Return force [N] and moment [N mm] of steady rolling with the elastic response scaled by ``share``."""
     found = verification.steady(patch, creep, MU, elastic=share)
     return _wrench(found.force, found.moment)
 
 
 def _differenced(patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]) -> tuple[float, float]:
-    """Return the change by elasticity on a grid, plus the mean of the rigid limit's quadratures, as runs are combined."""
+    """Return force and moment evaluated like runs: elastic less nearly rigid on a grid, plus the mean rigid limit."""
     limit, elastic, near = np.mean(limits, axis=0), _stiff(patch, creep, STIFF), _stiff(patch, creep, STIFF * NEARLY_RIGID)
     force, moment = limit + np.subtract(elastic, near)
     return float(force), float(moment)
 
 
 def _kalker() -> Iterator[Proof]:
+    """Yield the tests against Kalker's printed creep coefficients."""
     for one in coefficients():
         name, ratio, poisson = one.key.split("_")
         value = value_of("kalker-E3", one.key)
@@ -271,10 +284,10 @@ def _kalker() -> Iterator[Proof]:
 
 
 def _contact() -> Iterator[Proof]:
-    """Yield the comparison with CONTACT's example.
+    """Yield the tests against CONTACT's printed example.
 
-    By its difference scheme to the printed digits, and by ours to the error of these: of first order, about the effect of
-    half as many cells.
+    With CONTACT's difference scheme the target is the printed digits. With the scheme used here it is the first-order
+    error of CONTACT's scheme, estimated by the change from its coarsest grid to its finest.
     """
     theirs = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
     ours = [example(n) for n in (16, 24, 32)]

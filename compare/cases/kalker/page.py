@@ -69,7 +69,7 @@ class PatchField:
 
 @lru_cache(maxsize=1)
 def fields() -> tuple[PatchField, ...]:
-    """Return the contacts of `SHOWN`, balls in touch, on half spaces."""
+    """Return slip and traction of the contacts of `SHOWN`, with balls that touch each other, on half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
@@ -83,6 +83,7 @@ def fields() -> tuple[PatchField, ...]:
 
 
 def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
+    """Return the fields of one contact, the axis across the groove first; slip relative to the rolling speed."""
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene)
     along, across = hertz_size(scene, touch)
@@ -157,7 +158,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
-    """Return what finite bodies change, and how far that depends on the choices behind them."""
+    """Return text and tables on what finite bodies change, and on how sensitive that is to numerical choices."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
@@ -201,11 +202,13 @@ def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) ->
 
 
 def _change(row: RollingRow) -> float | None:
+    """Return the change [%] of a quantity by finite bodies; None where it means nothing."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
 
 def _beside(row: RollingRow) -> Row:
+    """Return the table row of a quantity by rigid bodies, half spaces and finite bodies."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -221,7 +224,7 @@ def _beside(row: RollingRow) -> Row:
 
 
 def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
-    """Return the slip, and traction with the cells that stick."""
+    """Return maps of the slip, and of the traction with the cells that stick."""
 
     def panel(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
         size = np.linalg.norm(what, axis=1)
@@ -261,6 +264,7 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
 
 
 def _conclusion(found: dict[str, list[RollingRow]]) -> str:
+    """Return a sentence on the low-order error of the force between two balls; empty without a stored run."""
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
         return ""
@@ -268,7 +272,7 @@ def _conclusion(found: dict[str, list[RollingRow]]) -> str:
 
 
 def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[str]:
-    """Return the tables in words."""
+    """Return the paragraphs that explain the tables."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]
@@ -291,7 +295,7 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
 
 
 def _pole(proof: Sequence[Proof]) -> str:
-    """Return what a spin pole inside a cell does, and what takes it out; nothing where that was not computed."""
+    """Return a sentence on the error by a spin pole inside a cell, and on what removes it; empty if not computed."""
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -322,6 +326,7 @@ def _proof(p: Proof) -> Row:
 
 
 def _compared(row: RollingRow) -> Row:
+    """Return the table row of a quantity by the low-order and the 3D model."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -342,12 +347,14 @@ def _compared(row: RollingRow) -> Row:
 
 
 def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
+    """Return the stored runs of a scene of rolling, the one with the source's cell size first."""
     scene = shipped_case(name, KindScene)
     found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 
 
 def _grid_rows(stores: Sequence[Path]) -> list[Row]:
+    """Return the table rows of all stored runs: grid, value, effect of elasticity, processor time."""
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _runs(name, stores)]
     common = most_of(run.measured for _, run in every)
@@ -371,6 +378,7 @@ def _grid_rows(stores: Sequence[Path]) -> list[Row]:
 
 
 def _rest(s: Series) -> Row:
+    """Return the table row of a run from rest."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
         Quantity("steps", "steps", "", "d"): s.steps,
@@ -410,7 +418,7 @@ def _figure(series: Sequence[Series]) -> Figure:
 
 
 def _times(stores: Sequence[Path]) -> Figure | None:
-    """Return the error of a grid against the finest one, over its processor time."""
+    """Return the figure of each grid's difference from the finest over its processor time; None without runs."""
     curves = []
     found = {name: [r for r in _runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
     common = most_of(r.measured for runs in found.values() for r in runs)

@@ -1,9 +1,10 @@
 """Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
 
-Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases. Every case is
-solved here from the solver's start and from random ones; it must converge, balance power in and dissipation, and give the
-same result each time. The source's method is a root of the force balance under its sigmoid from random starts: for one ball
-at the loads of the same case, for several as ``lowfi.friction.as_source.screw`` does it.
+The cases are single balls, pairs, chains, and bearings with clearance, varied far from the printed cases; further
+runs start around these. Every case is solved here from the solver's start and from random ones: each solution must
+converge, balance power input and dissipation, and agree with the first. The source's method finds a root of the force
+balance under its sigmoid friction law from random starts: for one ball at the loads of the same case, for several
+balls as ``lowfi.friction.as_source.screw`` does.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ class Record:
 
 @dataclass
 class Tally:
-    """Counts of a group as its cases are solved."""
+    """Running counts for one group, updated with each solved case."""
 
     cases: int = 0
     ours: int = 0
@@ -103,11 +104,11 @@ class Tally:
     other: int = 0
 
     def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
-        """Count one run of the source's method (None: it found no loads) against the ball-to-ball forces found here [N].
+        """Count one run of the source's method against the ball-to-ball forces found here [N].
 
-        Bound [N].
-
-        Solved: a root whose balls neither overlap nor pull. ``other`` counts those that are not our answer.
+        ``found`` is None if that method found no loads; ``bound``: friction bound [N], the scale of differences. A
+        run counts as solved if its root has no balls that overlap or pull; ``other`` counts such roots with other
+        forces than ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -118,7 +119,7 @@ class Tally:
             self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
 
     def add(self, good: bool, power: float, loss: float, apart: float) -> None:
-        """One solution: whether it converged, power in and dissipation [W], difference from the first, relative."""
+        """Count one solution: whether it converged, power in and loss [W], relative difference from the first."""
         self.tries += 1
         self.ours += good
         self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
@@ -150,7 +151,7 @@ class Tally:
 
 @dataclass(frozen=True)
 class OneBall:
-    """A ball at given loads: its problem, speed that drives it [rad/s], the source's law."""
+    """One ball at given loads: its problem, the source's friction law, and the power [W] that drives it."""
 
     problem: Problem
     law: Sigmoid
@@ -158,13 +159,13 @@ class OneBall:
 
 
 def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the rotary bearing at an axial load [N] and a radial displacement [m]."""
+    """Return a ball of the rotary bearing at an axial load [N] and a radial displacement [m]."""
     s = solve_ball(bearing, axial, u_y, fast=True)
     return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
 def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the second ball of a pair without contact, or with contact loads (4,) [N] at the nominal angles."""
+    """Return the second ball of a separate screw pair at its loads, or at given contact loads (4,) [N]."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:
@@ -176,7 +177,7 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPN
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
-    """Return the power [W] of the driven surfaces against friction (m, 3) on the ball: what drives the contacts."""
+    """Return the power [W] that the driven surfaces put in against the friction force (m, 3) on the ball."""
     return -float(np.sum(wrench * problem.drives))
 
 
@@ -199,7 +200,7 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
 
 
 def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
-    """Return a group of single balls; off: how far random starts are off, relative."""
+    """Solve a group of single balls and return its record; ``off``: largest relative distance of random starts."""
     rng, tally = np.random.default_rng(1), Tally()
     for ball in balls:
         try_ball(tally, ball, rng, off)
@@ -207,12 +208,12 @@ def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "",
 
 
 def screw_share(share: float) -> OneBall:
-    """Return the screw ball whose second diagonal bears a share of the first's load."""
+    """Return a screw ball whose second diagonal carries a given share of the load of the first."""
     return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
 def ball_rows() -> list[Record]:
-    """Return one ball at given loads."""
+    """Return the records of all groups of single balls at given loads."""
     two, rest = radians(2.0), table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
@@ -269,7 +270,7 @@ def ball_rows() -> list[Record]:
 
 @dataclass(frozen=True)
 class LinearCase:
-    """Balls of a linear bearing, all in reach: contact angles [rad] and loads [N], (N, 4)."""
+    """Linear bearing with balls close enough to touch each other: contact angles [rad] and loads [N], (N, 4)."""
 
     bearing: LinearBearing
     angles: Array
@@ -288,11 +289,10 @@ def chain_group(
     most: int = 200,
     note: str = "",
 ) -> Record:
-    """Return chains of the linear bearing from their own start and random ones.
+    """Solve chains of the linear bearing by both methods and return the record of the group.
 
-    The source's method from starts at the same distance.
-
-    starts: random ones; most: balls up to which the source's method is tried.
+    ``starts``: number of random starts besides the solver's; ``most``: largest number of balls for the source's
+    method.
     """
     rng, tally = np.random.default_rng(2), Tally()
     for case in cases:
@@ -326,24 +326,24 @@ def chain_state(count: int) -> tuple[Array, Array]:
 
 
 def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
-    """Return a linear chain with random deviations and side forces, all neighbours in reach; ``mu``: of all parts."""
+    """Return a linear chain with random angles and side forces; ``mu``: friction coefficient of all contacts."""
     return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *chain_state(count))
 
 
 def patchy_chain(count: int, mu: float) -> LinearCase:
-    """Return a linear chain with random given loads that are out of balance, zero at some contacts."""
+    """Return a linear chain with random contact loads, not in equilibrium and zero at some contacts."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
 def relieved_pair(share: float) -> LinearCase:
-    """Return a linear pair whose balls nearly lose a diagonal: side force ratio 1 - share."""
+    """Return a linear pair whose balls nearly lose one diagonal's load: side force ratio -1 + ``share``."""
     return linear_pair(2.0, -1.0 + share)
 
 
 def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
-    """Return pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
+    """Solve screw pairs with loads and motions together, then their chains from random starts; return the record."""
     rng, tally = np.random.default_rng(3), Tally()
     for p in pairs:
         tally.cases += 1
@@ -360,7 +360,7 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
 
 
 def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
-    """Solve the chain of a screw from motions off by up to ``off`` and random forces, and compare with a known solution."""
+    """Solve a screw chain from randomly changed motions and forces; count differences from a known solution."""
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
     size = np.maximum(first.ball_force, NO_FORCE * bound)
     for _ in range(CHAIN_STARTS):
@@ -373,7 +373,7 @@ def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.
 
 
 def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
-    """Return loads [N] and contact angles [rad], (N, 4), and slack (N,) [rad/s] at random; the chain is open at its end."""
+    """Return random loads [N] and angles [rad], (N, 4), and slack (N,) [rad/s] of a chain with an open end."""
     g, rng = table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
@@ -382,13 +382,13 @@ def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_chain(count: int) -> ScrewChain:
-    """Return the chain of a screw with loads, angles and gaps at random, cut open at its end."""
+    """Return a screw's chain of balls with random loads, angles and slack, open at its end."""
     g, (force, angle, slack) = table_3_6(), screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
 def screw_chains() -> Record:
-    """Return chains of a screw of several sizes."""
+    """Solve chains of a screw of several sizes and return their record."""
     rng, tally = np.random.default_rng(4), Tally()
     for count in BALLS:
         tally.cases += 1
@@ -403,7 +403,7 @@ def screw_chains() -> Record:
 
 
 def bearing_clearance() -> Record:
-    """Return the whole four-point bearing of Table 4.2 with clearance: loads and motions."""
+    """Solve the whole four-point bearing of Table 4.2 for loads and motions with clearance; return the record."""
     tally = Tally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
@@ -413,7 +413,7 @@ def bearing_clearance() -> Record:
 
 
 def chain_rows() -> list[Record]:
-    """Return pairs and chains."""
+    """Return the records of all groups of pairs and chains."""
     two = radians(2.0)
     base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
@@ -496,7 +496,7 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
 
 
 def pair_rows() -> list[Row]:
-    """Solve extreme pairs from the nominal start and two random ones: status, energy balance, scatter of the results."""
+    """Return the rows of extreme pairs, each solved from the nominal start and two random ones."""
     rng, rows = np.random.default_rng(3), list[Row]()
     for group, chains in pair_extremes():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
@@ -567,7 +567,7 @@ def by_model(tried: Sequence[Record]) -> str:
 
 
 def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
-    """Return the table and what it says, for a section of the report; ``found``: rows made before."""
+    """Return table and conclusion for a section of the report; ``found``: records if computed before."""
     found = all_rows() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:

@@ -1,7 +1,7 @@
-"""Run times that stand beside those of Tables 2.2, 3.5 and 3.7, all of one measuring run.
+"""Run times shown next to those of Tables 2.2, 3.5 and 3.7, all from one measuring run.
 
-``rollbench bench --source lin --store FOLDER`` measures and keeps them. Cold is a new process with empty caches, its
-imports included; further is the next load case in that process.
+``rollbench bench --source lin --store FOLDER`` measures and stores them. Cold: a new process with empty caches,
+imports included. Further: the next load case in the same process.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ CALLS = {
 
 
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
-    """Return all times of the page, measured now: five minutes on two quiet cores."""
+    """Return all run times of the page, measured now (takes five minutes on two idle cores)."""
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevel] = []
     for name in STATIC.values():
@@ -80,7 +80,7 @@ class Seconds:
 
 
 def seconds(study: Study, name: str, way: str) -> Seconds:
-    """Return seconds of a scene: ``lin``, ``numerical``, ``formula``, or ``3D``, from the measuring run that is kept."""
+    """Return the stored times of a scene by ``lin``, ``numerical``, ``formula`` or ``3D``."""
     kept = study.once(times_of, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:

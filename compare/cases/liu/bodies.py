@@ -29,7 +29,7 @@ LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
 @dataclass(frozen=True)
 class Compared:
-    """One screw under one load [N]: loads (78,) [N] of the chain, the beam model and the refined one."""
+    """Loads (78,) [N] of one screw under one axial load [N], by the axial chain, the beam and the refined model."""
 
     errors: str
     load: float
@@ -45,7 +45,7 @@ class Compared:
 
 
 def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
-    """Return the scene with balls whose diameter is off by errors (78,) [m], under an axial load [N]."""
+    """Return the scene with ball diameter errors (78,) [m] under an axial load [N]."""
     listed = tuple((i + 1, 0.5 * float(e)) for i, e in enumerate(errors) if e != 0.0)
     balls = replace(scene.errors.balls, listed=listed)
     force = replace(scene.loads[0], force=(0.0, 0.0, load))
@@ -53,7 +53,7 @@ def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
 
 
 def same_screw(scene: Scene) -> Row:
-    """Return the chain of a scene with its nut rigid, and exact contact angles."""
+    """Return the axial chain of a scene, with a rigid nut and exact contact angles."""
     row = row_of(scene, law="exact")
     return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
 
@@ -73,6 +73,7 @@ def compare_models(study: Study) -> tuple[Compared, ...]:
 
 
 def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array, load: float) -> Compared:
+    """Compare the models on one screw under one load."""
     changed = with_errors(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
     return Compared(name, load, solve_chain(chain, errors, load).load, beam, refined)
@@ -80,7 +81,7 @@ def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array
 
 @dataclass(frozen=True)
 class Solid:
-    """One scene of the screw against its 3D reference, by one model."""
+    """Differences of one model from the 3D reference on one scene of the screw."""
 
     #: Name of the scene.
     scene: str
@@ -103,7 +104,7 @@ class Solid:
 
 
 def compare_solid(study: Study) -> tuple[Solid, ...]:
-    """Return the chain, the beam model and the refined one against 3D, on the scenes that have a stored reference."""
+    """Return the differences of chain, beam and refined model from 3D, on scenes with a stored reference."""
     rows = []
     for name, found in study.references(SOLID).items():
         scene, bar = study.scene(name), uncertainty_percent(found)
@@ -123,9 +124,9 @@ def axial_loads(scene: Scene) -> Array:
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Yield scenes and levels of the 3D reference that a report computes afresh.
+    """Yield the scenes and levels of the 3D reference that a report computes again if ``fresh``.
 
-    They are not shipped, because they take longer than the rest of a first report.
+    They are not shipped, since they take longer than the rest of a first report.
     """
     if fresh:
         yield SOLID, SOLID_LEVELS

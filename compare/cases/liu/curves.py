@@ -39,11 +39,12 @@ NO_VALUES = "The text prints no value of this figure: ours alone."
 
 
 def _errors(half_range: int, number: int = 0) -> Array:
-    """Return errors [m] of one drawn screw."""
+    """Return the ball errors [m] of one drawn screw; ``number``: of the draw."""
     return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.balls(), 1e-6 * half_range)[0])
 
 
 def _over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
+    """Return values over the ball number as a line."""
     return Series(label, list(range(1, liu.balls() + 1)), [float(v) for v in values], "line", emphasis=emphasis)
 
 
@@ -57,11 +58,12 @@ def _printed(x: Sequence[float], y: Sequence[float], label: str = "printed") -> 
 
 @cache
 def _ensemble(half_range: int) -> Ensemble:
+    """Return the drawn screws of an error range, solved under all loads of the test."""
     return solve_ensemble(liu.screw(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range)
 
 
 def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
-    """Return the median and central 99 % of the drawn screws over the load, in a unit."""
+    """Return the median and the central 99 % of a quantity of the drawn screws over the load."""
     of = [_ensemble(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
@@ -71,11 +73,12 @@ def _spread(half_range: int, quantity: Spread, unit: float, loads: Sequence[floa
 
 
 def _without(value: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
+    """Return a quantity without errors over the load as a line."""
     return Series("no errors", list(loads), [value(f) for f in loads], "line")
 
 
 def _free_of_errors(force: float) -> tuple[float, float]:
-    """Return the displacement [um] and stiffness [1e8 N/m] without errors."""
+    """Return displacement [um] and stiffness [1e8 N/m] without errors under a force [N]."""
     state = solve_chain(liu.screw(), np.zeros(liu.balls()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
@@ -124,7 +127,7 @@ def test_curve() -> Figure:
 
 
 def test_table() -> Table:
-    """Return the values of this figure as a table."""
+    """Return the values of Figure 13 as a table."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
         moved = 1e6 * _ensemble(3).values_at("displacement_first_loaded", force)
@@ -184,7 +187,7 @@ def one_ball() -> Figure:
 
 
 def _ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Return loads of the balls of one drawn screw, and the printed smallest and largest ones as lines."""
+    """Return the ball loads of one drawn screw as lines, and the printed load ranges as markers."""
     series = []
     for force in loads:
         series.append(_over_balls(_load(_errors(half_range), force), f"ours, {force:g} N"))
@@ -246,6 +249,7 @@ def displacement() -> Figure:
 
 
 def _printed_stiffness(found: dict[str, float], which: int | str, label: str) -> Series:
+    """Return the printed stiffness values of one error range as markers over the load."""
     keys = [k for k in found if k.startswith(f"K_{which}_")]
     return _printed([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
 

@@ -70,7 +70,7 @@ def liu_screw() -> Scene:
 
 @cache
 def balls() -> int:
-    """Return the number of its balls."""
+    """Return the number of balls of the screw."""
     return liu_screw().ball_count
 
 
@@ -81,13 +81,13 @@ def printed_ratio() -> float:
 
 
 def calibration_load() -> float:
-    """Return the load [N] of that ratio, section 4.1's and the scene's."""
+    """Return the load [N] at which the chain is calibrated, that of section 4.1 and of the scene."""
     return liu_screw().loads[0].force[2]
 
 
 @cache
 def screw(law: Law = "implicit") -> Chain:
-    """Return the calibrated chain by a reading of the contact angle; the source's is "implicit"."""
+    """Return the calibrated chain under one interpretation of the contact angle; the source uses "implicit"."""
     return calibrated(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
 
 
@@ -98,7 +98,7 @@ def implied_area(balls_a_turn: float) -> float:
 
 
 def one_error(error: float) -> Array:
-    """Return errors [m] with that of ball 33 only."""
+    """Return ball errors [m] that are zero except for ball 33."""
     errors = np.zeros(balls())
     errors[32] = error
     return errors
@@ -106,18 +106,18 @@ def one_error(error: float) -> Array:
 
 @cache
 def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
-    """Return the state with one error [um] at ball 33 under a load [N]."""
+    """Solve the chain with a diameter error [um] at ball 33 only, under an axial load [N]."""
     return solve_chain(chain or screw(), one_error(1e-6 * error_um), load)
 
 
 @cache
 def drawn_ensemble(half_range_um: int) -> Ensemble:
-    """Return screws with errors within +-half_range [um], other draws for each range."""
+    """Return the screws drawn with errors within +-half_range [um]; each range has its own draws."""
     return solve_ensemble(screw(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um)
 
 
 def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
-    """Return one quantity of the drawn screws (n,)."""
+    """Return the values (n,) of one quantity of the drawn screws under a load [N]."""
     return drawn_ensemble(half_range_um).values_at(quantity, load)
 
 
@@ -155,7 +155,7 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def loosest_agreement() -> tuple[int, int, float]:
-    """Return those of ``FEW`` screws with errors of +-2 um at 500 N for which both algorithms find the same active set."""
+    """Return the number of screws with equal loaded balls by both algorithms, most rounds, largest difference."""
     errors = draw_errors(SEED, 0, FEW, balls(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
@@ -225,30 +225,30 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def ratio(error_um: float, load: float) -> float:
-    """Return the load ratio Q78/Q1."""
+    """Return the load ratio Q78/Q1 with an error [um] of ball 33 under a load [N]."""
     q = single_error_state(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def readings(error_um: float, load: float) -> str:
-    """Describe Q33 with other contact angles, each model calibrated as for 45 deg."""
+    """Return Q33 with other contact-angle laws as text, each chain calibrated to the printed ratio."""
     found = {law: single_error_state(error_um, load, screw(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def others_change(error_um: float) -> list[float]:
-    """Return the smallest and largest change of another ball's load against that without the error, over both loads [N]."""
+    """Return the smallest and largest load change [N] of the other balls by the error of ball 33, over both loads."""
     change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
 
 
 def error_of_load(load: float) -> float:
-    """Return the error of ball 33 [um] with which it carries the load [N] at 5000 N."""
+    """Return the error of ball 33 [um] at which it carries a given load [N] when the axial load is 5000 N."""
     return float(brentq(lambda e: single_error_state(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
 
 
 def loads_of_others() -> tuple[float, float]:
-    """Return loads [N] from which another ball than 33 carries, and all do, at +2 um."""
+    """Return the axial loads [N] from which ball 1 and ball 78 carry load, with ball 33 too large by 2 um."""
     errors = one_error(2e-6)
     return (first_carrying_load(screw(), errors, 0, LIGHT), first_carrying_load(screw(), errors, balls() - 1, LIGHT))
 
@@ -307,7 +307,7 @@ def sample_of(key: str) -> Array:
 
 
 def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
-    """Return a text on the loaded balls at 1000 N of screws that agree with the printed number at 500 N."""
+    """Return a text on the balls loaded at 1000 N in drawn screws that match the printed number at 500 N."""
     first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
@@ -315,7 +315,7 @@ def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """File the median for a random number, and its percentile with its sampling error in words."""
+    """Set the computed value of a random number to the median of the draws; note the printed value's percentile."""
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
@@ -330,7 +330,7 @@ def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[b
 
 
 def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return whether a quantity falls from range to range of the errors, screw by screw."""
+    """Return, for each drawn screw, whether a quantity falls as the error range grows."""
     a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
@@ -364,7 +364,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _curves(e: Findings) -> None:
-    """Compute the claims on the curves of displacement over load, on medians."""
+    """Compute the claims on the curves of displacement over load, by the medians of the drawn screws."""
     loads = np.array(LOADS[1])
     curve = np.array([[np.median(drawn_sample(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
@@ -377,20 +377,20 @@ def _curves(e: Findings) -> None:
 
 
 def spreads(load: float) -> Array:
-    """Return the range of the stiffness of three drawn screws of +-2 um [1e8 N/m]."""
+    """Return the range [1e8 N/m] of the stiffness within each group of three drawn screws of +-2 um."""
     values = 1e-8 * drawn_sample(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
 def relative_to_none(key: str, printed: float, reference: float) -> str:
-    """Return the percentile of a stiffness over that without errors: an offset of the contact stiffness drops out."""
+    """Return as text the percentile of a stiffness over the one without errors, free of a common stiffness offset."""
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = drawn_sample(h, "stiffness", load) / solve_chain(screw(), np.zeros(balls()), load).stiffness
     return "over the value without errors: " + place_in(ratio, printed / reference, 0.0)[1]
 
 
 def secant(load: float, step: float) -> float:
-    """Return the stiffness (22) without errors [1e8 N/m] from a load on, by a step of load [N]; 0: the tangent."""
+    """Return the stiffness (22) without errors [1e8 N/m] at a load by a load step [N]; step 0: the tangent."""
     chain, zero = screw(), np.zeros(balls())
     if step == 0.0:
         return 1e-8 * solve_chain(chain, zero, load).stiffness
@@ -410,9 +410,9 @@ def secants(half_range_um: int, load: float, share: float) -> Array:
 
 
 def stiffness_comes_out(row: Printed, share: float) -> bool:
-    """Return whether a printed stiffness is among those of the drawn screws by a step that is a share of the load.
+    """Return whether a printed stiffness is within the range of the drawn screws by a given relative load step.
 
-    Without errors: within the per cent to which the model has the source's other results.
+    Without errors: whether it is within 1 % of the computed one, the agreement of the source's other results.
     """
     _, which, load = row.key.split("_")
     assert row.value is not None

@@ -42,7 +42,7 @@ ABOUT = (
 
 
 def counts_in_words(found: dict[str, float]) -> str:
-    """Return how many printed counts of loaded balls lie within what most draws span, and which do not."""
+    """Return a text on how many printed counts of loaded balls lie within the central range of the draws."""
     total, out = 0, []
     for key, value in found.items():
         parts = re.fullmatch(r"(un)?loaded_(\d)_(\d+)(_again)?", key)
@@ -60,7 +60,7 @@ def counts_in_words(found: dict[str, float]) -> str:
 
 
 def stiffness_in_words(found: dict[str, float]) -> str:
-    """Return how far a printed stiffness lies from the median of the draws where all balls of most draws carry load."""
+    """Return a text on the deviation of printed stiffness from the drawn median, where most draws load all balls."""
     off = []
     for key, value in found.items():
         parts = re.fullmatch(r"K_(\d)_(\d+)", key)
@@ -73,7 +73,7 @@ def stiffness_in_words(found: dict[str, float]) -> str:
 
 
 def bodies_table(study: Study) -> Table:
-    """Return loads and stiffness of screws with errors by the axial chain, the beam model and the refined model."""
+    """Return the table of loads of screws with errors by the axial chain, the beam model and the refined model."""
     rows: list[Row] = []
     for c in study.once(bodies.compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
@@ -98,7 +98,7 @@ def bodies_table(study: Study) -> Table:
 
 
 def solid_table(study: Study) -> Table:
-    """Return the results of one screw in 3D and by the low-order models."""
+    """Return the table of errors of the low-order models against 3D on one screw."""
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {

@@ -56,7 +56,7 @@ OF_SETS = (
 
 
 def sets() -> Iterator[Outside]:
-    """Yield every bearing set, computed from the pair of equal bearings and preload class."""
+    """Yield the printed values of every bearing set, computed from the pair of the same bearings."""
     for source in tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
@@ -85,6 +85,7 @@ def sets() -> Iterator[Outside]:
 
 @cache
 def _ring() -> Scene:
+    """Return the shipped bearing scene with the elastic constants used for all bearings."""
     found = catalogue.shipped("bearing-9")
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
@@ -142,14 +143,15 @@ def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple
 
 
 def _middle(row: Mapping[str, str]) -> float:
+    """Return the mean of bore and outside diameter of a catalogue row [m]."""
     return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
 
 
 def ball_bearings() -> Iterator[Outside]:
-    """Yield clearance, rigidity at lighter preloads, and factor f_0 of ball bearings.
+    """Yield clearance, rigidity at the lighter preloads and factor f_0 of ball bearings.
 
-    The axial clearance of a preloaded pair under a known load is 2 (u(measuring load) - u(preload)), with contact angles
-    that change.
+    The axial clearance of a preloaded pair is 2 (u(measuring load) - u(preload)), with contact angles that change
+    under load.
     """
     source = read_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
@@ -184,10 +186,10 @@ def ball_bearings() -> Iterator[Outside]:
 def _of_bearing(
     source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
-    """Yield clearances and rigidities of a bearing; forces (p,) [N].
+    """Yield clearances and rigidities of one bearing at its preloads ``forces`` (p,) [N].
 
-    moved (3, p + 1) [um]: at these and under the measuring load, rigid (3, p) [N/um]: for the rigidity at the heavy preload
-    as printed and at the ends of its rounding.
+    ``moved`` (3, p + 1) [um]: displacements at the preloads and at the measuring load. ``rigid`` (3, p) [N/um]:
+    rigidities. The first axis: heavy-preload rigidity as printed, and at both ends of its rounding.
     """
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(rows):
@@ -215,16 +217,16 @@ def _of_bearing(
 
 
 def _factor(source: Table, row: Mapping[str, str], factor: float) -> Outside:
-    """Return the factor f_0, which is printed with C and C_0; both ratings rounded."""
+    """Return the factor f_0, computed from the printed C and C_0, with their rounding as its band."""
     off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
     return of_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
 
 
 def frozen_pairs() -> Iterator[Outside]:
-    """Yield the rigidity of pairs whose balls are printed, tangent at the preload, from Hertz contacts whose angle turns.
+    """Yield the tangent rigidity of preloaded pairs with printed balls, with contact angles that change under load.
 
-    What is printed is the catalogue's own formula, and not judged.
+    The printed values are the catalogue's formula, so they are not judged.
     """
     source = read_table("snfa-angular")
 
@@ -242,9 +244,10 @@ def frozen_pairs() -> Iterator[Outside]:
 
 
 def printed_balls() -> Iterator[Outside]:
-    """Yield C and C_0 of bearings whose balls are printed.
+    """Yield C and C_0 of bearings whose ball number and diameter are printed.
 
-    Band of ratings: pitch diameter within 2 % of the middle of bore and outside diameter, ball diameter rounded.
+    The band: pitch diameter within 2 % of the mean of bore and outside diameter, and the rounding of the ball
+    diameter.
     """
     source, done = read_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:

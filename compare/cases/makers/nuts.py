@@ -44,6 +44,7 @@ LIFT = 2.0**1.5
 
 @cache
 def _base() -> Scene:
+    """Return the shipped scene of a ball screw that all nuts are made from."""
     found = catalogue.shipped("unseen-40x10")
     assert isinstance(found, Scene)
     return found
@@ -61,7 +62,7 @@ class Nut:
 
     @property
     def touching(self) -> float:
-        """Balls of a turn that touch."""
+        """Number of balls in one turn if they touch one another."""
         return float(2.0 * pi / touching_angle(0.5 * self.pitch, self.lead, self.ball))
 
     @property
@@ -71,7 +72,7 @@ class Nut:
 
 
 def one_turn(nut: Nut, conformity: float) -> Scene:
-    """Return one turn of a nut's balls, as many as touch."""
+    """Return a scene with one turn of a nut, filled with balls that touch each other."""
     one, groove = _base(), conformity * nut.ball
     balls = max(1, round(nut.touching))
     outside = nut.pitch + (1.0 + 2.0 * WALL) * nut.ball
@@ -85,7 +86,7 @@ def one_turn(nut: Nut, conformity: float) -> Scene:
 
 
 def of_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, float]:
-    """Return C and C_0 [N] by ISO 3408-5: of one turn, with the balls and turns that there are."""
+    """Return C and C_0 [N] by ISO 3408-5: computed for one turn, scaled to the nut's balls and turns."""
     one = one_turn(nut, conformity)
     share = filling * nut.touching / one.ball_count
     return rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
@@ -122,10 +123,10 @@ def turns_printed(row: Mapping[str, str]) -> tuple[float, bool]:
 
 
 def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
-    """Return the nut of a row.
+    """Return the nut of a catalogue row.
 
-    A ball that is not printed is the one in stock that fits pitch and root diameter, a pitch circle that is not printed
-    lies as usual beyond the nominal diameter.
+    If the ball is not printed, it is the stock size that fits pitch and root diameter. If the pitch circle is not
+    printed, it lies beyond the nominal diameter by the usual amount.
     """
     pitch = source.number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
     if row["ball_mm"]:
@@ -139,7 +140,7 @@ def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
 
 
 def family(source: Table, row: Mapping[str, str]) -> str:
-    """Return the maker, and for nuts that he rates by different rules also the type of nut."""
+    """Return the maker, with the type of nut if this maker rates types by different rules."""
     maker = source.head["maker"]
     if maker == "HIWIN":
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
@@ -166,15 +167,15 @@ def nut_ratings() -> Iterator[Outside]:
 
 
 def share_of_balls(nut: Nut, static: float) -> float:
-    """Return the share of the balls that touch on which a maker's C_0 [N] rests, by ISO 3408-5 at the middle conformity."""
+    """Return the number of balls implied by a maker's C_0 [N] over that of touching balls (ISO 3408-5)."""
     return static / of_ratings(nut, CONFORMITY, 1.0)[1]
 
 
 def nut_rigidity() -> Iterator[Outside]:
-    """Yield the rigidity of nuts under 0.3 C: secants without preload, and from the preload of 0.1 C on.
+    """Yield the secant rigidity of nuts under 0.3 C, without preload or from a preload of 0.1 C.
 
-    Contacts and tubes; as many balls as the maker's own C_0 rests on, so that nothing is free but the band of conformities
-    and 5 % of the balls.
+    Contacts and tubes only. The maker's C_0 sets the number of balls, so that only conformity and 5 % of the balls
+    can vary.
     """
     for source in tables("nuts-"):
         for row in source.rows:
@@ -202,7 +203,7 @@ def nut_rigidity() -> Iterator[Outside]:
 def preloaded_nuts() -> Iterator[Outside]:
     """Yield the rigidity of preloaded nuts at several preloads.
 
-    At the highest from contacts, at the others from it by the cube root of the preload.
+    From contacts at the highest preload; at the others scaled from there by the cube root of the preload.
     """
     source = read_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
@@ -244,7 +245,7 @@ FEW = 8
 
 
 def _few(nut: Nut) -> Scene:
-    """Return a turn of a nut with few balls, held at its ends."""
+    """Return one turn of a nut with only a few balls, on a screw that is supported at both ends."""
     one = one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
@@ -259,9 +260,9 @@ def _few(nut: Nut) -> Scene:
 
 @cache
 def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) -> float:
-    """Return the drag torque of one ball with a ``share`` [N] of the axial preload [N m].
+    """Return the drag torque [N m] of one ball that carries a ``share`` [N] of the axial preload.
 
-    Pressed on four flanks by its size, or twice that of a ball on two flanks, as in a double nut.
+    A single nut presses its oversize ball on four flanks. For a double nut: twice the torque of a ball on two flanks.
     """
     scene = _few(nut)
     if double:
@@ -275,9 +276,9 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
 
 
 def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
-    """Return the drag torque [N m] of a nut under a preload [N], of each nut of a double nut.
+    """Return the drag torque [N m] of a nut under a preload [N]; ``double``: of a double nut.
 
-    All its turns filled with balls.
+    All turns are filled with balls.
     """
     balls = nut.touching * nut.turns
     return balls * torque_of_ball(nut, preload / balls, coefficient, double=double)
@@ -287,7 +288,7 @@ def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, doubl
 
 
 def by_diameter(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return T = 0.0100 F d_0 [N m], what Rexroth's table of single nuts obeys."""
+    """Return T = 0.0100 F d_0 [N m], the formula behind Rexroth's table of single nuts."""
     return 0.01 * preload * diameter
 
 
@@ -297,7 +298,7 @@ def by_slope(preload: float, diameter: float, lead: float) -> float:
 
 
 def by_lead(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return T = K_p F P/(2 pi) [N m], K_p of 0.2 in the middle of what HIWIN states."""
+    """Return T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states."""
     return 0.2 * preload * lead / (2.0 * pi)
 
 
@@ -326,7 +327,7 @@ SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 
 def size(lead: float) -> Nut:
-    """Return one turn of the nut that is swept, at a lead [m]."""
+    """Return one turn of the nut used for the sweep over lead, at a lead [m]."""
     return Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
 
 
@@ -347,7 +348,7 @@ def power_exponent(values: list[float], over: list[float]) -> float:
 
 
 def printed_torques() -> Iterator[Outside]:
-    """Yield Rexroth's ranges of drag torque: their middle is a formula, so that none is judged."""
+    """Yield Rexroth's drag-torque ranges, not judged since their middle follows a formula."""
     source = read_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
@@ -369,10 +370,10 @@ MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0
 
 
 def measured_band() -> Band:
-    """Return the drag torque of the measured screws at the default coefficient [N m].
+    """Return the drag torque [N m] of the measured screws at the default friction coefficient, as a band.
 
-    The middle size as a double nut, and smallest and largest value of all sizes, single and double; turns from C, the ball
-    the largest in stock for the lead.
+    First value: the middle size as a double nut; the band covers all sizes, single and double. The turns follow from
+    C, the ball is the largest in stock for the lead.
     """
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
     found = {}
@@ -385,9 +386,9 @@ def measured_band() -> Band:
 
 
 def measured_torques() -> Iterator[Outside]:
-    """Yield the mean friction torque of two screws over their wear: new and at the end of the run.
+    """Yield the mean friction torque of two screws: new, and worn at the end of the test.
 
-    Those between are one run.
+    Values in between belong to the same test and are left out.
     """
     source = read_table("xjtu-torque")
     band = measured_band()

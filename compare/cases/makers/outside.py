@@ -19,7 +19,7 @@ MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
 
 
 class Band(NamedTuple):
-    """A computed value, and its lowest and highest by what is rounded or not printed."""
+    """A computed value, with its range due to inputs that are rounded or not printed."""
 
     value: float
     low: float
@@ -27,24 +27,24 @@ class Band(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
-        """Return the first of several, from the least to the greatest of them, each end further by a slack."""
+        """Return the first value with the range of all values, widened by ``slack`` at each end."""
         every = [float(x) for x in values]
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
     def within(cls, value: float, share: float) -> Band:
-        """Return a value within a share of it."""
+        """Return a value with a range of plus or minus a share of it."""
         return cls.of((value,), abs(value) * share)
 
 
 @dataclass(frozen=True)
 class Outside:
-    """One outside value.
+    """One value that a maker, program or textbook prints or measures, with the computed value.
 
-    quantity, law: what it is, and what computes it; maker, item, cls, origin: who prints it, of what, as which class, and
-    where; value, rounding: in ``unit``, and half of its last step; computed: in that unit; scale: what a difference is
-    taken in per cent of (0: the value itself); practice: the computed value after the maker's practice; left: why it is not
-    judged, such as a formula in disguise or a misprint, empty where it is.
+    quantity, law: what it is, and what computes it; maker, item, cls, origin: who prints it, for which part, in which
+    class, and where; value, rounding: in ``unit``, and half of its last digit's step; computed: in the same unit;
+    scale: reference value of the percentages (0: the value itself); practice: computed value after the maker's
+    practice; left: reason why it is not judged, such as a formula in disguise or a misprint, else empty.
     """
 
     quantity: str
@@ -63,12 +63,12 @@ class Outside:
 
     @property
     def group(self) -> str:
-        """Origin of the values in one row: a maker, or all programs and textbooks compared with one model."""
+        """Group of values that share a row: one maker, or all programs and textbooks compared with one model."""
         return self.maker if self.law != "the model of its table" or self.cls == MAKER else "programs and textbooks"
 
     @property
     def verdict(self) -> str:
-        """Position of the printed interval relative to the computed band, or the reason why it does not count."""
+        """Position of the printed interval relative to the computed band, or the reason why it is not judged."""
         if self.left:
             return self.left
         if self.value + self.rounding < self.computed.low:
@@ -90,9 +90,9 @@ def of_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """Return the number in a column of a printed row.
+    """Return one printed number of a table row as an outside value.
 
-    what: quantity, law, item and unit; the line of the row is in another column.
+    ``what``: quantity, law, item and unit; ``line``: column with the line of the row.
     """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
@@ -125,7 +125,7 @@ class Standing:
 
 
 def bias_and_scatter(found: Sequence[Outside]) -> Standing | None:
-    """Return bias and scatter of those that count; None where none does."""
+    """Return bias and scatter of the values that are judged; None if there are none."""
     judged = [x for x in found if not x.left]
     if not judged:
         return None
@@ -138,7 +138,7 @@ def bias_and_scatter(found: Sequence[Outside]) -> Standing | None:
 
 
 def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Return values by some of their fields, in the order of their first."""
+    """Return the values grouped by some of their fields, in order of first occurrence."""
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
         groups.setdefault(tuple(getattr(one, key) for key in keys), []).append(one)
@@ -159,7 +159,7 @@ def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
 
 
 def summary(found: Sequence[Outside]) -> Table:
-    """Return one row for each quantity, law and maker."""
+    """Return the table of bias and scatter, with one row for each quantity, law and maker."""
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
@@ -193,7 +193,7 @@ def summary(found: Sequence[Outside]) -> Table:
 
 
 def all_values(found: Sequence[Outside]) -> Table:
-    """Return all values, one a row."""
+    """Return the table of all outside values, one row each."""
     rows: list[dict[Quantity | str, Cell]] = [
         {
             "quantity": x.quantity,
@@ -277,9 +277,9 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
 
 
 def calculix(study: Study) -> Iterator[Outside]:
-    """Yield the contact loads of the 3D reference and of CalculiX, extrapolated, with their uncertainties.
+    """Yield CalculiX's contact loads, extrapolated over its meshes, with those of the 3D reference.
 
-    Errors in per cent of the mean load.
+    Errors are in per cent of the mean load.
     """
     from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, path_of, shipped
     from rollbench.compare.studies.crosscheck.study import STUDIES

@@ -36,17 +36,19 @@ def outside_values(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def _computed(study: Study) -> tuple[outside.Outside, ...]:
+    """Compute all outside values, sorted by quantity."""
     found = [*outside.printed_elsewhere(study), *outside.calculix(study), *(x for law in LAWS for x in law())]
     rank = {name: k for k, name in enumerate(ORDER)}
     return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Return the number of outside values, bias and scatter, by quantity: columns for the first page's table."""
+    """Return number, bias and scatter of the outside values by quantity, as columns for the report's first page."""
     return outside.by_quantity(outside_values(study))
 
 
 def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = "") -> outside.Standing:
+    """Return bias and scatter of one quantity; law and maker are given by how their names begin."""
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
     result = outside.bias_and_scatter(values)
     assert result is not None
@@ -54,13 +56,13 @@ def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: s
 
 
 def _clearances_off(found: Sequence[outside.Outside]) -> Array:
-    """Return the computed less printed clearances [um]."""
+    """Return the differences [um] of computed and printed axial clearances."""
     clearances = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in clearances])
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """Return a text on the number of values and the deviations of those computed without a free parameter."""
+    """Return the conclusion: how many values lie in the computed band, and errors where no input is free."""
     judged = [x for x in found if not x.left]
     clear = _of(found, "displacement", "bearing whose angle turns")
     off = _clearances_off(found)
@@ -90,7 +92,7 @@ def clearances(found: Sequence[outside.Outside]) -> str:
 
 
 def why_softer(found: Sequence[outside.Outside]) -> str:
-    """Return the text on why printed rigidities of nuts lie below the computed ones."""
+    """Return a text on why makers print lower nut rigidities than computed."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
     rest = outside.group_values(most, "maker")
@@ -170,7 +172,7 @@ def drag(found: Sequence[outside.Outside]) -> str:
 
 
 def sweep_table() -> Table:
-    """Return the drag torque over preload times nominal diameter, over the lead."""
+    """Return the table of drag torque over preload times nominal diameter, by lead."""
     rows: list[dict[Quantity | str, Cell]] = []
     for one in nuts.sweep():
         row: dict[Quantity | str, Cell] = {
@@ -189,7 +191,7 @@ def sweep_table() -> Table:
 
 
 def figure(found: Sequence[outside.Outside]) -> Figure:
-    """Draw the computed over printed value, by maker, for what has no band of percents."""
+    """Draw the sorted errors of the judged values, one curve for each quantity with more than 20 of them."""
     series = []
     for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:

@@ -16,7 +16,7 @@ UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um"
 
 @dataclass(frozen=True)
 class Table:
-    """Content of one file. head: maker, origin, class, number format, remarks; rows: texts by heading."""
+    """One file of a maker's table: ``head`` (maker, origin, class, number format, remarks) and ``rows`` of texts."""
 
     name: str
     head: Mapping[str, str]
@@ -32,7 +32,7 @@ class Table:
         return UNITS[self.head[key]]
 
     def misprinted(self, what: str) -> bool:
-        """Return whether an entry, or its whole row, is among the known misprints."""
+        """Return whether an entry is listed as a misprint, by itself or with its whole row."""
         return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
 
 
@@ -51,7 +51,7 @@ def tables(prefix: str) -> list[Table]:
 
 
 def half_step(text: str) -> float:
-    """Return half a step of the last digit that is printed other than zero: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
+    """Return half a step of the last nonzero printed digit: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
     plain = "".join(text.split()).replace(",", ".").lstrip("+-")
     places = len(plain.partition(".")[2])
     zeros = 0 if places else len(plain) - len(plain.rstrip("0"))

@@ -47,7 +47,7 @@ ABOUT = (
 
 
 def parameters_figure() -> Figure:
-    """Draw Table 2-1 as curves (the source's Figure 2-8), and how far it and the fits 2.18, 2.25 and 2.26 are off."""
+    """Draw Table 2-1 as curves (the source's Figure 2-8), with errors of the table and fits 2.18, 2.25, 2.26."""
     at = np.linspace(0.0, 0.9999, 200)
     exact = np.array([contact_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
@@ -78,7 +78,7 @@ def parameters_figure() -> Figure:
 
 
 def stiffness_panel(found: Sequence[Evidence]) -> Panel:
-    """Return the stiffness of one bearing over its thrust: right, as printed, tested."""
+    """Return the panel of the stiffness of one bearing over thrust: correct, by the spreadsheets, and tested."""
     loads = np.linspace(100.0, 3000.0, 30)
     tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
@@ -100,7 +100,7 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def axis_panel(found: Sequence[Evidence]) -> Panel:
-    """Return the stiffness of the axis over the nut's position: fixed-fixed and fixed-supported, and the sum in series."""
+    """Return the panel of axis stiffness over nut position, for both kinds of support, with the sum in series."""
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
     unit = 1e6 * bearings.POUND_PER_INCH
@@ -160,7 +160,7 @@ LAYOUT_NOTE = (
 
 
 def layout_table(study: Study) -> Table:
-    """Return layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
+    """Return the table of axis layouts by nut position: scene, closed formulas, and the source's sum."""
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
     for layout, place, scene, closed in axis.every_place(study):
@@ -192,7 +192,7 @@ ROLLER_NOTE = (
 
 
 def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
-    """Return the roller in 3D beside low-order laws, from stored runs: quantities, loads and pressures along it."""
+    """Return table and figures of one roller in 3D against low-order laws, from stored runs; empty without runs."""
     study.uses(("smith-axis-taper",))
     scene = catalogue.shipped("smith-axis-taper")
     assert isinstance(scene, Assembly)

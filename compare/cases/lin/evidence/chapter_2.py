@@ -28,7 +28,7 @@ TABLE_CONFORMITY = 0.56
 
 
 def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
-    """Return the quantities of Table B.1 computed from I^-1 II and exact elliptic integrals, under the table's keys."""
+    """Return the quantities of Table B.1 by exact elliptic integrals: by screw "S" or nut "N", then by name."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
@@ -68,14 +68,17 @@ SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
 def right_b_1(scene: Scene) -> dict[str, float]:
-    """Right values by key of Table B.1, in its units, with the groove of the scene."""
+    """Return the correct values of Table B.1 in its units, by its keys, for the groove of the scene."""
     right = right_sides(scene)
     keys = [(f"{start}{letter}", letter, name, unit) for letter in "SN" for start, (_, name, unit) in QUANTITIES.items()]
     return {key: unit * right[letter][SWAPPED.get(key, name)] for key, letter, name, unit in keys}
 
 
 def table_b_1(findings: Findings, study: Study) -> None:
-    """Table B.1: as printed with conformity 0.56 and the faults, right with the groove of Table 2.1 that the text names."""
+    """Compute the entries of Table B.1.
+
+    As printed: conformity 0.56 with the source's faults. Correct: the groove of Table 2.1, which the text names.
+    """
     scene = study.scene("lin-case1")
     right, faulty = right_b_1(scene), dict(zip("SN", printed_sides(with_groove(scene, TABLE_CONFORMITY)), strict=True))
     for letter, printed in faulty.items():
@@ -104,7 +107,7 @@ def table_2_1(findings: Findings, study: Study) -> None:
 
 
 def partition_elements(study: Study) -> int:
-    """Return the beam elements of the source's partition: 12 outside, 3 of 15 mm inside, 12 outside."""
+    """Return the number of beam elements in the source's partition: 12 outside, 3 of 15 mm in the nut, 12 outside."""
     return fixed_partition(study.changed("lin-case1", partition="source")).size - 1
 
 
@@ -115,7 +118,10 @@ def table_2_2(findings: Findings, study: Study) -> None:
 
 @dataclass(frozen=True)
 class Reading:
-    """One interpretation of the right end: description, scenes without and with offset, and whether the text states it."""
+    """One interpretation of the screw's right end: label, and names of the scenes without and with offset.
+
+    ``of_text``: whether the text states it.
+    """
 
     label: str
     plain: str
@@ -140,12 +146,12 @@ def ratio(load: Array) -> float:
 
 
 def two_point(load: Array) -> bool:
-    """Return whether every ball carries on SL and NR and nothing on SR and NL; load ``(n, 4)`` [N]."""
+    """Return whether every ball carries load on SL and NR and none on SR and NL; load ``(n, 4)`` [N]."""
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 
 
 def spread_of_choices(study: Study) -> str:
-    """Return the range of the ratio over the beam's partition and the readings of C.8."""
+    """Return the range of the load ratio over both partitions of the beam and both interpretations of C.8."""
     variants = [
         study.changed("lin-case1", partition=p, section=s)
         for p in ("nodal", "source")
@@ -309,6 +315,7 @@ def _given_errors(study: Study, findings: Findings) -> None:
 
 
 def _single_errors(study: Study, findings: Findings) -> None:
+    """Compute the claims on profile errors and on pitch errors, each alone."""
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_of(load[:, 0] > 0)}, SR {count_of(load[:, 1] > 0)} loaded"
@@ -327,6 +334,7 @@ def _single_errors(study: Study, findings: Findings) -> None:
 
 
 def _drawn_errors(study: Study, findings: Findings) -> None:
+    """Compute the claims on randomly drawn errors, from the stored study."""
     base = study.solve("lin-case1").load
     random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([two_point(load) for load in random])
@@ -355,7 +363,7 @@ def spread(result: StaticResult) -> float:
 
 
 def unloaded(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return balls without any contact."""
+    """Return the mask (n,) of the balls that carry no load."""
     return np.asarray(result.load.sum(axis=1) == 0.0)
 
 
@@ -370,7 +378,7 @@ def cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) 
 
 
 def readings(scene: Scene) -> list[tuple[str, Scene]]:
-    """Return supports and clearances that the source does not print."""
+    """Return scenes with other supports and clearances than shipped, which the source does not print; with labels."""
     rotation = (Support(0.0, (("rz", 0.0),)),)
     lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
     no_right = replace(scene.errors, SR=SideErrors())
@@ -397,6 +405,7 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _claims(study: Study, findings: Findings, screw: str) -> None:
+    """Compute the claims of 4.3.2 on one screw."""
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
     findings.claim(

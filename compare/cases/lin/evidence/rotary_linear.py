@@ -46,7 +46,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 @cache
 def as_printed(case: str) -> bearing.Solution:
-    """Return a case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
+    """Solve a case of Table 3.2 as the source does: its Hertz constants, sigmoid friction law, and root finding."""
     scene = source_cases.rotary(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     return bearing.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
@@ -54,9 +54,9 @@ def as_printed(case: str) -> bearing.Solution:
 
 @cache
 def solve_rotary(case: str, hertz: Mode = "right") -> bearing.Solution:
-    """Return the motion of a ball of a rotary bearing by least dissipation.
+    """Solve the motion of one ball of the rotary bearing by least dissipation.
 
-    hertz: "as printed" keeps the source's loads and ellipses.
+    ``hertz``: "as printed" keeps the source's loads and contact ellipses.
     """
     return bearing.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
@@ -69,7 +69,7 @@ def pair(theta: float = THETA, loads: Loads = "balanced", mated: bool = False, m
 
 @cache
 def claim_maps() -> PairMaps:
-    """Return the coarse maps that the claims are held against: theta from -3 to 3 deg, rho from -0.6 to 0.6."""
+    """Return the coarse maps with which the claims are tested: theta from -3 to 3 deg, rho from -0.6 to 0.6."""
     return maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
 
@@ -94,7 +94,7 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def rotary_value(s: bearing.Solution, key: str) -> float:
-    """Return the quantity of a row of Table 3.2 (the key without its case) in the unit printed there."""
+    """Return the computed value of a row of Table 3.2 in its printed unit; ``key``: of the row, without the case."""
     kind, _, what = key.partition("_")
     if kind == "F":
         return float(s.load.force.sum() if what == "sum" else s.load.force[bearing.SIDES.index(what)])
@@ -106,7 +106,7 @@ def rotary_value(s: bearing.Solution, key: str) -> float:
 
 
 def increase_percent(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
-    """Return the increase of the sum of forces [%], or of the torque in torques of the first."""
+    """Return the increase of the summed contact forces [%], or that of the torque over the first torque."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
     return raised.torque / first.torque - 1.0
@@ -163,6 +163,7 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _worst_case(findings: Findings) -> None:
+    """Compute the entry of the worst case: loss between the balls over the loss without contact."""
     worst = pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.free.loss))
     findings.number(
@@ -174,6 +175,7 @@ def _worst_case(findings: Findings) -> None:
 
 
 def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
+    """Compute the claims on the maps of force and losses."""
     difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
@@ -198,7 +200,7 @@ def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
 
 
 def formula_deviation(mated: bool) -> Array:
-    """Return deviations (2,) of both balls by (3.43) at the loads of the text."""
+    """Return the velocity deviations (2,) of both balls by formula (3.43), at the loads stated in the text."""
     angles, loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
@@ -219,7 +221,7 @@ def table_3_4(findings: Findings, study: Study) -> None:
 
 
 def misprinted_force() -> float:
-    """Return (3.51) for case (a) with its exponents -2/3 [N if its dimensions held]."""
+    """Return the force by formula (3.51) for case (a) with the misprinted exponents -2/3, as if its unit were N."""
     loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
@@ -227,7 +229,7 @@ def misprinted_force() -> float:
 
 
 def formula_force(*, mated: bool) -> float:
-    """Return (3.51) for case (a), or for the mated grooves of case (b) [N]."""
+    """Return the force [N] by formula (3.51) for case (a), or for case (b) with mated grooves."""
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
@@ -313,9 +315,9 @@ def balance_rows() -> list[Row]:
 
 
 def sensitivity_rows() -> list[Row]:
-    """Return the linear pair under each assumption on loads and on friction between the balls.
+    """Return the results of the linear pair under each assumption on loads and on friction between the balls.
 
-    Deviations and changes in per cent, force in N.
+    Deviations and changes are in per cent, the force is in N.
     """
     rows: list[Row] = []
     printed = entry("lin-3.5", "a_force_numerical")

@@ -57,13 +57,13 @@ SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "l
 
 @cache
 def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
-    """Return a case of Table 3.7 in a reading."""
+    """Solve a case of Table 3.7 by the text as printed ("plain") or with the inferred oversize ("inferred")."""
     return solve_pair(case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
 
 
 @cache
 def screw_run(amplitude: float) -> History:
-    """Return the whole screw of 3.4.4 in steps chosen by their error (``stepped``); amplitude [deg] of theta."""
+    """Return the run of the whole screw of 3.4.4, with steps chosen by `stepped`; amplitude of theta [deg]."""
     return stepped(amplitude)[0]
 
 
@@ -76,13 +76,13 @@ def stepped(amplitude: float) -> tuple[History, StepError | None]:
 
 @cache
 def as_stepped(amplitude: float) -> History:
-    """Return the run over the source's 200 steps, loads and motions at the start of each."""
+    """Return the run in the source's 200 steps, with loads and motions at the start of each step."""
     return equal_steps(source_cases.run_of(amplitude))
 
 
 @cache
 def loose_run() -> History:
-    """Return the run of 3 degrees without oversize, with friction that moves balls and screw."""
+    """Return the run with theta of 3 degrees, without oversize, where friction moves balls and screw."""
     return equal_steps(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
 
 
@@ -99,12 +99,12 @@ def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
 
 
 def increase(r: PairResult) -> float:
-    """Return the increase of all losses by contact [%]."""
+    """Return the increase of the total friction loss due to ball-to-ball contact [%]."""
     return float(error_percent(r.touching.motion.loss, r.free.motion.loss))
 
 
 def onset(study: Study, errors: str, idle: float) -> Onset:
-    """Return the onset of ball-to-ball contact with errors of a kind on the screw of Table 4.1."""
+    """Return the onset of ball-to-ball contact on the screw of Table 4.1 with one kind of error."""
     name = SCREWS[errors]
     return contact_onset(study.scene(name), study.solve(name), idle=idle)
 
@@ -139,7 +139,7 @@ def _modulus(findings: Findings, young: float) -> None:
 
 
 def table_3_7(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 3.7 and its text, by the text as printed and by an inferred interpretation."""
+    """Compute the entries of Table 3.7 and its text: by the text as printed, and with the inferred oversize."""
     for case in THETA:
         solid = source_cases.in_3d(study, source_cases.PAIR_SCENES[case])
         _pair_of_3_7(findings, case, solid)
@@ -153,6 +153,7 @@ def table_3_7(findings: Findings, study: Study) -> None:
 
 
 def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
+    """Compute force and increase of one case of Table 3.7."""
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = pair(case, "plain"), pair(case, "inferred")
     implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
@@ -173,7 +174,7 @@ def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> N
 
 
 def _ansys_of_3_7(findings: Findings, study: Study, case: str) -> None:
-    """Compare the printed force of ANSYS with that of the 3D rolling model here, in both readings."""
+    """Set the 3D rolling model's force next to the printed one of ANSYS, under both interpretations."""
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.in_3d(study, scene).get("force 1-2 N") for scene in scenes)
     words = "no stored run" if as_text is None or oversized is None else _both(as_text, oversized)
@@ -182,6 +183,7 @@ def _ansys_of_3_7(findings: Findings, study: Study, case: str) -> None:
 
 
 def _both(as_text: float, oversized: float) -> str:
+    """Return a text with the values of the plain and the inferred interpretation."""
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 
@@ -197,7 +199,7 @@ def variation(r: History) -> float:
 
 
 def engages_again(r: History) -> bool:
-    """Return whether contact begins, ends and begins again."""
+    """Return whether ball-to-ball contact begins, ends, and begins again."""
     touch = np.asarray(np.any(r.contact, axis=1), dtype=bool).reshape(-1)
     changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
     return not bool(touch[0]) and changes.tolist() == [True, False, True]
@@ -297,6 +299,7 @@ def section_4_3(findings: Findings, study: Study) -> None:
 
 
 def _bearings(findings: Findings) -> None:
+    """Compute the entries of 4.3.1: torque over load angle of both bearings."""
     four, double = curve("4P", True), curve("DR", True)
     ratios = torque_ratio_up_to(four, 18.0), torque_ratio_up_to(double, 18.0), torque_ratio_up_to(curve("DR", False), 18.0)
     at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
@@ -335,12 +338,12 @@ def oversize_text() -> str:
 
 
 def oversized() -> str:
-    """Return the label of the inferred reading."""
+    """Return the label of the interpretation with inferred oversize."""
     return f"{oversize_text()} oversize, not coupled"
 
 
 def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
-    """Return readings of Table 3.7: kind, what is assumed, the pair of a theta [rad]."""
+    """Return interpretations of Table 3.7: kind, what is assumed, function that makes the pair for a theta [rad]."""
 
     def wide(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
@@ -376,7 +379,7 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
 
 
 def reading_rows() -> list[Row]:
-    """Return Table 3.7 in each reading: force [N], increase [%], a ball's load [N], error of the force [%]."""
+    """Return the rows of Table 3.7 by interpretation: force [N], its error [%], increase [%], load of a ball [N]."""
     rows = list[Row]()
     for kind, label, make in readings():
         row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
@@ -403,14 +406,14 @@ def implied_contact_load() -> float:
 
 @cache
 def pair_map(case: str, coupling: Coupling) -> PairMap:
-    """Return the force and increase of a case of Table 3.7 over ``OVERSIZE`` and ``AXIAL``."""
+    """Return the map of force and increase of a case of Table 3.7 over oversizes ``OVERSIZE`` and loads ``AXIAL``."""
     return oversize_map(
         replace(source_cases.inferred(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
     )
 
 
 def run_changes() -> list[tuple[str, str, dict[str, object]]]:
-    """Return the variations of the whole run: assumption, label of its value, and the changed results."""
+    """Return the variations of the whole run: what is changed, label of its new value, changed fields."""
     changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
     changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
     changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
@@ -450,14 +453,14 @@ BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
 def as_read(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
-    """Return the run of 3.4.4 in a reading: a row of `TRIED`."""
+    """Return the run of 3.4.4 under one interpretation, given by a row of `TRIED`."""
     flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.lin_3_4_4().pattern
     return source_cases.lin_3_4_4(follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks)
 
 
 @cache
 def tried_results() -> tuple[RunSummary, ...]:
-    """Return the results of every row of `TRIED`, in 200 steps as in the source."""
+    """Return the results of the run under every interpretation of `TRIED`, in 200 steps as in the source."""
     return tuple(summarise(equal_steps(as_read(*reading))) for reading in TRIED)
 
 
@@ -465,7 +468,7 @@ PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
 def nearest_reading(key: str) -> str:
-    """Return the reading of `TRIED` that comes nearest to a printed number, and its other numbers."""
+    """Return a text on the interpretation of `TRIED` closest to one printed number, with its other numbers."""
     found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in tried_results()])[:, PRINTED_OF_RUN.index(key)]
     k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
     (follows, amplitude, oversize, pattern), s = TRIED[k], tried_results()[k]
@@ -475,7 +478,7 @@ def nearest_reading(key: str) -> str:
 
 
 def reading_of_run_rows() -> list[Row]:
-    """Return every reading of the whole run: the three printed numbers, and how far each is from print."""
+    """Return the rows of the run under every interpretation, with differences from the three printed numbers."""
     found: list[tuple[str, Reading, list[Any]]] = [
         ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
         for reading, s in zip(TRIED, tried_results(), strict=True)
@@ -511,7 +514,7 @@ RUN = (
 
 
 def summary_row(label: str, value: str, r: History) -> Row:
-    """Return the row of the sensitivity table."""
+    """Return the row of one run in the sensitivity table."""
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
     at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
@@ -521,7 +524,7 @@ def summary_row(label: str, value: str, r: History) -> Row:
 
 
 def source_run_row(run: Run) -> Row:
-    """Return the run by the source's method, where motions without contact decide which balls touch."""
+    """Return the row of the run by the source's method, where motions without contact decide which balls touch."""
     r = simulate_by_root(run)
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
@@ -536,7 +539,7 @@ def source_run_row(run: Run) -> Row:
 
 
 def run_rows() -> list[Row]:
-    """Return the run of the case study, by the source's rule of contact, and with one assumption changed at a time."""
+    """Return the rows of the run: as in the case study, by the source's contact rule, with one change at a time."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
         summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).steps} steps", screw_run(a))
@@ -550,7 +553,7 @@ def run_rows() -> list[Row]:
 
 
 def bearing_cases() -> list[tuple[str, str, BearingCase]]:
-    """Return bearings of 4.3.1 under varied assumptions."""
+    """Return the bearings of 4.3.1 under varied assumptions: kind, assumption, case."""
     face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
     four = source_cases.four_point(tilt=True)
     faulty: Mode = "as printed"
@@ -574,7 +577,7 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
 
 
 def bearing_rows() -> list[Row]:
-    """Return bearings of Table 4.2: torque [N mm] without angle, ratio of torques over ranges of the load's angle."""
+    """Return the rows of the varied bearings: torque [N mm] at 0 deg, largest over smallest torque by range."""
     rows = list[Row]()
     for bearing, label, case in bearing_cases():
         found = torque_curve(case, ANGLES)
@@ -592,7 +595,7 @@ def bearing_rows() -> list[Row]:
 
 
 def onset_rows(study: Study) -> list[Row]:
-    """Return the time until balls meet (4.3.2), by kind of error and by motion of unloaded balls."""
+    """Return the rows of the first ball-to-ball contact (4.3.2), by kind of error and by speed of unloaded balls."""
     rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:

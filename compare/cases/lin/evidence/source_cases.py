@@ -29,7 +29,7 @@ BEARINGS = "lin-bearing-pairs"
 
 
 def rotary(name: str, *, printed: bool = False) -> BearingBallScene:
-    """Return case "I", "II" or "III" of Table 3.2; printed: with the source's constants and law."""
+    """Return case "I", "II" or "III" of Table 3.2; ``printed``: with the source's Hertz constants and law."""
     return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
@@ -44,7 +44,7 @@ def k_f() -> float:
 
 
 def in_3d(study: Study, name: str) -> Mapping[str, float]:
-    """Return values of a scene's finest stored run of the 3D model of rolling, such as "force 1-2 N"; empty without one."""
+    """Return results of a scene's finest stored 3D rolling run, such as "force 1-2 N"; empty without a run."""
     from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
     run = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
@@ -62,12 +62,13 @@ def case_as_printed(theta: float | None = None) -> Pair:
 def inferred(theta: float | None = None) -> Pair:
     """Return the pair with inferred (not printed) oversize balls, so that all four contacts carry load.
 
-    Another ``theta`` [rad] ahead.
+    ``theta``: deviation of the leading ball's contact angle [rad], if it differs from the scene's.
     """
     return _with_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
 
 
 def _with_theta(pair: Pair, theta: float | None) -> Pair:
+    """Return the pair with its second theta replaced, unless ``theta`` is None."""
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 
@@ -87,7 +88,7 @@ def table_3_6(**changes: object) -> ScrewGroove:
 
 
 def lin_3_4_4(**changes: object) -> Run:
-    """Return the run of 3.4.4 with its assumptions; ``changes``: other values."""
+    """Return the run of 3.4.4 (theta of 3 degrees) with its assumptions; ``changes``: fields to replace."""
     return replace(run_of(3.0), **changes)  # type: ignore[arg-type]
 
 

@@ -31,9 +31,9 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 
 
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return azimuths [rad] of the balls in a pattern of figure 4.2, those that are stacked touching one another.
+    """Return the azimuths [rad] of the balls in a pattern of Figure 4.2; stacked balls touch one another.
 
-    One side is where the axes of x and of the balls meet; at the other the gap is left in every turn.
+    For "stacked on one side", every turn has its gap opposite the x axis, at an azimuth of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS
@@ -94,14 +94,15 @@ def conical(scene: Scene, direction: float, reach: float, loads: str = ENDS, hel
 
 
 def _test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
+    """Return the load curve of a test with some freedoms of the left end fixed."""
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
     return load_curve(scene, read_course(course), "lin", Options(engine="compiled"))
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Return the displacement [m] between the ends of a test.
+    """Return the displacement [m] between both ends of a lash test.
 
-    Raises ValueError where one has no equilibrium.
+    Raises ValueError if an end has no equilibrium.
     """
     if test.peak_to_peak is None:
         raise ValueError(f"{test.scene}: no equilibrium at the ends of its lash test")
@@ -115,16 +116,16 @@ def difference(values: list[float]) -> float:
 
 @dataclass(frozen=True)
 class Lash:
-    """Differences [%] over the patterns: of the axial lash, and of the conical one by direction."""
+    """Differences of the lash between ball patterns [%]: axial, and conical by direction of the force."""
 
     axial: float
     conical: tuple[float, ...]
 
 
 def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
-    """Return both tests of a screw, the lateral force at a distance [m] from the nut.
+    """Return the lash differences of both tests, with the lateral force at a distance [m] from the nut.
 
-    held: freedoms of the screw's left end.
+    ``held``: fixed freedoms of the screw's left end.
     """
     screws = [with_balls(scene, p) for p in PATTERNS]
     cones = [[peak_to_peak(conical(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
@@ -150,9 +151,9 @@ def rack() -> Assembly:
 
 
 def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
-    """Return the gear with half of the rack force at either end, at a tie-rod angle [deg].
+    """Solve the gear with half of the rack force at each end, at a tie-rod angle [deg].
 
-    opposed: the side forces of both ends against one another.
+    ``opposed``: whether the side forces of the two ends oppose each other.
     """
     t = np.radians(angle)
     sides = (1.0, -1.0 if opposed else 1.0)
@@ -196,6 +197,7 @@ def section_4_2(findings: Findings, study: Study) -> None:
 
 
 def _lash(findings: Findings, study: Study) -> None:
+    """Compute the entries of the lash tests."""
     found = lash(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
@@ -205,6 +207,7 @@ def _lash(findings: Findings, study: Study) -> None:
 
 
 def _sizing(findings: Findings) -> None:
+    """Compute the entries of the sizing of ball screw and bearing."""
     gear = rack()
     results = [at_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_loads(r) for r in results])
@@ -228,17 +231,17 @@ def _sizing(findings: Findings) -> None:
 
 
 def _words(band: tuple[float, float], printed: float) -> str:
-    """Return a band, and whether the printed value lies in it."""
+    """Return a range as text, with whether it contains the printed value."""
     return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if band_holds(band, printed) else 'without'} it)"
 
 
 def band_holds(band: tuple[float, float], printed: float) -> bool:
-    """Return whether a band holds a printed value, whose last digit is the second after the point."""
+    """Return whether a range contains a printed value that is rounded to two decimals."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
 def _loaded(result: AxisResult, i: int) -> Array:
-    """Return loads [N] of the contacts of a set that carry."""
+    """Return the nonzero contact loads [N] of one set of balls."""
     balls = result.sets[i].balls
     if balls is None:
         raise AssertionError("the set has balls")
@@ -263,7 +266,7 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 @dataclass(frozen=True)
 class LashPoint:
-    """Values of the inputs that the source leaves open, and the resulting differences [%] over the ball patterns."""
+    """Inputs of the lash tests that the source leaves open, and the lash differences between patterns [%]."""
 
     changed: str
     diameter: float
@@ -274,7 +277,10 @@ class LashPoint:
 
 
 def lash_map(scene: Scene) -> Iterator[LashPoint]:
-    """Yield each open input of the lash tests changed by itself; the force stays on the longer side of the screw."""
+    """Yield the lash differences with one open input changed at a time.
+
+    The lateral force stays on the longer side of the screw.
+    """
     usual = scene.screw.outer_diameter, scene.nut.position, REACH, "turning only"
     cases = [("as taken", usual)]
     cases += [("outer diameter", (d, *usual[1:])) for d in DIAMETERS if d != usual[0]]
@@ -313,9 +319,10 @@ def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Asse
 
 
 def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
-    """Yield ratios over the pinion's station, for each restraint, sense of the side forces, and offset of the bearing.
+    """Yield the load ratios over pinion station, pinion restraint, sense of the side forces, and bearing offset.
 
-    A pinion that holds the rack against tilting keeps the far end's side force from the nut: its sense is of no account.
+    A pinion that holds the rack against tilting keeps the far end's side force from the nut, so that its sense does
+    not matter.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
@@ -327,7 +334,7 @@ def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
 
 @dataclass(frozen=True)
 class RatioBand:
-    """Effect of one input that is not printed, all else as in the shipped scene."""
+    """Range of the load ratios over one input that is not printed, with all else as in the shipped scene."""
 
     #: The input.
     changed: str
@@ -353,6 +360,7 @@ def _changed(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> 
 
 
 def _oversize(scene: Scene, excess: float) -> Scene:
+    """Return the scene with all ball radii larger by an excess [m]."""
     return replace(scene, errors=Errors(balls=BallErrors(oversize=excess)))
 
 
@@ -360,16 +368,18 @@ Parts = TypeVar("Parts", Scene, Assembly)
 
 
 def _thick(scene: Parts, diameter: float) -> Parts:
+    """Return the scene with another outer diameter of its screw [m]."""
     return replace(scene, screw=replace(scene.screw, outer_diameter=diameter))
 
 
 def _turned(scene: Scene, angle: float) -> Scene:
+    """Return the scene with its balls moved on by an angle [deg]."""
     azimuths = tuple(a + float(np.radians(angle)) for a in scene.balls.azimuths)
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
 def open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
-    """Yield every input of the ratios that is not printed: words, range, and the gears with it (see `ratios`)."""
+    """Yield the inputs of the load ratios that are not printed: name, range, gears with ``opposed`` of `ratios`."""
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
     yield "pinion's station", "350 to 750 mm", [(with_layout(gear, z, held, 0.0), False) for z in PINIONS]
     across = with_layout(gear, pinion.at, pinned, 0.0)
@@ -408,7 +418,7 @@ def open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly,
 
 @cache
 def ratio_bands(gear: Assembly) -> tuple[RatioBand, ...]:
-    """Return bands of the ratios over each input that is not printed, one at a time."""
+    """Return the range of the load ratios over each input that is not printed, one input varied at a time."""
     out = []
     for changed, values, gears in open_inputs(gear):
         screw, bearing = zip(*(ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
@@ -417,12 +427,12 @@ def ratio_bands(gear: Assembly) -> tuple[RatioBand, ...]:
 
 
 def band_of(points: Sequence[RatioPoint]) -> RatioBand:
-    """Return bands of the ratios over all layouts together (`ratio_map`)."""
+    """Return the range of the load ratios over all layouts of `ratio_map` together."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "station, restraint, sense and bearing, each with each"
     return RatioBand("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
 
 
 def over_angles(gear: Assembly) -> list[tuple[float, float]]:
-    """Return the largest loads [N] of ball screw and bearing at the tie-rod angles."""
+    """Return the largest contact loads [N] of ball screw and bearing at each of ``ANGLES``."""
     return [largest_loads(at_angle(gear, angle)) for angle in ANGLES]

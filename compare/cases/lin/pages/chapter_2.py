@@ -1,9 +1,10 @@
-"""Lin's chapter 2 in the report, with Table B.1 and section 4.3.2, a function a section.
+"""Lin's chapter 2 in the report, with Table B.1 and section 4.3.2; each function makes one section.
 
-Case studies 1, 2, 3 of 2.4.1: load distributions, centreline, claims, readings of the right end, choices. Geometric errors
-of 2.4.2, alone and combined, random ones as ensembles with bands. Hertz constants as printed, with the source's faults
-repeated, and right. Pitch against roundness errors (4.3.2) on both screws, and how the claims depend on what is not
-printed. Two solvers, one set of equations: agreement, and the measured difference of the two kinematic forms.
+Case studies 1, 2 and 3 of 2.4.1: load distributions, centreline, claims, interpretations of the right end, modelling
+choices. Geometric errors of 2.4.2, alone and combined, with random errors as bands over drawn screws. Hertz constants
+as printed, with the source's faults repeated, and correct. Pitch against roundness errors (4.3.2) on two screws, and
+how the claims depend on inputs that are not printed. The agreement of two solvers of the same equations, and the
+measured difference between the two kinematic forms.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def reference_words(study: Study, name: str) -> str:
 
 
 def readings_table(study: Study) -> Table:
-    """Return extremes of every reading and what it changes against the first, by the source's and the default model."""
+    """Return the table of load extremes by interpretation of the right end, and changes against the first one."""
     rows: list[Row] = []
     for reading in chapter_2.READINGS:
         for name, first in ((reading.plain, chapter_2.READINGS[0].plain), (reading.offset, chapter_2.READINGS[0].offset)):
@@ -105,7 +106,7 @@ def load_table(study: Study) -> Table:
 
 
 def summary_table(study: Study) -> Table:
-    """Return the largest and smallest load per flank, balance and residual of each case."""
+    """Return the table of largest and smallest load per flank, with balance and residual, of each case study."""
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -132,7 +133,7 @@ def summary_table(study: Study) -> Table:
 
 
 def pairs_apart(study: Study) -> float:
-    """Return the largest difference of opposite contacts of a ball in all case studies [N]."""
+    """Return the largest load difference [N] between opposite contacts of a ball in all case studies."""
     return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
 
 
@@ -203,7 +204,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
 
 
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report section on case studies 1, 2 and 3."""
     step("cases 1, 2, 3 on four models")
     step("what the open choices change")
     rows = choice_rows(study.once(chapter_2.choices))
@@ -247,7 +248,7 @@ def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
 
 
 def errors_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report section on geometric errors."""
     step("profile and pitch errors")
     base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
     ensembles = {}
@@ -323,7 +324,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report section on Hertz constants."""
     step("Table B.1")
     case = study.scene("lin-case1")
     compared = [
@@ -370,7 +371,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def equivalent_errors(scene: Scene) -> Panel:
-    """Return errors along the nominal contact normal over the azimuth (Lin 4.2, 4.4)."""
+    """Return the panel of pitch and roundness errors along the nominal contact normal over azimuth (Lin 4.2, 4.4)."""
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
@@ -389,7 +390,7 @@ def equivalent_errors(scene: Scene) -> Panel:
 
 
 def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report section on manufacturing errors (4.3.2)."""
     panels = [equivalent_errors(study.scene("lin-pitch-4p1"))]
     rows: list[Row] = []
     for screw, label in SCREWS.items():
@@ -455,7 +456,7 @@ SCENES = (
 
 
 def agreement(study: Study, name: str) -> Row:
-    """Return differences of the source's solver from the energy solver on one scene, in per cent of the mean load."""
+    """Return the row of load differences between the source's and the energy solver on a scene [% of mean load]."""
     scene, by_energy = study.scene(name), study.solve(name)
     solver = by_energy.solver
     row: Row = {
@@ -479,7 +480,7 @@ def agreement(study: Study, name: str) -> Row:
 
 
 def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report section on the two solvers and the two kinematic forms."""
     rows = []
     for name in SCENES:
         step(f"both solvers on {name}")

@@ -1,6 +1,6 @@
 """Page on Lin's friction: 3.2 and 3.3 (one ball of a rotary bearing, balls of a linear bearing), 3.4 and 4.3.
 
-The latter are two balls of a ball screw, a whole screw in time, and bearings in pairs.
+Sections 3.4 and 4.3 have two balls of a ball screw, a whole screw over time, and two bearings that are compared.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from rollbench.reports.content import Figure, Panel, Section, Series, Table, Tex
 
 
 def balance_table() -> Table:
-    """Return cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
+    """Return the table of the power balance of cases I to III by three sets of assumptions."""
     table = Table.of("friction-balance", "Rotary bearing: balance of power", balance_rows())
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
@@ -65,7 +65,7 @@ def balance_table() -> Table:
 
 
 def sensitivity_table() -> Table:
-    """Return the linear pair under each assumption on loads and on friction between the balls."""
+    """Return the table of the linear pair's results under each assumption on loads and ball-to-ball friction."""
     printed = entry("lin-3.5", "a_force_numerical")
     table = Table.of("friction-sensitivity", "Linear pair: what the load assumption changes", sensitivity_rows())
     target = printed.value or 0.0
@@ -84,13 +84,13 @@ def sensitivity_table() -> Table:
 
 
 def stability_table() -> Table:
-    """Return the summary of the linear pair's extremes."""
+    """Return the table of extreme cases of the linear pair."""
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
     return Table.of("friction-stability", "Linear pair: extreme cases", pair_rows(), note)
 
 
 def root_table() -> Table:
-    """Return the root finding as printed against least dissipation."""
+    """Return the table that compares the source's root finding with least dissipation."""
     note = (
         "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
         "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
@@ -138,7 +138,7 @@ def torque_figure() -> Figure:
 
 
 def velocity_panel(case: str, s: Solution, title: str) -> Panel:
-    """Return the velocity of the ball against each loaded groove along the contact's major axis."""
+    """Return the panel of sliding velocity at each loaded groove along the contact's major axis."""
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
     for i in np.flatnonzero(s.load.force > 0.0):
@@ -161,7 +161,7 @@ def velocity_figure() -> Figure:
 
 
 def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
-    """Return the numerical model, formula and their difference over rho, one curve per theta."""
+    """Return panels of the numerical model, the formula and their difference over rho, with one curve per theta."""
     x = numbers(m.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
@@ -240,7 +240,7 @@ DOTS = 66
 
 
 def torque_panel(title: str, r: History) -> Panel:
-    """Return the torque of a run against time, split (Figure 3.25)."""
+    """Return the panel of a run's torque over time, split into its contributions (Figure 3.25)."""
     time = numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
     parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
     curves = [Series(name, time, numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
@@ -255,7 +255,7 @@ def theta_panel(case: Run) -> Panel:
 
 
 def contact_panels(r: History) -> tuple[Panel, Panel]:
-    """Return places of touching neighbours and their groups over time (Figure 3.24)."""
+    """Return panels of touching neighbours over time: their places, number and groups (Figure 3.24)."""
     along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
     some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
@@ -270,7 +270,7 @@ def contact_panels(r: History) -> tuple[Panel, Panel]:
 
 
 def amplitude(r: History) -> str:
-    """Return the amplitude of the deviation of a run, in words."""
+    """Return the amplitude of theta of a run as text."""
     return f"θ of {np.degrees(r.setting.amplitude):g}°"
 
 
@@ -323,7 +323,7 @@ def plain_ratio(case: str, coupling: Coupling) -> float:
 
 
 def meetings(key: str) -> str:
-    """Return oversizes at which the curve of ``LOAD``, not coupled, crosses the printed value of each case, in words."""
+    """Return as text the oversizes at which the uncoupled curve of ``LOAD`` meets each case's printed value."""
     words = []
     for case in ("a", "b"):
         m, printed = screw.pair_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
@@ -402,7 +402,7 @@ def bearing_figure() -> Figure:
 
 
 def readings_table() -> Table:
-    """Return readings of Table 3.7 side by side."""
+    """Return the table of the interpretations of Table 3.7."""
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA}
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
@@ -413,7 +413,7 @@ def readings_table() -> Table:
 
 
 def run_table() -> Table:
-    """Return the sensitivity of the whole run to what 3.4.4 does not print."""
+    """Return the table of the whole run's sensitivity to assumptions that 3.4.4 does not print."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
@@ -426,7 +426,7 @@ def run_table() -> Table:
 
 
 def run_reading_table() -> Table:
-    """Return the interpretations of what 3.4.4 leaves open, and for each its deviations from the printed numbers."""
+    """Return the table of the interpretations of 3.4.4, with their differences from the printed numbers."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
@@ -441,7 +441,7 @@ def run_reading_table() -> Table:
 
 
 def bearing_table() -> Table:
-    """Return the bearings of Table 4.2: ratio of torques under varied assumptions."""
+    """Return the table of the torque ratios of the bearings of Table 4.2 under varied assumptions."""
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
@@ -451,7 +451,7 @@ def bearing_table() -> Table:
 
 
 def onset_table(study: Study) -> Table:
-    """Return the time until balls meet (4.3.2), by kind of error and by motion of unloaded balls."""
+    """Return the table of the time until balls meet (4.3.2), by kind of error and speed of unloaded balls."""
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
         "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
@@ -461,11 +461,12 @@ def onset_table(study: Study) -> Table:
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
-    """Return the text on the tables of readings and of the whole run."""
+    """Return the text that introduces the tables of the pair and of the whole run."""
     return Text((_of_the_pair(pairs), _of_the_run(runs)))
 
 
 def _of_the_pair(pairs: Table) -> str:
+    """Return the paragraph on the pair of Table 3.7."""
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
@@ -485,6 +486,7 @@ def _of_the_pair(pairs: Table) -> str:
 
 
 def _of_the_run(runs: Table) -> str:
+    """Return the paragraph on the whole run of 3.4.4."""
     cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
@@ -503,7 +505,7 @@ def _of_the_run(runs: Table) -> str:
 
 
 def screw_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report section on the screw."""
     step("readings and maps of two balls")
     pairs = (readings_table(), map_figure())
     step("whole screw and what its assumptions change")

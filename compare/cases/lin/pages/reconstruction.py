@@ -1,4 +1,4 @@
-"""Page on the origin of the printed errors of 2.4.1: combined readings of what the text leaves open; other statements."""
+"""Page on the origin of the errors printed in 2.4.1: combined interpretations of the text, and other statements."""
 
 from __future__ import annotations
 
@@ -51,17 +51,18 @@ FORCES = {
 
 
 def other_table(study: Study) -> Table:
-    """Return each further statement of the source, the value computed for it, and the conclusion."""
+    """Return the table of the source's other statements on both models, with computed values and conclusions."""
     rows = [_times(study), _lateral(study), *(_case_3(study, model) for model in ("lin", DEFAULT)), *map(_force, FORCES)]
     return Table.of("reconstruction-others", "Other statements that compare the source's model with ANSYS", rows)
 
 
 def _statement(place: str, printed: str, computed: str, verdict: str) -> Row:
+    """Return the row of one statement of the source."""
     return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
 def _times(study: Study) -> Row:
-    """Return the printed run times, and that of the 3D model on this machine with a mesh of equal size."""
+    """Return the row of run times: printed, and of the 3D model here with a mesh of equal size."""
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -78,7 +79,7 @@ def _times(study: Study) -> Row:
 
 
 def _lateral(study: Study) -> Row:
-    """Compare Figure 2.10: the largest lateral displacement of the screw's axis by both models."""
+    """Return the row of Figure 2.10: largest lateral displacement of the screw's axis by both models."""
     low, found = study.solve("lin-case1"), study.reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T
@@ -95,7 +96,7 @@ def _lateral(study: Study) -> Row:
 
 
 def _case_3(study: Study, model: str) -> Row:
-    """Return which reading of the right end has the printed shape: largest change on SR and NL of the last balls."""
+    """Return the row of case 3: interpretations of the right end whose load change has the printed shape."""
     largest, right = [], []
     for reading in READINGS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
@@ -112,13 +113,13 @@ def _case_3(study: Study, model: str) -> Row:
 
 
 def has_shape(change: Array) -> bool:
-    """Return whether the largest change of any contact ``(n, 4)`` is a rise on SR or NL of one of the last balls."""
+    """Return whether the largest load change ``(n, 4)`` is a rise on SR or NL at one of the last balls."""
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)
 
 
 def _force(case: str) -> Row:
-    """Compare a ball-to-ball force: the source's difference, and the effect of bodies and element size in 3D rolling."""
+    """Return the row of a ball-to-ball force: printed difference, effects of bodies and cells in 3D rolling."""
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
     scene = cast("KindScene", catalogue.shipped(name))
@@ -186,16 +187,17 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def names(readings: Combination) -> str:
-    """Return a combination in words."""
+    """Return a combination of interpretations as text."""
     return "; ".join(f"{r.choice}: {r.label}" for r in readings) or "as by default"
 
 
 def _four(values: Sequence[float]) -> str:
+    """Return the four errors as text."""
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
 def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
-    """Return by how much [points] the largest of four errors falls, and the RMS rises, from case 1 to case 2."""
+    """Return, from case 1 to case 2, the fall of the largest error and the rise of the RMS error [points]."""
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
@@ -214,7 +216,7 @@ def conclusion(found: list[combined.Combined]) -> str:
 
 
 def first_paragraph(found: list[combined.Combined]) -> str:
-    """Return the answer: not identified; two explanations, and what each misses."""
+    """Return the paragraph with the answer: not identified; two explanations come near, each with misses."""
     printed, shown = combined.printed_errors(), combined.explanations(found)
     near, soft = (
         shown["nearest in the ratio, no penalty"],
@@ -237,7 +239,7 @@ def first_paragraph(found: list[combined.Combined]) -> str:
 
 
 def _given(c: combined.Combined) -> str:
-    """Describe the results of one combination."""
+    """Return a clause with the ratios and errors of one combination."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_four(c.errors['own'])}, {_fallen(c):.0f} % of "
         "the printed fall"
@@ -250,7 +252,7 @@ def _fallen(c: combined.Combined) -> float:
 
 
 def _span(values: Sequence[float], digits: int = 2) -> str:
-    """Return the first and the last of some values that rise or fall."""
+    """Return a range as text, from the first to the last of monotonic values."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
@@ -319,7 +321,7 @@ def friction_paragraph(study: Study) -> str:
 
 
 def explanation_table(found: list[combined.Combined]) -> Table:
-    """Return the printed numbers, then those that each explanation gives."""
+    """Return the table of the printed numbers and those by each explanation."""
     printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
     given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.explanations(found).items()}
     rows: list[Row] = [
@@ -329,7 +331,7 @@ def explanation_table(found: list[combined.Combined]) -> Table:
 
 
 def missed_table(found: list[combined.Combined]) -> Table:
-    """Return the differences between computed and printed numbers for each explanation."""
+    """Return the table of computed less printed numbers by explanation."""
     printed = fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
     for name, c in combined.explanations(found).items():
@@ -368,7 +370,7 @@ def _cells(c: combined.Combined) -> Row:
 
 
 def one_at_a_time(found: list[combined.Combined]) -> Table:
-    """Return every reading alone, the other model by default."""
+    """Return the table of interpretations applied one at a time, with the other model by default."""
     base, rows = found[0], []
     for c in found:
         if len(c.low) + len(c.solid) > 1:
@@ -386,7 +388,7 @@ def one_at_a_time(found: list[combined.Combined]) -> Table:
 
 
 def combination_table(found: list[combined.Combined]) -> Table:
-    """Return every combination of interpretations with the root mean square of its deviations."""
+    """Return the table of all combinations, with the root mean square of their deviations from print."""
     rows = [
         _row(c)
         | {"text": "against it" if c.against_text else "silent"}
@@ -403,6 +405,7 @@ def combination_table(found: list[combined.Combined]) -> Table:
 
 
 def _row(c: combined.Combined) -> Row:
+    """Return the table row of a combination: its keys, ratios and errors."""
     row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
     return row | _cells(c)
 

@@ -57,12 +57,13 @@ def lash_figure(scene: Scene) -> Figure:
 
 
 def _series(name: str, test: LoadCurve) -> Series:
+    """Return the displacement [um] over the load of a test as a curve."""
     known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 
 
 def lash_rows(scene: Scene) -> list[Row]:
-    """Return differences over what is not printed."""
+    """Return the table rows of the lash differences, by input that is not printed."""
     return [
         {
             "changed": p.changed,
@@ -80,7 +81,7 @@ def lash_rows(scene: Scene) -> list[Row]:
 
 
 def _ordered(found: steering.Lash) -> str:
-    """Return in how many of the directions the axial tests differ less."""
+    """Return as text in how many directions the axial lash varies less between patterns than the conical one."""
     count = sum(found.axial < x for x in found.conical)
     return f"{count} of {len(found.conical)} directions"
 
@@ -114,7 +115,7 @@ def rack_figure(points: list[steering.RatioPoint]) -> Figure:
 
 
 def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[steering.RatioPoint]]:
-    """Return points with the bearing at the nut's centre by restraint and sense."""
+    """Return the points with the bearing at the nut's centre, by pinion restraint and sense of side forces."""
     out: dict[tuple[str, bool], list[steering.RatioPoint]] = {}
     for p in points:
         if p.offset == 0.0:
@@ -123,7 +124,7 @@ def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[s
 
 
 def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Return ratios of every layout."""
+    """Return the table rows of the load ratios of every layout."""
     return [
         {
             Quantity("hold", "pinion", "", "s"): p.hold,
@@ -138,7 +139,7 @@ def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
 
 
 def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Return the range of each ratio over the inputs that are not printed, and whether the printed value lies in it."""
+    """Return the table rows of the load-ratio ranges, by input that is not printed, with the printed value."""
     rows = []
     for b in (*steering.ratio_bands(rack()), steering.band_of(points)):
         row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}

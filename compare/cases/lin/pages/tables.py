@@ -65,18 +65,18 @@ TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.ite
 
 
 def printed_seconds(name: str) -> float:
-    """Return a printed time in seconds."""
+    """Return the printed time in seconds of an entry ``table:key``."""
     one = entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
 def count(table: str, key: str) -> str:
-    """Return a printed number of elements."""
+    """Return the printed number of elements of an entry as text."""
     return f"{value_of(table, key):,.0f}"
 
 
 def solid_size(study: Study, name: str) -> str:
-    """Return the size of the finest 3D model of a scene, in words."""
+    """Return the size of the finest 3D model of a scene as text; empty if it is not stored."""
     if name in STATIC.values():
         found = study.reference(name)
         return (
@@ -87,14 +87,14 @@ def solid_size(study: Study, name: str) -> str:
 
 
 def low_size(study: Study, name: str) -> str:
-    """Beam elements of ours, and of the source's partition."""
+    """Return as text the number of beam elements in this model, and with the source's partition."""
     return (
         f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with the source's partition)"
     )
 
 
 def sizes(study: Study, name: str, way: str) -> tuple[str, str]:
-    """Elements of a timed model, printed and ours; empty where it has none."""
+    """Return the sizes of a timed model as text, printed and here; empty where it has none."""
     if way == "lin":
         return count("lin-2.2", "elements_proposed"), low_size(study, name)
     if way != "3D":
@@ -111,7 +111,7 @@ def speed_ratio(slow: float | None, fast: float | None) -> float | None:
 
 
 def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Run times and elements of a layout, printed and ours, with the ratios that the text speaks of."""
+    """Return the table of run times and sizes of a layout, printed and here, with the ratios that the text states."""
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
     ]
@@ -144,19 +144,19 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
 
 
 def error(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%], None without one of the two."""
+    """Return the error [%] of a value against a reference; None if either is missing."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 
 def of_3_4(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Deviations of Table 3.4 with the loads that 3.3.4.1 takes for the formula."""
+    """Return the computed deviations of Table 3.4 under the loads that 3.3.4.1 assumes for the formula."""
     found = {case: 100.0 * pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
     return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
 
 
 def of_3_5(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return the printed differences of Table 3.5, and the force with the loads that 3.3.4.1 takes for the formula."""
+    """Return the printed differences of Table 3.5, and the computed force under the loads of 3.3.4.1."""
     low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {SOURCES_OWN: value_of("lin-3.5", "error_numerical"), DIAGONAL: pair(loads="diagonal").force}
     return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": {SOURCES_OWN: error(low, ansys)}}
@@ -168,7 +168,7 @@ def of_3_7(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes 
 
 
 def of_b_1(study: Study) -> dict[str, Row]:
-    """Right values of Table B.1 with the groove that its numbers belong to."""
+    """Return the correct values of Table B.1 for the groove that its printed numbers belong to."""
     scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.right_b_1(scene).items()}
 
@@ -208,7 +208,7 @@ WHY = {
 
 
 def reason_without_3d(name: str) -> str:
-    """Return why a number has no 3D value, in the note of its table at length; empty where nothing is said."""
+    """Return why a printed number has no 3D value; empty where no reason is given."""
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
@@ -248,6 +248,7 @@ def load_figure(study: Study) -> Figure:
 
 
 def _ratio_mark(study: Study) -> list[Series]:
+    """Return loads by Mei's model, and the printed ratio as a line."""
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
     mei = loads("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
@@ -255,6 +256,7 @@ def _ratio_mark(study: Study) -> list[Series]:
 
 
 def _ball_17(study: Study) -> list[Series]:
+    """Return the mark of the printed increase at ball 17."""
     load = study.solve("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 

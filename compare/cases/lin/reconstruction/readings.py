@@ -1,32 +1,34 @@
-"""Readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model, with their runs.
+"""Interpretations of what section 2.4.1 leaves open, in the source's low-order and 3D models, with their runs.
 
-Two forces act on such a ball, so that they lie on the line through its two contacts. Nothing keeps it from rolling along
-the track: no friction acts that way. Across it, the ball may stand beside the line of the arcs' centres by e. Both normals
-then turn by phi = e/h against the line of the contacts, h the arc's radius less the ball's, and friction holds the ball
-while tan(phi) <= mu. With arcs of one radius the line of the contacts stays parallel to that of the arcs' centres, so that
-friction turns no force. It shifts both by the arc's radius times phi, and the ball fills the grooves as a ball does whose
-radius is larger by h phi^2/2 (`closure`).
+Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts
+along the track, so nothing keeps the ball from rolling along it. Across the track, the ball may stand at a distance e
+from the line of the arcs' centres. Both contact normals then turn by phi = e/h against the line through the contacts,
+with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal radius, the
+line through the contacts stays parallel to that of the arcs' centres, so friction turns no force. Both contacts shift
+by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h phi^2/2
+(`closure`).
 
-How far a ball stands beside its line follows from how it gets there. Rolling on both grooves, it goes half of the way that
-one surface goes past the other. So does the middle of the arcs' centres, but for the tilt of one groove against the other:
-phi = r tilt/(2 h), r the arc's radius (`tilt_that_slides`).
+How far a ball stands from its line depends on how it got there. A ball that rolls on both grooves moves by half of
+the relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove
+against the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_that_slides`).
 
-Where a model keeps its balls from turning, the grooves slide on them instead, and friction does turn the forces, by mu
+If a model keeps its balls from turning, the grooves slide on them, and friction does turn the forces, by mu
 (`rollbench.compare.cases.lin.reconstruction.solvers`).
 
-The text prints that contacts are those of an augmented Lagrangian, all else by default: that leaves a penetration, and so
-softer contacts, by a penalty that is not printed (`rollbench.compare.cases.lin.reconstruction.solvers`). Its natural
-size is E/h, h the size of the source's elements; it is computed from there on downwards.
+The text states that the contacts use an augmented Lagrangian, with all other settings by default. This leaves a
+penetration, and so softer contacts, by a penalty that is not printed
+(`rollbench.compare.cases.lin.reconstruction.solvers`). The natural size of the penalty is E/h, here with h the size
+of the source's elements; it is computed from this size downwards.
 
-Readings are combined in every way: largest over smallest load of both models, the errors, and the scatter of meshes. Six
-numbers are printed: the ratio, "about 1.34", of both models, and four errors of one against the other. Each combination
-is shown with what it misses of them; no tolerance decides which of them are met, and none is taken for what the source
-did. No model reads a printed number.
+Interpretations are combined in every way. Each combination gives the largest over the smallest load by both models,
+the errors, and the scatter of meshes. Six numbers are printed: the ratio "about 1.34" for both models, and four
+errors of one model against the other. Each combination is shown with its misses of these numbers; no tolerance
+decides which numbers are met, and no combination is taken for what the source did. No model reads a printed number.
 
-A contact of case 1 is meshed as the source says, by first-order tetrahedra of about 0.08 mm, with several sizes near
-that: each is another unstructured mesh. Its approach, with what it falls by with the size taken out, scatters by some share
-s. A ball's load then changes as by a closure of s times the approach at each of its contacts, and what a closure does is
-seen in case 2, whose ball 17 is 1 um too large in radius: closed by 1 um at both contacts.
+A contact of case 1 is meshed as the source says, by first-order tetrahedra of about 0.08 mm, and with several sizes
+near that, each giving another unstructured mesh. Its approach, without its trend over size, scatters by a share s. A
+ball's load then changes as under a closure of s times the approach at each of its contacts. Case 2 shows what a
+closure does: its ball 17 is too large by 1 um in radius, which closes both contacts by 1 um.
 """
 
 from __future__ import annotations
@@ -58,9 +60,9 @@ MU = 0.01
 
 
 def radius_difference(scene: Scene) -> float:
-    """Return h [m]: the arc's radius less the ball's.
+    """Return h [m], the groove's arc radius less the ball radius.
 
-    Raises ValueError for grooves of different radii.
+    Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
         raise ValueError("arcs of different radii: a ball that rolls leaves the line of their centres")
@@ -78,9 +80,10 @@ def tilt_that_slides(scene: Scene) -> float:
 
 
 def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
-    """Return the scene with balls as far from the lines of their arcs' centres as friction can hold them.
+    """Return the scene with balls as far from the line of their arcs' centres as friction can hold them.
 
-    ``balls``: numbers from 1; all unless given.
+    ``balls``: numbers of these balls, from 1; by default all. They are modelled by their effective oversize
+    (`closure`).
     """
     oversize, gap = dict(scene.errors.balls.listed), closure(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
@@ -90,7 +93,7 @@ def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
 
 
 def largest_change(scene: Scene, of: Callable[[Scene], float]) -> float:
-    """Return the relative change of a quantity ``of`` a scene by friction on those balls alone by which it rises."""
+    """Return the relative change of a quantity ``of`` by friction on all balls whose friction raises it."""
     base = of(scene)
     return of(off_line(scene, [k for k in range(1, scene.ball_count + 1) if of(off_line(scene, (k,))) > base])) / base - 1.0
 
@@ -107,7 +110,7 @@ PENALTY_LEVEL = 2
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of one open choice."""
+    """One interpretation of one choice that the source leaves open."""
 
     #: Key.
     key: str
@@ -180,12 +183,12 @@ Combination = tuple[Reading, ...]
 
 
 def key_of(readings: Combination) -> str:
-    """Name of a combination."""
+    """Return the key of a combination of interpretations, used in names and tables."""
     return "+".join(r.key for r in readings) or "base"
 
 
 def combinations_of(readings: tuple[Reading, ...], most: int) -> list[Combination]:
-    """Return all combinations of up to ``most`` readings of different choices."""
+    """Return all combinations of up to ``most`` interpretations, at most one for each choice."""
     found: list[Combination] = [()]
     for count in range(1, most + 1):
         found += [c for c in combinations(readings, count) if len({r.choice for r in c}) == count]
@@ -199,14 +202,14 @@ def low_scene(scene: Scene, readings: Combination) -> Scene:
 
 
 def solid_scene(scene: Scene, readings: Combination) -> Scene:
-    """Return a scene as the 3D model reads it, and not its mesh."""
+    """Return a scene as the 3D model takes it under a combination of interpretations; the mesh is not part of it."""
     for r in readings:
         scene = scene if r.change is None else r.change(scene)
     return scene
 
 
 def level_of(readings: Combination) -> int:
-    """Return the mesh level of a combination."""
+    """Return the 3D mesh level of a combination: the coarsest that any of its interpretations asks for."""
     return min((r.level for r in readings), default=LEVEL)
 
 
@@ -223,19 +226,19 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def combinations_in_3d() -> list[Combination]:
-    """Return combinations of the 3D model that have runs: none, every reading alone, all pairs and triples of `MOVERS`."""
+    """Return the combinations that have 3D runs: none, each interpretation alone, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
     return [*combinations_of(SOLID, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
 
 
 def scenes(readings: Combination) -> tuple[Scene, ...]:
-    """Return the cases by a combination, which share a set-up; named after both."""
+    """Return the 3D scenes of both cases under a combination; they share a set-up and are named after both."""
     name = key_of(readings).replace("/", "-")
     return tuple(replace(solid_scene(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
-    """Return the converged runs of the cases, on their level unless another is given; None where one is missing."""
+    """Return the converged runs of both cases on a mesh level (default: `level_of`); None if one is missing."""
     level = level_of(readings) if level is None else level
     found = [load_run(scene, level, stores=[RUNS]) for scene in scenes(readings)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
@@ -243,15 +246,15 @@ def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, .
 
 
 def stored(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
-    """Return the loads of the cases, each ``(n, 4)`` [N], as `stored_runs`."""
+    """Return the loads of both cases, each ``(n, 4)`` [N], from `stored_runs`; None if one is missing."""
     runs = stored_runs(readings, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
 def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> None:
-    """Compute and keep the runs that are missing.
+    """Compute and store the missing 3D runs.
 
-    Raises ValueError for one that does not converge.
+    Raises ValueError if a run does not converge.
     """
     for readings, level in [*((r, level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
         if stored(readings, level) is not None:
@@ -286,7 +289,7 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def share_of_closure(solid: tuple[Array, ...]) -> float:
-    """Return the relative change of a ball's load over that of one of its approaches.
+    """Return the relative change of a ball's load per relative change of one of its contact approaches.
 
     ``solid``: loads of cases 1 and 2 in 3D, each (n, 4) [N].
     """
@@ -297,7 +300,8 @@ def share_of_closure(solid: tuple[Array, ...]) -> float:
 def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
     """Return the largest and RMS error of case 1, then of case 2, with randomly scattered approaches, (DRAWN, 4) [%].
 
-    Of both flanks the screw's: a ball in two-point contact has one load. The two cases are meshed separately.
+    Only flank SL counts, since both contacts of a ball carry the same load. Each case has its own mesh, and so its
+    own scatter.
 
     Parameters
     ----------
@@ -342,7 +346,7 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 
 @dataclass(frozen=True)
 class Combined:
-    """Readings of both models with the ratios of case 1, and the four errors [%] by definition."""
+    """Interpretations of both models, with the load ratios of case 1 and the four errors [%] by definition."""
 
     low: Combination
     solid: Combination
@@ -380,13 +384,13 @@ def errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition,
 
 
 def low_readings() -> list[Combination]:
-    """Return combinations of the low-order model: none, every reading alone, pairs and triples of `LOW_MOVERS`."""
+    """Return the low-order combinations: none, each interpretation alone, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
     return [*combinations_of(LOW, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
 
 
 def low_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
-    """Return loads of the cases by the low-order model."""
+    """Return the loads of both cases by the low-order model under a combination, each ``(n, 4)`` [N]."""
     return tuple(study.solve(low_scene(catalogue.scene(c), readings), "lin").load for c in CASES)
 
 
@@ -399,6 +403,7 @@ def solid_loads(study: Study, readings: Combination, level: int | None = None) -
 
 
 def _runs(study: Study, readings: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001 - for `Study.once`
+    """Return the stored runs of both cases; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
         raise LookupError(f"no run of {key_of(readings)}: python -m {__package__}")
@@ -406,9 +411,9 @@ def _runs(study: Study, readings: Combination, level: int | None = None) -> tupl
 
 
 def every_combination(study: Study) -> list[Combined]:
-    """Return all combinations, the defaults first.
+    """Return all pairs of a low-order and a 3D combination with their results, the defaults first.
 
-    Raises LookupError where a run is missing.
+    Raises LookupError if a run is missing.
     """
     low = [(c, low_loads(study, c)) for c in low_readings()]
     solid = [(c, solid_loads(study, c)) for c in combinations_in_3d()]
@@ -421,9 +426,9 @@ def printed_errors() -> tuple[float, ...]:
 
 
 def nearest(found: list[Combined], first: int = 6) -> Combined:
-    """Return the combination nearest to the printed numbers that the text does not contradict.
+    """Return the combination closest to the printed numbers among those that the text does not contradict.
 
-    By the root mean square of its ``first`` deviations: 2, of the ratios; 6, of all that is printed.
+    Closest by the root mean square of the ``first`` misses: 2 are the ratios, 6 are all printed numbers.
     """
     allowed = [c for c in found if not c.against_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
@@ -435,10 +440,10 @@ def without_penalty(found: list[Combined]) -> list[Combined]:
 
 
 def explanations(found: list[Combined]) -> dict[str, Combined]:
-    """Return the combinations that are shown one by one, with their names.
+    """Return the combinations that the page shows one by one, by name.
 
-    They are the defaults, the nearest in the printed ratio (without a penalty, one of which gives any ratio), softer
-    contacts with all else by default, and the nearest in all that is printed.
+    They are: all defaults; the nearest in the printed ratio, without a penalty (some penalty would give any ratio);
+    each penalty of the 3D contacts with all else by default; and the nearest in all six printed numbers.
     """
     softer = {
         f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)
@@ -452,7 +457,7 @@ def explanations(found: list[Combined]) -> dict[str, Combined]:
 
 
 def penalty_share(study: Study, readings: Combination) -> float:
-    """Return the part of a contact's approach that a penalty stiffness adds, by Hertz at the mean load."""
+    """Return the approach that a penalty adds at a contact, over Hertz's approach at the mean load."""
     scene = catalogue.scene(CASES[0])
     still, moved = (study.once(_runs, r)[0] for r in ((), readings))
     track = scene.track

@@ -1,8 +1,9 @@
-"""The 3D reference with contacts that a penalty presses apart: pressure in proportion to a penetration that is left.
+"""The 3D reference with penalty contacts, whose pressure is proportional to a penetration that remains.
 
-An augmented Lagrangian lowers the penetration only where it is beyond a tolerance. Below that it is a penalty: each pair of
-nodes has a spring k A in series, k the penalty [N/m3], A the area of its pressure hat. What the place on its grid does to a
-contact's approach is known where nothing penetrates, and left out: a mesh on which it is small is needed.
+An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty:
+each pair of nodes has a spring k A in series, with k the penalty [N/m3] and A the area of the pair's pressure hat.
+The effect of a contact's place on its grid is known only without penetration. It is left out here, so a mesh is
+needed on which it is small.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ LARGER = 1.45
 
 
 def penalised(setup: Setup, penalty: float) -> Setup:
-    """Return the set-up with a spring at every pair of contact nodes: ``penalty`` [N/m3] times the area of its hat."""
+    """Return the set-up with a spring in series at each pair of contact nodes: ``penalty`` [N/m3] times hat area."""
     patches = {
         side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
         for side, pair in setup.patches.items()
@@ -37,10 +38,10 @@ def penalised(setup: Setup, penalty: float) -> Setup:
 
 
 def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
-    """Return runs of scenes of one geometry, made from those without a penalty.
+    """Return the runs of scenes of one geometry with penalty contacts, made from their runs without a penalty.
 
-    share: of E/h, Young's modulus of the balls over the size of the source's elements. Raises ValueError where one does not
-    converge.
+    ``share``: penalty over E/h, with Young's modulus E of the balls and element size h of the source. Raises
+    ValueError if a run does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
@@ -67,11 +68,12 @@ def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cac
 
 
 class Dragging(Case):
-    """A load case whose contacts slide across their grooves, with ``mu`` times their loads.
+    """A load case whose contacts slide across their grooves, with a friction of ``mu`` times their loads.
 
-    They resist an axial motion of the screw in the direction of its load (negative ``mu``: against it). The frictions of a
-    ball's two contacts balance. On a body, a force across a contact's load is taken as one through the arc's centre, which
-    normal forces on its nodes make; its moment about that centre, the arc's radius times mu times the load, is neglected.
+    The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
+    balances between the two contacts of a ball. On a body, a force across the contact's load is applied as a force
+    through the arc's centre, by normal forces on the contact's nodes; its moment about that centre, the arc's radius
+    times mu times the load, is neglected.
     """
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
@@ -80,7 +82,7 @@ class Dragging(Case):
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def after(self, last: Round, *, moving: bool) -> Round:
-        """Return the next round, with the friction of the last one's loads."""
+        """Return the next round, with the friction that the contact loads of the last round cause."""
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
         self.load_motion = modal_motion(self.C, self.at_rest)
@@ -88,7 +90,7 @@ class Dragging(Case):
         return super().after(last, moving=moving)
 
     def across(self, last: Round) -> Array:
-        """Return forces ``(balls, n)`` [N] along the nodes' normals whose resultants are the contacts' friction."""
+        """Return nodal forces ``(balls, n)`` [N] along the normals, with the contacts' friction as resultants."""
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
         out = np.zeros_like(forces)
@@ -102,9 +104,9 @@ class Dragging(Case):
 
 
 def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
-    """Return runs of one geometry with the loads and contact angles of balls that do not turn.
+    """Return the runs of scenes of one geometry with the loads and contact angles of sliding balls that do not turn.
 
-    Raises ValueError where they do not settle.
+    Raises ValueError if the iteration of load and friction does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))

@@ -46,7 +46,7 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 
 @dataclass(frozen=True)
 class Layout:
-    """A layout: shipped scene, words, kind of bearing, directions of the rows by end (none: free to slide)."""
+    """A layout of the axis: scene, description, kind of bearing, row directions by end (none: the end slides)."""
 
     scene: str
     words: str
@@ -55,7 +55,7 @@ class Layout:
     right: tuple[int, ...]
 
     def bearings_at(self, end: str) -> BearingSet:
-        """Return rows of an end by their laws."""
+        """Return the bearing rows of an end with their load-deflection laws."""
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
             return bearings.bearing_set(self.kind, end)
@@ -75,7 +75,7 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 @dataclass(frozen=True)
 class Ends:
-    """Thrust of the shaft's tension on both ends [N], and stiffness of shaft and supports at the nut [N/m]."""
+    """Thrust on both ends by the shaft's tension [N], and axial stiffness of shaft and supports at the nut [N/m]."""
 
     left: float
     right: float
@@ -84,9 +84,9 @@ class Ends:
 
 @cache
 def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> Ends:
-    """Return the stiffness of both ends by formulas, with all rows of an end at one position.
+    """Return end thrusts and stiffness by closed formulas, with all rows of an end at one position.
 
-    The stretch is that of the ends, with preload.
+    The shaft is stretched as in the source, and the rows are preloaded.
     """
     a, first = bearings.axis(), layout.bearings_at("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
@@ -107,11 +107,12 @@ def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED)
 
 
 def by_scene(study: Study, layout: Layout, place: float) -> Ends:
-    """Return the stiffness of both ends by the scene: beam, contacts, and rows at their positions."""
+    """Return end thrusts and stiffness by the scene: beam, contacts, and rows at their positions."""
     return study.once(_by_scene, layout, place)
 
 
 def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG001 - kept by the study
+    """Solve a layout's scene with the load at a place; raises AssertionError if it does not converge."""
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{layout.scene} is an axis")
@@ -127,7 +128,7 @@ def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG0
 def in_series(layout: Layout) -> float:
     """Return the source's sum (4.6) of both ends and the whole screw between rigid walls, without the nut [N/m].
 
-    nan for a fixed-supported screw, for which it has none.
+    nan for a fixed-supported screw, for which the source gives no sum.
     """
     if not layout.right:
         return float("nan")
@@ -137,7 +138,7 @@ def in_series(layout: Layout) -> float:
 
 
 def layout_words(study: Study, layout: Layout) -> str:
-    """Return a layout with the load in the middle by scene and by formulas in one sentence, in the source's units."""
+    """Return a sentence on end thrusts and stiffness with the load in the middle, by scene and by formulas."""
     scene, closed = by_scene(study, layout, 0.5), by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
@@ -145,7 +146,7 @@ def layout_words(study: Study, layout: Layout) -> str:
 
 
 def every_place(study: Study) -> Iterator[tuple[Layout, float, Ends, Ends]]:
-    """Yield each layout at each place: by the scene, by formulas."""
+    """Yield each layout and place of the load, with the results by scene and by formulas."""
     for layout in LAYOUTS:
         for place in PLACES:
             yield layout, place, by_scene(study, layout, place), by_formulas(layout, place)
@@ -184,7 +185,7 @@ def _ends(tensile: float) -> dict[str, float]:
 
 
 def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the loads of the rows by the source's sharing [lbf]: half the stretch at each end, all of it on one side."""
+    """Return the row loads [lbf] by the source's rule: half of stretch and load at each end, in full on every row."""
     loads = as_printed.shared_loads(preload, bearings.DIRECTIONS[kind][end], 0.5 * round(pull() / bearings.POUND, -1))
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0
@@ -262,7 +263,7 @@ def _support(e: Findings, kind: str, end: str) -> None:
 
 
 def topology(supports: float) -> float:
-    """Return the right stiffness [N/m] of the carriage in the middle, on equal supports [N/m]."""
+    """Return the correct stiffness [N/m] of the carriage at mid-length, with equal supports of a stiffness [N/m]."""
     a = bearings.axis(supports, supports)
     return float(axis_stiffness(a, 0.5 * a.length, bearings.NUT))
 
@@ -363,10 +364,10 @@ def _heat(e: Findings) -> None:
 
 
 def unseating_load(preload: float) -> float:
-    """Return the load on the carriage in the middle [N] that unloads the outer row of an end under stretch.
+    """Return the load [N] on the carriage at mid-length that unloads the outer row of an end of a stretched screw.
 
-    The end must be pulled inwards beyond the tension by what its set still carries; half of a load in the middle goes to
-    it.
+    The end must be pulled inwards by more than the tension, by as much as its rows still carry. It takes half of the
+    load.
     """
     share = support_loads(bearings.axis(), 0.5 * bearings.axis().length, 1.0)[0]
     return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - pull()) / share

@@ -113,7 +113,7 @@ def taper_bearing() -> TaperedBearing:
 
 @cache
 def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
-    """Return the bearings of an end: ball bearings ground with the gap under the preload, or preloaded tapered rows."""
+    """Return the bearings of an end: ball rows with the gap that gives the preload, or preloaded tapered rows."""
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
         row = BallRow(ball_bearing())
@@ -122,7 +122,7 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
 
 
 def axis(left: float = np.inf, right: float = np.inf) -> Axis:
-    """Return the screw of 4.1 on supports of a stiffness [N/m]."""
+    """Return the screw of 4.1, with the support stiffness [N/m] of both ends."""
     return Axis(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
 
 
@@ -141,20 +141,20 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 @cache
 def state(load: float) -> ThrustState:
-    """Return the bearing under a thrust [N], right."""
+    """Return the correct state of the ball bearing under a thrust [N]."""
     return thrust_state(ball_bearing(), displacement(ball_bearing(), load))
 
 
 @cache
 def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
-    """Return Figure 2-10 at a thrust [lbf]."""
+    """Return the spreadsheet of Figure 2-10, recomputed as printed at a thrust [lbf]."""
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
     return as_printed.spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
 
 def sheet_tangent(pounds: float) -> float:
-    """Return the slope of the sheet's own load-deflection curve [lbf/in], central difference of a thousandth."""
+    """Return the slope [lbf/in] of the spreadsheet's load-deflection curve, by a central difference of 0.1 %."""
     step = 1e-3 * pounds
     return 2.0 * step * 25.4 / (sheet(pounds + step).deflection - sheet(pounds - step).deflection)
 
@@ -246,10 +246,7 @@ def _triplex(e: Findings) -> None:
 
 
 def fit_range() -> tuple[float, float, float]:
-    """Return ends of the range of F(p) around that of the sheet in which the fit 2.18 is within 2 %.
-
-    Its error [%] at 0.5.
-    """
+    """Return the range of F(p) around 0.9 where fit 2.18 is within 2 %, and its error [%] at F(p) = 0.5."""
 
     def off(difference: float) -> float:
         return abs(float(error_percent(as_printed.fitted(difference, "approach"), contact_parameters(difference)[0])))
@@ -359,25 +356,25 @@ CROWN, SLICES = 2.0, 101
 
 @cache
 def rollers_of_figure_3_6() -> CombinedState:
-    """Return Figure 3-6 with line contacts, roller by roller."""
+    """Return the bearing of figure 3-6 by line contacts, solved roller by roller."""
     return combined(taper_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
 def contacts() -> RollerContacts:
-    """Return contacts of a roller under the thrust of the sheet."""
+    """Return the contacts of one roller under the thrust of figure 3-6."""
     b = taper_bearing()
     return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
 def tangent_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
-    """Return the right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
+    """Return the correct axial stiffness [lbf/in] at a thrust [lbf], with ring deformation down to a depth [m]."""
     row = TaperedRow(replace(taper_bearing(), depth=depth))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
 def crowned_stiffness(pounds: float) -> float:
-    """Return the stiffness [lbf/in] at a thrust [lbf] with crowned rollers, in slices: what a crown could explain."""
+    """Return the stiffness [lbf/in] at a thrust [lbf] with sliced, crowned rollers, as a possible explanation."""
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
@@ -407,11 +404,12 @@ def rounding_range() -> tuple[float, float]:
 
 
 def taper_sheet_tangent(pounds: float) -> float:
-    """Return the slope of the sheet's own curve [lbf/in]."""
+    """Return the slope [lbf/in] of the spreadsheet's load-deflection curve of the taper bearing."""
     return 2.0 / (sheet_deflection(pounds + 1.0) - sheet_deflection(pounds - 1.0))
 
 
 def _sheet(e: Findings) -> None:
+    """Compute the cells of figure 3-6: inputs, load zone, deflection."""
     b = taper_bearing()
     e.numbers(
         {
@@ -456,11 +454,13 @@ def _sheet(e: Findings) -> None:
 
 
 def _ball_growth() -> float:
+    """Return the growth [%] of the ball bearing's stiffness over the tested loads."""
     low, high = (float(state(f * POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
 
 def _contacts(e: Findings) -> None:
+    """Compute the contact entries of the tapered roller bearing."""
     b, c = taper_bearing(), contacts()
     p = as_printed.taper_contact(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
@@ -487,6 +487,7 @@ def _contacts(e: Findings) -> None:
 
 
 def _torque(e: Findings) -> None:
+    """Compute tested stiffness and torque of the tapered roller bearing."""
     load = TAPER_TORQUE_LOAD / POUND
     middle = tangent_stiffness(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
