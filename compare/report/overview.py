@@ -216,15 +216,16 @@ def _time_panel(
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
-        shown = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        drawn = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        shown = [(scene, p, p.cold) for scene, p in drawn if p.cold is not None]
         series.append(
             Series(
                 family,
-                [p.cold for _, p in shown if p.cold is not None],
-                [max(by_gate(p).error, FLOOR) for _, p in shown],
+                [cold for *_, cold in shown],
+                [max(by_gate(p).error, FLOOR) for _, p, _ in shown],
                 "markers",
                 light=True,
-                names=[f"{p.name}, {scene}" for scene, p in shown],
+                names=[f"{p.name}, {scene}" for scene, p, _ in shown],
             )
         )
     edge = front(found)
