@@ -1,4 +1,4 @@
-"""Whether a scene lies within the range of those that were compared with the 3D reference, by descriptors of its parts.
+"""Whether a scene lies within the range of the scenes compared with the 3D reference, by descriptors of its parts.
 
 Descriptors need no solution, so a scene can be placed before it is solved. A scene is outside if a descriptor is beyond the
 compared range by more than its margin. `compare.models.model_form` adds features of the loads (preload, spread, lateral
@@ -66,8 +66,9 @@ def _poisson(scene: Scene) -> float:
 
 
 #: Descriptors of a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
-#: Of moduli there is one step, as all parts of the compared are of one steel: a nut's compliance is most of lin's error,
-#: which so grows by a quarter at the margin; balls change only Hertz' constants, so that theirs holds silicon nitride.
+#: For Young's moduli there is no such step, as all parts of the compared scenes are of one steel. The nut's compliance causes
+#: most of lin's error, which grows by a quarter at the margin; the balls' modulus changes only Hertz constants, so that
+#: silicon nitride lies within its margin.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
     Descriptor(
@@ -125,14 +126,14 @@ class Place:
 
     @property
     def text(self) -> str:
-        """Value and range in words."""
+        """Sentence with the scene's value and the compared range."""
         unit = f" {self.descriptor.unit}" if self.descriptor.unit else ""
         return f"{self.descriptor.name} is {self.value:.4g}{unit}, compared were {self.low:.4g} to {self.high:.4g}{unit}"
 
 
 @cache
 def compared(*, ring: bool) -> tuple[Scene, ...]:
-    """Return the shipped screws, or rings if ``ring``, that were compared with the 3D reference."""
+    """Return the shipped scenes that were compared with the 3D reference: rings if ``ring``, else screws."""
     names = (*catalogue.with_role("referenced"), *catalogue.with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
@@ -147,7 +148,7 @@ KNOWN_SCREWS = 240
 
 @cache
 def survey() -> tuple[dict[str, Any], ...]:
-    """Return the records of the first `KNOWN_SCREWS` drawn screws; empty if the file is missing or damaged."""
+    """Return the survey's records of the first `KNOWN_SCREWS` drawn screws; empty if its file is missing or damaged."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
@@ -157,16 +158,16 @@ def survey() -> tuple[dict[str, Any], ...]:
 
 @cache
 def surveyed() -> tuple[dict[str, float], ...]:
-    """Return the descriptors by name of every drawn screw that was compared."""
+    """Return, for each of the first `KNOWN_SCREWS` drawn screws, its descriptors by name."""
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey())
 
 
-#: Descriptors of the shipped scenes that were compared, in a store of runs: to read them all takes longer than a solution.
+#: File with the descriptors of the compared shipped scenes, in a store of runs: reading all scenes takes longer than a solve.
 PLACES = "places.json"
 
 
 def save_places(store: Path) -> None:
-    """Write the descriptors of all `compared` screws and rings to a store."""
+    """Write the descriptors of all compared shipped screws and rings to `PLACES` in a store."""
     from rollbench.compare.files import replace_file
 
     by_kind = {
@@ -178,7 +179,7 @@ def save_places(store: Path) -> None:
 
 @cache
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Return the shipped descriptors of the compared screws, or rings; empty if the file is missing or damaged."""
+    """Return the descriptors of each compared shipped ring if ``ring``, else screw; empty if `PLACES` cannot be read."""
     try:
         rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
         return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
@@ -187,7 +188,7 @@ def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
-    """Return the values of a descriptor of all compared screws (shipped and drawn), or rings."""
+    """Return a descriptor's values for all compared shipped rings if ``ring``, else for all shipped and drawn screws."""
     return [place[descriptor.name] for place in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
 
 
@@ -231,7 +232,7 @@ def outside(scene: Scene) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        A sentence for each; one that says so if the data of the compared scenes are missing.
+        A sentence for each; a single sentence to that effect if the data of the compared scenes are missing.
 
     Raises
     ------

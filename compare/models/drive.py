@@ -21,7 +21,7 @@ from rollbench.meshes.quantity import quantity, record
 #: Default efficiency of a nut that accelerates a mass (Smith 4.3.1: typically 0.90 to 0.95).
 EFFICIENCY: Band = (0.90, 0.95)
 NOT_RUNNING = "a bearing that runs takes [lubricant] and [motion]"
-#: Sums of friction of every nut, as JSON values, by the set's number from 0; None, and why, if they are not known.
+#: Friction results of every nut as JSON values, by the set's number from 0; None and the reason if not known.
 NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
@@ -81,7 +81,7 @@ class AxisDrive:
 
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
-    """Return the friction of every nut if it is cached or needs no compilation, else the reason.
+    """Return the friction torques and efficiencies of every nut, or why they are not known (kernels not compiled).
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def lead_of(assembly: Assembly) -> float:
 
 
 def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
-    """Sum lower and upper ends of torques [N m] (Smith 4.10); None if one of them is not known."""
+    """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10); None if a set's is not known."""
     known = [x for x in sets if x is not None]
     if len(known) < len(sets):
         return None
@@ -179,7 +179,7 @@ def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
 
 
 def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
-    """Return the torque of a nut in the direction in which the shaft turns, or would turn from standstill."""
+    """Return the torque that drives a nut, positive in the shaft's direction of rotation (``sign``)."""
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, words=why or "no balance of friction found")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
@@ -187,7 +187,7 @@ def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> Se
 
 
 def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
-    """Return the friction torque of a bearing; none without load."""
+    """Return the friction torque of a bearing, running and from rest; zero if it carries no load."""
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting

@@ -1,4 +1,4 @@
-"""Sums of friction (torques, efficiencies) of statically solved scenes, as JSON values."""
+"""Friction torques and efficiencies of statically solved scenes, summed over all contacts, as JSON values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 
 
 def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
-    """Return torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values; null where undefined."""
+    """Return torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values; None where undefined."""
     screw, ideal = t.translating, t.ratio != 0.0
     forward, backward = t.efficiency
     return {
@@ -37,7 +37,7 @@ def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
 
 
 def moves(torque: ScrewTorque) -> str | None:
-    """Return whether the motion of the scene goes ``against`` or ``with`` the axial load."""
+    """Return whether the motion is ``with the load`` or ``against the load`` (axial); None if nothing translates."""
     if not torque.translating:
         return None
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
@@ -50,9 +50,9 @@ def percent(share: float) -> float | None:
 
 @kept(ScrewTorque)
 def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
-    """Return the sums of `lowfi.friction.whole.state.friction_state`, from the cache if the scene was solved before.
+    """Return the torque record of `lowfi.friction.whole.state.friction_state`, from the cache if solved before.
 
-    ValueError as there, and if a kernel must be compiled first.
+    Raises ValueError as that function does, and if a kernel would have to be compiled first.
     """
     if will_compile(scene, friction) and not cached(CONTACT):
         raise ValueError("kernels are not compiled yet; rollbench friction SCENE does it, once")
@@ -62,9 +62,9 @@ def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: 
 
 
 def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return the sums of friction of a scene with a coefficient, if no kernel must be compiled for them.
+    """Return friction torques and efficiencies of a scene with a coefficient of friction, if no kernel must be compiled.
 
-    They are cached on disk for equal scenes and loads: loading the machine code would take longer than the rest of the
+    Results are cached on disk for equal scenes and loads: loading the machine code would take longer than the rest of the
     solution.
 
     Parameters
@@ -81,7 +81,7 @@ def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dic
     dict or None
         Sums as JSON values.
     str
-        What to do to get them; else empty.
+        Empty, or the reason why there are none, with advice.
     """
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
@@ -94,7 +94,7 @@ def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dic
 def torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
-    """Compute the friction torque of all sets together.
+    """Compute the sum of the friction torques of all sets.
 
     Parameters
     ----------

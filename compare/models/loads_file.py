@@ -28,7 +28,7 @@ COLUMNS = ("ball", "flank", "newton")
 #: Columns of a row that hold text.
 WORDS = ("ball", "flank", "case", "set")
 
-#: Columns of a row that hold numbers, by their name in headings: name here and dimension. Each needs a unit.
+#: Numeric columns, by their name in headings: quantity and dimension. Each needs a unit.
 NAMES = {
     "contact_angle": ("angle", "angle"),
     "contact_load": ("load", "force"),
@@ -57,7 +57,7 @@ PLACE = {"azimuth", "z"}
 #: Further quantities of contacts that a file may give, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 
-#: Rows of a file that are read: by column, the texts that they have there, the usual one first.
+#: Filter for the rows of a file: by column, the accepted texts, the usual one first.
 Only = Mapping[str, Sequence[str]]
 
 EVERY: Only = {}
@@ -69,7 +69,7 @@ EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 
 
 class Column(NamedTuple):
-    """Quantity of a column of a file."""
+    """Quantity and unit of a column of a file."""
 
     #: Name by `WORDS` or `NAMES`; ``uncertain share`` for the relative uncertainty of a load; empty if unknown.
     name: str
@@ -117,7 +117,7 @@ def _with_unit(name: str, text: str, dimension: str) -> Column:
 
 @dataclass(frozen=True)
 class GivenLoads:
-    """Contact loads read from a file, with its other quantities."""
+    """Contact loads read from a file, with the further quantities of contacts in it."""
 
     #: Contact loads (n, 4) [N]; zero on flanks that the file does not name.
     load: Array
@@ -180,7 +180,7 @@ class Rows:
 
     @classmethod
     def from_csv(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> Rows:
-        """Read a CSV file that has some columns, in any order, among others.
+        """Read a CSV file that has at least the columns named, in any order.
 
         Separators are commas, semicolons, tabs, or what a first line ``sep=;`` names; unless commas separate, a decimal
         comma is read.
@@ -249,7 +249,7 @@ def _cells(path: Path, lines: Sequence[str], above: int, separator: str) -> Iter
 
 
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
-    """Raise InputError for a row with a filled cell without heading, except a first one with row numbers."""
+    """Raise InputError for a row with a filled cell that has no heading; the first cell may (row numbers)."""
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return
     value = f"{sum(map(bool, row))} cells: {separator.join(row)}"
@@ -260,7 +260,7 @@ def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[s
 
 
 def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:
-    """Read the contact loads of a file, and the further quantities that it gives.
+    """Read contact loads from a CSV file, and the further quantities of contacts that it gives.
 
     Headings state the units (`column`). Every ball must be given on every named flank, with 0 where it carries no load: a
     missing row is not taken for a contact without load.
@@ -274,7 +274,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
     scene
         Scene whose balls are identified by azimuth and axial position if the file has both; else by their numbers.
     only
-        Rows that are read, by the texts in the columns case and set.
+        Filter for the rows, by the accepted texts of the columns case and set.
 
     Returns
     -------
@@ -325,13 +325,13 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
 
 
 def _note(line: str) -> tuple[str, str]:
-    """Return name and text of a line of notes, without separators that a spreadsheet appended."""
+    """Return name and text of a line ``# name: text``, without separators that a spreadsheet appended."""
     name, _, text = line.strip("#;, \t").partition(":")
     return name.strip().lower(), text.strip()
 
 
 def _columns(path: Path, table: Rows) -> dict[str, Column]:
-    """Return the quantities that the headings name; InputError if one is missing or named twice."""
+    """Return the column of each heading; InputError if the load is missing or a quantity is named twice."""
     columns = {head: column(head) for head in table.titles}
     where, names = f"line {table.line}", [column(head).name for head in table.titles]
     if "load" not in names:
@@ -349,7 +349,7 @@ class _Row:
         self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """Return the error for a cell."""
+        """Return an InputError that names file, line and column of a cell."""
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
@@ -419,7 +419,7 @@ class _Places:
 
 
 def number_of(text: str, *, decimal_comma: bool) -> float:
-    """Return a number from text; nan for anything else.
+    """Return the number in a cell; nan if its text is no number.
 
     Parameters
     ----------
@@ -435,7 +435,7 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
 
 
 def comma_or(advice: str, text: str) -> str:
-    """Return advice for a cell that is no number: about the decimal comma if it has one, else that given.
+    """Return advice for a cell that is no number: about decimal commas if it has a comma, else the general advice.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Error to expect of a low-order model, estimated from its errors against the 3D reference on other scenes.
 
-A scene is a point in a space of features; the compared scenes, shipped ones and those drawn by the survey, are points with
+A scene is a point in a space of features; the compared scenes, shipped or drawn by the survey, are points with
 measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few scenes do not
-give steep slopes). The expected error is the fitted one times the factor within which ``SHARE`` of the compared scenes lie,
-each judged by a fit without it.
+give steep slopes). The expected error is the fitted error times the factor within which ``SHARE`` of the compared scenes lie,
+each judged by a fit without that scene.
 
 This is plain leave-one-out (jackknife), for which no theorem states how often a new scene lies within (Barber, Candes,
 Ramdas and Tibshirani 2021: for an unstable fit it may be none), and a user's scene is not drawn as the compared ones were.
@@ -13,7 +13,7 @@ scene beyond the compared ones in any feature is "not covered".
 
 `rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its points (survey.json).
 
-The errors of a compared scene are those against one run of the 3D reference (`point`). Displacement and rigidity are those
+The errors of a compared scene are against one run of the 3D reference (`point`). Displacement and rigidity are those
 of the section of the screw on which the axial load acts. Beyond the nut a beam and a 3D shaft agree on the motion of a
 section (Saint-Venant); within it contacts deform the material locally, and the motion of a section depends on its
 definition.
@@ -51,14 +51,14 @@ if TYPE_CHECKING:
 #: File with the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
 
-#: Errors that are expected, each by itself: loads (largest and RMS, of the mean load), axial displacement and tangent
+#: Errors that are estimated, each separately: loads (largest and RMS, of the mean load), axial displacement and tangent
 #: rigidity of the section that the axial load acts on, largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 #: Share of compared scenes whose error lies within the expected one, each estimated without itself.
 SHARE = 0.92
 
-#: Errors [%] below this count as this: errors of loads are absolute values, the others change sign from scene to scene.
+#: Least error [%] of each quantity; smaller ones are raised to it: load errors are absolute values, others change sign.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
 
 #: Weight of the ridge penalty: of a slope of one per unit of a feature, against the misfit of one scene.
@@ -158,7 +158,8 @@ class Point:
 def carried_across(scene: Scene, result: StaticResult) -> tuple[float, float]:
     """Return the lateral force [N] and the tilting moment about the nut's centre [N m] that the contacts carry.
 
-    They include what loads anywhere on the shaft, their arms and displaced supports contribute. Needs loaded contacts.
+    They include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. Some
+    contact must carry load.
     """
     touching = result.load[:, :2] > 0.0
     forces = (result.load[:, :2, None] * result.force_direction[:, :2])[touching]
@@ -221,7 +222,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
 
 
 def _middle(values: Array) -> float:
-    """Return the median, without numpy's, which imports masked arrays and takes longer."""
+    """Return the median; numpy's function would import masked arrays, which takes longer."""
     ordered = np.sort(values)
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
@@ -231,7 +232,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
-    """Write the points of all models to a store."""
+    """Write comparison points (errors of a model on a scene) to `FILE` in a store."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
@@ -240,13 +241,13 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def shipped_points() -> tuple[Point, ...]:
-    """Return the shipped points; empty if the file is missing or damaged."""
+    """Return the comparison points of all shipped scenes and drawn screws; without those whose file cannot be read."""
     return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
 
 
 @cache
 def surveyed_points() -> tuple[Point, ...]:
-    """Return the points of the survey; empty if the file is missing or damaged."""
+    """Return the comparison points of all drawn screws of the survey; empty if its file is missing or damaged."""
     return _points(lambda: [point for scene in survey() for point in scene["points"]])
 
 
@@ -259,7 +260,7 @@ def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
 
 
 def unlike_kind(scene: Scene) -> str:
-    """Return why no compared scene is of the kind of this one; empty if some are."""
+    """Return why a scene is of a kind that was never compared with the 3D reference; empty if it was."""
     if scene.solid.nut == "rigid":
         return "its nut is rigid, that of every compared scene is elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
@@ -277,8 +278,8 @@ def held_by_flange(scene: Scene) -> bool:
 def bound(known: Array, errors: Array, here: Array, least: float) -> float:
     """Return the error [%] within which ``SHARE`` of similar scenes lie, at given features.
 
-    It is the fit of the logarithms of the errors, plus that of its residuals on scenes left out, in order, that has the
-    share below it.
+    It is the value of the fit to the logarithms of the errors, plus the quantile ``SHARE`` of the fit's residuals. Each
+    residual is that of a scene left out of its fit.
 
     Parameters
     ----------
@@ -358,13 +359,13 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
 
 
 def _beyond(known: Array, here: Array) -> list[str]:
-    """Return the features in which scaled values (k,) lie beyond the compared ones (n, k)."""
+    """Return the texts of the features in which a scene (k,) lies beyond the compared scenes (n, k), all scaled."""
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
 def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
-    """Return the expected errors [%] by quantity."""
+    """Return the expected errors [%] by quantity at scaled features (k,), from the points of similar compared scenes."""
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
         errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
@@ -376,7 +377,7 @@ def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, flo
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Compared scene, with the errors that are expected from all others."""
+    """Compared scene, with its measured errors and those estimated from all other compared scenes."""
 
     #: Measured errors of the scene.
     point: Point
@@ -406,7 +407,7 @@ Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 @dataclass(frozen=True)
 class SectionAnswer:
-    """Axial motion and force of the loaded section."""
+    """Axial displacement and force at the section of the screw that carries the largest axial load."""
 
     #: Axial displacement of the section [m].
     moved: float
@@ -415,9 +416,9 @@ class SectionAnswer:
 
 
 def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
-    """Return motion and force of the loaded section, by a low-order model or a run of the 3D reference.
+    """Return axial motion and force of the loaded section, from the loads of a low-order model or a 3D reference run.
 
-    The section is that with the largest axial load, or the nut's centre without loads.
+    The loaded section is where the largest axial load acts; the nut's centre if the scene has no loads.
 
     Parameters
     ----------
@@ -496,5 +497,5 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
 
 
 def error_of_value(value: float | None, reference: float | None) -> float | None:
-    """Return the error of a value [%]; None if value or reference is missing."""
+    """Return the error of a value against its reference [%]; None if one is missing or the reference is zero."""
     return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -59,7 +59,7 @@ def is_command(name: str) -> bool:
 
 
 def model_command(command: str, seconds: float = SECONDS) -> str:
-    """Make the name of a model from the command of a program, for every function that takes a model.
+    """Return the model name that stands for the command of a program; every function that takes a model accepts it.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
 
 
 def title_of(name: str) -> str:
-    """Return the name of a model for headings; of a command its words without folders and files.
+    """Return the name of a model for headings; for a command, its words without folders and placeholders.
 
     Parameters
     ----------
@@ -161,13 +161,13 @@ class Program:
 
     @property
     def label(self) -> str:
-        """Words of the command without the files, paths shortened to their last part."""
+        """Words of the command without placeholders, paths shortened to the file name."""
         words = [Path(word).name or word for word in self.words if SCENE not in word and LOADS not in word]
         return one_line(" ".join(words), 40)
 
     @property
     def files(self) -> str:
-        """Files that the command names, with a digest of their contents, to recognise a changed program."""
+        """Names of the files in the command, each with a digest of its contents, to recognise a changed program."""
         import hashlib
 
         paths = [Path(shutil.which(self.words[0]) or self.words[0]), *map(Path, self.words[1:])]
@@ -214,7 +214,7 @@ class Program:
                 raise self._failed(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
-        """Run the program with its output in a file; return the reason of a failure, else an empty text."""
+        """Run the program with its output sent to a file; return why it failed, else an empty text."""
         import subprocess
 
         with said.open("wb") as output:
@@ -272,7 +272,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def last_line(path: Path) -> str | None:
-    """Return the last line of a program's output.
+    """Return the last non-empty line of a program's output.
 
     Parameters
     ----------

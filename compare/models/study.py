@@ -36,7 +36,7 @@ class Study:
     cache: Path | None = None
     #: Scenes by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
-    #: Scenes that only friction is computed for, by name.
+    #: Shipped scenes of other kinds (duty cycles), by name.
     others: dict[str, Described] = field(default_factory=dict)
     #: Results by scene, model and specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
@@ -52,7 +52,7 @@ class Study:
         return self.scenes[name]
 
     def uses(self, names: Sequence[str]) -> None:
-        """Record that results depend on these shipped scenes."""
+        """Record that results of the study depend on these shipped scenes."""
         for name in names:
             scene = catalogue.shipped(name)
             if isinstance(scene, Scene):
@@ -67,7 +67,7 @@ class Study:
         return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
-        """Return a shipped scene with other model ingredients (`meshes.parts.Ingredients`)."""
+        """Return a copy of a shipped scene with changed model ingredients (fields of `meshes.parts.Ingredients`)."""
         scene = self.scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
@@ -94,7 +94,7 @@ class Study:
         return self.once(_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
-        """Return the stored 3D references by name, of the scenes that have one."""
+        """Return the stored 3D references by scene name; scenes without one are left out."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
@@ -110,7 +110,7 @@ def with_groove(scene: Scene, conformity: float) -> Scene:
 
 
 def with_balls(base: Scene, count: int) -> Scene:
-    """Return a copy of the screw with another number of balls at equal spacing, and nut and screw of fitting length."""
+    """Return a copy of the screw with another number of balls at the same spacing; nut and screw are lengthened to fit."""
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
     length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)

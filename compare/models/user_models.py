@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 GROUP = "rollbench.models"
 #: Largest unbalanced share of the largest force or moment without a warning.
 UNBALANCED = 0.01
-#: Descriptions of such a model in results.
+#: Descriptions of a user's model in results.
 WORDS = "the model is a function of an installed package, or a program"
 NOT_COMPARED = "a model of yours has not been compared with the 3D reference"
 ASSUMPTION = "contact angles stay nominal: the model gives loads only"
@@ -103,7 +103,7 @@ def origin(name: str) -> str:
     Returns
     -------
     str
-        Function, and name and version of its package; for a command its files with their digests.
+        Function, with name and version of its package; for a command, the files it names, with their digests.
     """
     if programs.is_command(name):
         return programs.program(name).files
@@ -160,14 +160,14 @@ def _broken(point: EntryPoint, reason: str) -> ArgumentError:
 
 
 def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
-    """Compute a scene with a user's model: loads at nominal contact angles, their imbalance, and the run time.
+    """Solve a scene with a user's model: contact loads at nominal contact angles, their imbalance, and the run time.
 
     Parameters
     ----------
     name
         Name of an installed model, or a command.
     scene
-        The scene; of one with random errors the model gets a copy with the drawn errors as given ones.
+        The scene; random errors are drawn first, and the model gets a copy in which they are given values.
     member
         Number of the specimen, from 0.
 
@@ -234,7 +234,7 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
 
 
 def _warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """Yield a warning if the loads of a model do not balance those of the scene."""
+    """Yield a warning if a model's contact loads are not in equilibrium with the loads and supports of the scene."""
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
         yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
@@ -243,7 +243,7 @@ def _warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
 def _balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
     """Return the balance of contact loads (n, 4) [N] at points (n, 4, 3) [m], with normals pointing away from the balls.
 
-    The supports take what they can of the resultant of loads and contacts; the residual is what they cannot.
+    Support reactions are fitted to the resultant of loads and contacts (least squares); the rest is the residual.
     """
     from rollbench.lowfi.statics.shape import rigid_transport
     from rollbench.lowfi.statics.summary import balance_of, wrench_of
