@@ -65,16 +65,16 @@ AT_END = 0.9
 
 
 def clearance_in(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
-    """Return the clearance of a ball row that carries thrust both ways by one arc per groove.
+    """Return the clearance of a row of balls with one arc per groove that carries thrust in both directions.
 
-    None of others or without play.
+    None for other rows and for rows without play.
     """
     found = clearance_of(parts) if thrust == "deep groove" else None
     return found if found is not None and found.axial > 0.0 else None
 
 
 def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
-    """Yield a warning for each deep-groove row whose rings are fixed axially at one end of their play."""
+    """Yield a warning for each deep-groove row whose rings are fixed axially near one end of their play."""
     shaft = _held(scene.supports)
     if shaft is None:
         return
@@ -116,7 +116,7 @@ def _outer(assembly: Assembly, row: RollingSet) -> float | None:
     return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
 
 
-#: Model whose elastic bodies give the tangent stiffness of a model; other models have none, but Liu's along the axis.
+#: By model: the model whose elastic bodies give its tangent stiffness. Others have none, except Liu's, axially only.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
@@ -132,7 +132,7 @@ class LoadAnswers:
     worst: Contact | None = quantity("worst_contact")
     #: Static safety of this contact.
     safety: StaticSafety | None = quantity("static_safety")
-    #: How far contact ellipses extend to the edge of their groove.
+    #: How close contact ellipses come to the edges of their grooves.
     reach: Truncation | None = quantity("truncation")
     #: Basic rating life by the loads.
     life: Life | None = quantity("life")
@@ -180,7 +180,7 @@ class Answers:
     at_nut: Tangent | None
     #: Why there is no tangent stiffness; empty if there is one or the model has none.
     tangent_words: str
-    #: Contact loads without the loads of the scene.
+    #: Contact loads that remain when the loads of the scene are removed.
     preload: Preload | None
     #: Load at which the first preloaded contact opens.
     lift: LiftOff | None
@@ -321,7 +321,7 @@ def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent 
 
 
 def unloaded_place(scene: Scene, bare: StaticResult) -> float:
-    """Return the axial displacement of the screw at the nut's centre without loads, from which displacements count [m].
+    """Return the screw's axial displacement at the nut's centre without loads [m], the zero of reported displacements.
 
     Parameters
     ----------
@@ -349,7 +349,7 @@ def motion_at_nut(scene: Scene, result: StaticResult) -> Array:
 
 
 def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
-    """Compute all answers of a converged result, with the further solutions that preload and lift-off need.
+    """Compute all answers of a converged result; preload and lift-off take further solutions.
 
     Parameters
     ----------
@@ -406,7 +406,7 @@ def row_torque(
     parts
         Row of balls as a scene.
     thrust
-        Direction of thrust that a row with one arc per groove carries.
+        Thrust that a row with one arc per groove carries: "deep groove" (both directions), or one direction.
     balls
         Its result.
     force
@@ -414,12 +414,12 @@ def row_torque(
     loads
         Answers of its contact loads.
     lubricant, motion
-        Of the scene; None: only the torque from rest.
+        Those of the scene; None: only the torque from rest.
 
     Returns
     -------
     BallTorque or None
-        The torque; None of nuts and without load.
+        The torque; None for nuts and without load.
     """
     if parts.track.lead or loads.safety is None:
         return None
@@ -437,7 +437,7 @@ def row_torque(
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return the sums of friction if no kernel must be compiled for them.
+    """Return friction torques and efficiencies if no kernel must be compiled for them.
 
     Parameters
     ----------
@@ -494,7 +494,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
 
 
 def _wide_grooves(scene: Scene) -> Iterator[Warned]:
-    """Yield a warning for conformities that are hardly groove radius over ball diameter."""
+    """Yield a warning for conformities too large for a groove radius over the ball diameter."""
     grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
     wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
     if wide:
@@ -551,7 +551,7 @@ class SetAnswers:
     parts: Scene | RollerRow
     #: Results derived from the contact loads of the set.
     loads: LoadAnswers | RollerAnswers
-    #: Contact loads without the loads of the scene, and its axial force on the shaft then; None if there is no equilibrium.
+    #: Contact loads and axial force on the shaft without the loads of the scene; None without equilibrium in that state.
     preload: Preload | None
     #: Friction torque of a loaded ball bearing.
     torque: BallTorque | None = None
@@ -570,7 +570,7 @@ class AxisAnswers:
     motion: Array | None
     #: Share of all loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
-    #: Load paths of the loads on each body separately, so that a load taken by a frame is not hidden by others.
+    #: Load paths for the loads on each body separately, so that others do not hide a load that a frame takes.
     paths: tuple[LoadPath, ...] = ()
 
     @property
@@ -593,7 +593,7 @@ class AxisAnswers:
 
 
 def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
-    """Compute all answers of a converged result of several sets, with the further solution without loads.
+    """Compute all answers of a converged result of several sets; takes a further solution without loads.
 
     Parameters
     ----------
@@ -616,7 +616,7 @@ def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 
 
 def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
-    """Return the load path of each loaded body: with a single one that of all loads, else by removing the other loads."""
+    """Return the load path of each loaded body, as the change when its loads are removed; ``path`` if there is only one."""
     bodies, options = loaded_bodies(assembly), Options(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)

@@ -66,7 +66,7 @@ def _poisson(scene: Scene) -> float:
 
 
 #: Descriptors of a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
-#: For Young's moduli there is no such step, as all parts of the compared scenes are of one steel. The nut's compliance causes
+#: Young's moduli have no such step, as all parts of the compared scenes are of one steel. The nut's compliance causes
 #: most of lin's error, which grows by a quarter at the margin; the balls' modulus changes only Hertz constants, so that
 #: silicon nitride lies within its margin.
 DESCRIPTORS = (
@@ -148,7 +148,7 @@ KNOWN_SCREWS = 240
 
 @cache
 def survey() -> tuple[dict[str, Any], ...]:
-    """Return the survey's records of the first `KNOWN_SCREWS` drawn screws; empty if its file is missing or damaged."""
+    """Return the survey's records of the first `KNOWN_SCREWS` drawn screws; empty if its file cannot be used."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
@@ -162,7 +162,7 @@ def surveyed() -> tuple[dict[str, float], ...]:
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey())
 
 
-#: File with the descriptors of the compared shipped scenes, in a store of runs: reading all scenes takes longer than a solve.
+#: File with the descriptors of the compared shipped scenes, in a store of runs: reading all scenes would be slower.
 PLACES = "places.json"
 
 
@@ -179,7 +179,7 @@ def save_places(store: Path) -> None:
 
 @cache
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Return the descriptors of each compared shipped ring if ``ring``, else screw; empty if `PLACES` cannot be read."""
+    """Return the descriptors of each compared shipped ring, or screw; empty if `PLACES` is missing or damaged."""
     try:
         rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
         return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
@@ -188,7 +188,7 @@ def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
-    """Return a descriptor's values for all compared shipped rings if ``ring``, else for all shipped and drawn screws."""
+    """Return a descriptor's values for all compared rings if ``ring``, else for all screws, shipped and drawn."""
     return [place[descriptor.name] for place in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
 
 

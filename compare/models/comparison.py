@@ -64,7 +64,7 @@ def suitable_models(scene: Scene | Assembly) -> list[Model]:
 
 
 def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Model]:
-    """Return models by name.
+    """Return the models with the given names.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Mo
     Raises
     ------
     ArgumentError
-        If there is no model of that name.
+        If there is no model with one of the names.
     """
     return [known_model(name, argument) for name in names]
 
@@ -159,11 +159,11 @@ class ComparisonRow:
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON values; nan and infinity become null."""
+        """Return the row as JSON values; nan and infinity become None."""
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
-#: Makes a row of a comparison: `_row` for one scene and answer.
+#: Function that makes a row of a comparison: `_row` with scene and loads given.
 RowOf = Callable[..., ComparisonRow]
 
 
@@ -244,7 +244,7 @@ def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Pa
 
 
 def from_run(run: Run, name: str) -> Loads:
-    """Return loads and displacements of a run of the 3D reference; its time is that without cached parts.
+    """Return loads and displacements of a 3D reference run, with the run time that includes setting up all parts.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ def from_run(run: Run, name: str) -> Loads:
 
 
 def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
-    """Return loads of the reference on each of its levels and on the source's mesh; empty of a user's reference."""
+    """Return the reference's loads on the source's mesh, if given, and on each level; empty for a user's reference."""
     if reference.stated:
         return []
     out = [from_run(run, f"3D level {run.level}") for run in reference.runs]
@@ -304,7 +304,7 @@ def _row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """Return a row from values of model and reference (a pair), uncertainty of the reference, and error in per cent."""
+    """Return a row from the values of model and reference, the reference's uncertainty, and the error [%]."""
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
@@ -352,9 +352,9 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of the axis' displacement at the stations of the reference, in per cent of its largest component.
+    """Yield rows of the axis' displacement at the reference's stations; errors in per cent of the component's largest.
 
-    None if the answer has it at one station and the reference at several.
+    No rows if the model gives the displacement at one station and the reference at several.
     """
     line = reference.best.centreline
     if answer.stations.size < min(2, len(line)):
@@ -517,7 +517,7 @@ class Referenced:
 
     @property
     def described(self) -> str:
-        """Name of the scene, or of that which its set belongs to."""
+        """Name of the scene; for one of several sets, name of the assembly."""
         return self.scene.name if self.of is None else self.of.assembly.name
 
     @property
@@ -528,7 +528,7 @@ class Referenced:
 
 @dataclass(frozen=True)
 class Answered:
-    """Solution of a model for one of several sets."""
+    """Solution of a low-order model for one of several sets on a shaft."""
 
     #: Contacts under the loads of the assembly.
     result: StaticResult
@@ -543,7 +543,7 @@ class Answered:
 def referenced(
     described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
 ) -> list[Referenced]:
-    """Return the best stored reference of a scene, for each of its sets.
+    """Return the best stored reference of each set of a scene.
 
     Parameters
     ----------
@@ -566,7 +566,7 @@ def referenced(
 
 
 def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
-    """Return the reference by given runs, coarse to fine, for each set."""
+    """Return the reference of each set of a scene from its runs, coarse to fine."""
     if isinstance(described, Scene):
         return [Referenced(described, reference_of(described.name, described, runs, contacts=nominal_contacts(described)))]
     out = []
@@ -580,7 +580,7 @@ def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced
 
 @lru_cache(maxsize=64)
 def _contacts(assembly: Assembly) -> tuple[int, ...]:
-    """Return the number of contacts that each nominal set loads by the model lin, errors other than preload removed."""
+    """Return the number of loaded contacts of each set by the model lin, all errors but preload removed."""
     sets = tuple(replace(s, parts=nominal(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
     return tuple(_loaded(result, k) for k in range(len(sets)))

@@ -1,4 +1,4 @@
-"""Solution of a scene with all its answers, of the load cases of a duty cycle in turn, and sums over the cycle."""
+"""Solution of a scene with all answers, and lives and extremes over the load cases of a duty cycle."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 class OfSet:
     """Data of one solved set that the life over a duty cycle needs."""
 
-    #: Parts of the set; of balls with the loads and supports of the scene.
+    #: Parts of the set; a ball set has the loads and supports of the scene.
     parts: Scene | RollerRow
     #: Contact loads (n, 4) [N]; line loads of rollers (count, slices) [N/m].
     load: Array
@@ -77,7 +77,7 @@ class Solved:
 
     @property
     def sets(self) -> dict[str, OfSet]:
-        """The set, under an empty name; empty without equilibrium."""
+        """Data of the only set, under an empty name; empty without equilibrium."""
         if self.answers is None or self.result.equilibrium is None:
             return {}
         preload = axial_of(self.answers.preload) if self.scene.errors.lead_offset else 0.0
@@ -95,7 +95,7 @@ class SolvedAxis:
     result: AxisResult
     #: Answers; None without equilibrium.
     answers: AxisAnswers | None = None
-    #: No error to expect is known of several sets.
+    #: Always None: the error to expect is not known for several sets.
     expected: None = None
     #: Torques and inertias at the motor.
     drive: AxisDrive | None = None
@@ -149,7 +149,7 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
 
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
-    """Solve several sets on one shaft and compute all answers; InputError as `run_model`."""
+    """Solve several sets on one shaft and compute all answers; InputError if the model does not cover them."""
     result, answers = solve_sets(scene, model, options.member)
     if answers is None:
         return SolvedAxis(scene, result)
@@ -158,7 +158,7 @@ def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
-    """Solve a scene with one set and compute all answers; InputError as `run_model`."""
+    """Solve a scene with one set and compute all answers; InputError if the model does not cover it."""
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
@@ -174,7 +174,7 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
 
 @dataclass(frozen=True)
 class Extreme:
-    """Extreme value over the load cases."""
+    """Largest or smallest value over the load cases of a duty cycle."""
 
     #: The value, in SI units; errors in per cent.
     value: float
@@ -226,7 +226,7 @@ class Together:
         heading="peak pressure of all cases",
         note="case {largest_pressure_case}",
     )
-    #: Smallest static safety of these.
+    #: Smallest static safety over these load cases.
     safety: Extreme | None = quantity(
         "least_static_safety",
         "least static safety of all cases",
@@ -237,7 +237,7 @@ class Together:
         form="g3",
         note="case {least_static_safety_case}",
     )
-    #: Largest expected error of these [% of the mean load].
+    #: Largest expected error of a contact load over these load cases [% of the mean load].
     error: Extreme | None = quantity(
         "largest_expected_error_percent",
         "largest error to expect of a contact load in any case, in per cent of the mean load",
@@ -261,12 +261,12 @@ class Together:
     @property
     @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
     def shortest(self) -> str:
-        """Name of the set in `least`."""
+        """Name of the set with the shortest life over the duty cycle."""
         return self.least.set
 
     @property
     def least(self) -> Lives:
-        """Life of the set with the shortest one; if a life is not known, the first such set."""
+        """Lives of the set with the shortest life; if a life is not known, those of the first set without one."""
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
@@ -301,7 +301,7 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
 
 def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
-    """Return the common life of all sets that turn with the shaft; None for a single set, or if none has a life."""
+    """Return the life of all sets that turn with the shaft as one system; None for a single set or if none has a life."""
     if not isinstance(cycle.parts, Assembly):
         return None
     turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}
@@ -330,7 +330,7 @@ def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tu
     Life or None
         The life.
     str
-        Why there is none; else empty.
+        Why there is no life; else empty.
     """
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
@@ -387,6 +387,6 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:
-    """Return the extreme of the known values; None without any."""
+    """Return the largest or smallest known value (by ``pick``), with its load case; None if no value is known."""
     known = [(value, case.name) for case, value in values if value is not None]
     return Extreme(*pick(known, key=lambda one: one[0])) if known else None

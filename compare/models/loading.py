@@ -25,7 +25,7 @@ Loaded = TypeVar("Loaded", Load, Housing)
 #: Relative accuracy of the load factor at which a contact opens, largest factor tried, and most solutions for it.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 
-#: Share of the step to the expected factor that is taken: beyond it the contact is open and has no approach.
+#: Share of the step to the expected factor that is taken, as an open contact beyond that factor has no approach.
 NEAR = 0.9
 
 
@@ -150,7 +150,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 
 def preload(scene: Scene, bare: StaticResult) -> Preload:
-    """Return the preload from the result without loads."""
+    """Return the preload record of a scene from its result without loads (``bare``)."""
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -233,7 +233,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
 
 
 def _root(known: Sequence[tuple[float, float]]) -> float:
-    """Return the zero of the line through the last two points; infinite with one point or a line that does not fall."""
+    """Return the zero of the line through the last two points (x, y); infinite if there is one point or no fall."""
     if len(known) < 2:
         return float("inf")
     (a, f), (b, g) = known[-2:]
@@ -286,7 +286,7 @@ class Taker:
 class LoadPath:
     """Share of the loads that each support and the contacts take.
 
-    All are differences from the scene without its loads, so that preload and prescribed displacements do not count.
+    All values are differences from the scene without its loads: preload and prescribed displacements do not count.
     """
 
     #: Force and moment of all loads, (6,) [N, N m].
@@ -385,7 +385,7 @@ def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where
 
 
 def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
-    """Return, for each loaded body (shaft or housing), the assembly with only its loads and that with all others."""
+    """Return, by loaded body (shaft or housing), the assembly with only its loads, and with all loads but its own."""
     none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
     bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
     off = tuple(replace(x, force=none, moment=none) for x in assembly.loads)
@@ -399,7 +399,7 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
 
 
 def sum_of(loads: Sequence[Load]) -> Array:
-    """Return force and moment of loads, (6,) [N, N m], without the moments of the forces about the origin."""
+    """Return the sums of forces and of moments as given, (6,) [N, N m], without moments of the forces about the origin."""
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
@@ -423,7 +423,7 @@ def _at(station: float, wrench: Array) -> Array:
 
 
 def path_words(path: LoadPath) -> str:
-    """Return a text on the share of each load component that each support takes; empty if they take none."""
+    """Return a text on how much of each load component each support takes; empty if supports take nothing."""
     out = []
     for k in np.flatnonzero(path.applied):
         load, unit = float(path.applied[k]), "N" if k < 3 else "N m"
@@ -439,7 +439,7 @@ def path_words(path: LoadPath) -> str:
 def path_warnings(path: LoadPath | None) -> Iterator[Warned]:
     """Yield a warning if little of the axial force, or of all loads on the shaft, reaches the contacts.
 
-    The contact loads then do not represent the load. Loads on several bodies are judged body by body.
+    The contact loads then do not represent the applied load. Loads on several bodies are judged body by body.
     """
     if path is None:
         return

@@ -2,7 +2,7 @@
 
 A scene is a point in a space of features; the compared scenes, shipped or drawn by the survey, are points with
 measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few scenes do not
-give steep slopes). The expected error is the fitted error times the factor within which ``SHARE`` of the compared scenes lie,
+give steep slopes). The expected error is the fitted one times the factor within which ``SHARE`` of the compared scenes lie,
 each judged by a fit without that scene.
 
 This is plain leave-one-out (jackknife), for which no theorem states how often a new scene lies within (Barber, Candes,

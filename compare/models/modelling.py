@@ -1,8 +1,8 @@
 """Effect of modelling choices on contact loads: idealisations of the 3D reference, and each step of the model ladder.
 
 The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that the source does not
-print. Each choice is varied separately on the coarsest level, each choice of the mesh refined separately on the finest,
-against the same scene on the same level (``base``). Of several variants of one choice the largest change of each contact
+print. Each choice is varied separately on the coarsest level, each mesh setting refined separately on the finest level,
+and compared with the same scene on that level (``base``). Of several variants of a choice, the largest change per contact
 counts; choices are independent and of unknown sign, so they add by the root of the sum of squares, contact by contact. The
 sum is an estimate of one typical variation of every choice, not a bound. Properties of the scene (where the nut is fixed)
 or of the method (modes, sockets) are listed but not included, nor are choices that cannot be varied
@@ -39,10 +39,10 @@ from rollbench.meshes.parts import Scene
 #: Scenes on which every choice is varied: one without preload, one with.
 VARIED = ("lin-case1", "lin-case3")
 
-#: The preloaded one of them, with all four flanks loaded, on which each choice of the finest mesh is refined separately.
+#: The preloaded scene of `VARIED`, all four flanks loaded, on which each setting of the finest mesh is refined separately.
 REFINED = "lin-case3"
 
-#: Varied scene that stands for others with the same parts.
+#: By scene name: the varied scene with the same parts, whose effects are used for it.
 SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3"}
 
 
@@ -87,15 +87,15 @@ class Modelling:
 
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """Return the run with which variants of a level are compared: of the scene, or else in its group."""
+    """Return the run with which variants on a level are compared: that named ``base``, else the scene's own run."""
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
 def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     """Return the effects of all variants of a scene with a converged run in a store.
 
-    The effect of the dropped coupling is that of the refined model, whose loads respond to a turned shaft like the
-    reference's. Empty without any run.
+    The effect of the dropped coupling is computed by the refined model, whose loads respond to a turned shaft like the
+    reference's. Empty if no run of a variant is stored.
     """
     out = []
     for name, variant in VARIANTS.items():
@@ -132,7 +132,7 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
 
 
 def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
-    """Combine the effects of a scene, by the root of squares over the choices; None if nothing was varied in 3D."""
+    """Return the scene's modelling uncertainty: root sum of squares over the choices; None if none was varied in 3D."""
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
         return None
@@ -157,7 +157,7 @@ def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
 def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
     """Return the largest modelling uncertainty that applies to a scene [% of the mean load].
 
-    None if its parts were not varied.
+    None if no scene with its parts was varied.
     """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest
@@ -224,13 +224,13 @@ def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | No
 
 @dataclass(frozen=True)
 class Share:
-    """Errors of the refined model on one scene, with some bodies replaced by those of the finest 3D run."""
+    """Errors of the refined model on one scene when the bodies of the finest 3D run replace some of its bodies."""
 
     #: Name of the scene.
     scene: str
     #: Errors of the loads, by the bodies that are taken from 3D: none, one, both.
     errors: dict[tuple[str, ...], LoadError]
-    #: Difference of the sum of loads [%], by the same.
+    #: Difference of the sum of loads from the reference's [%], by the bodies that are taken from 3D.
     bias: dict[tuple[str, ...], float]
 
 
@@ -265,13 +265,13 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the data of the estimate of the model's error: a point for each model and scene."""
+    """Return the comparison points (errors of a model on a scene) from which the expected error is estimated."""
     references = study.references((*REFERENCED, *UNSEEN))
     return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
-    """Estimate the errors of every compared screw, drawn ones included, from all others.
+    """Estimate the errors of every compared screw (shipped or drawn) from all others, for each model of the ladder.
 
     Returns
     -------

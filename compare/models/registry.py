@@ -1,4 +1,4 @@
-"""List of the low-order models by name, and how each is run on a scene."""
+"""Registry of the low-order models: names, descriptions, and the functions that run them on a scene."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
 
 
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
-    """Solve by a model with elastic bodies, named by its backend; "condensed" takes them from a file."""
+    """Solve a scene by a model with elastic bodies, given by name; "condensed" takes the bodies from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation
@@ -178,27 +178,27 @@ class Model:
     words: str
     #: Function that runs it on a scene with one set.
     run: Callable[[Scene, Options], StaticResult]
-    #: Function that runs it on several sets on one shaft, or why there is none.
+    #: Function that runs the model on several sets on one shaft, or the reason why there is none.
     assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one set"
-    #: Whether it covers a scene.
+    #: Function that returns whether the model covers a scene.
     suits: Callable[[Scene], bool] = any_scene
     #: Whether ``rollbench compare`` shows it by default.
     compared: bool = False
-    #: Whether it is in the table of numerical stability.
+    #: Whether the model is in the table of numerical stability.
     extremes: bool = False
     #: Changes of the scene that make it a variant of another model.
     ingredients: tuple[tuple[str, Any], ...] = ()
-    #: Rank on the ladder from the source's model to the refined one, and what it adds there.
+    #: Rank on the ladder from the source's model to the refined model, and what this step adds; None: not on it.
     ladder_step: tuple[int, str] | None = None
-    #: Model whose compared errors apply to it; empty: itself.
+    #: Name of the model whose measured errors hold for this one; empty: its own.
     errors_of: str = ""
 
     def scene(self, scene: Scene) -> Scene:
-        """Return a copy of the scene with the changes of this model."""
+        """Return a copy of the scene with the ingredients that this model changes."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
     def of_assembly(self, assembly: Assembly) -> Assembly:
-        """Return a copy of the assembly and its sets with the changes of this model."""
+        """Return a copy of the assembly and its sets with the ingredients that this model changes."""
         parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
         sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
@@ -341,12 +341,12 @@ def default_model(scene: Scene | Assembly) -> str:
 
 
 def is_model(name: str) -> bool:
-    """Return whether there is a model of that name: of rollbench, of an installed package, or a command."""
+    """Return whether a name is that of a rollbench model, of a model in an installed package, or a command."""
     return name in MODELS or programs.is_command(name) or name in user_models.installed()
 
 
 def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
-    """Return the model of a name: of rollbench, else of an installed package, which is imported, or a command.
+    """Return the model with a name: one of rollbench, of an installed package (which is imported), or a command.
 
     Parameters
     ----------
@@ -365,7 +365,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     Raises
     ------
     ArgumentError
-        If there is no such model, it is refused, or as `user_models.load_model`.
+        If there is no such model, its name is in ``without``, or `user_models.load_model` cannot load it.
     """
     command = programs.is_command(name)
     others = () if command else user_models.installed()
@@ -394,7 +394,7 @@ def random_errors(scene: Scene | Assembly) -> bool:
 
 
 def blamed(error: ValueError) -> str:
-    """Return the key of a scene that the error of a solver names; ``scene`` if none.
+    """Return the scene key that a solver's error names as its cause; ``scene`` if it names none.
 
     Examples
     --------
@@ -446,7 +446,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """Return the function that runs a model on a scene; InputError if there is none."""
+    """Return the function of options that runs the named model on the scene; InputError if no such model covers it."""
     if isinstance(scene, Scene):
         model = known_model(name)
         return partial(model.run, model.scene(scene))

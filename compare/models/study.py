@@ -36,7 +36,7 @@ class Study:
     cache: Path | None = None
     #: Scenes by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
-    #: Shipped scenes of other kinds (duty cycles), by name.
+    #: Shipped scenes of other types than `Scene` (shafts, duty cycles, kinds for friction), by name.
     others: dict[str, Described] = field(default_factory=dict)
     #: Results by scene, model and specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)

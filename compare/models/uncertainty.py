@@ -1,7 +1,7 @@
 """Uncertainty of a comparison with the 3D reference, in parts that add by squares.
 
 As ASME V&V 20 has it, the comparison error of a quantity is E = model - reference. The model's own error is separated from
-the rest by the validation uncertainty
+reference and inputs by the validation uncertainty
 
     u_val = sqrt(u_grid^2 + u_model^2 + u_input^2),
 
@@ -85,12 +85,12 @@ class Quantity:
 
 
 def _axial(scene: Scene, answer: Loads) -> Array:
-    """Return the axial displacement of the screw at the nut's centre [um]."""
+    """Return the axial displacement of the screw at the nut's centre, (1,) [um]."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
 def _angle(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Return the contact angle of the most loaded contact [deg]."""
+    """Return the contact angle of the most loaded contact, (1,) [deg]."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
 
@@ -176,13 +176,13 @@ class Uncertainty:
 
 
 def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return a difference in per cent of the value, or of the mean load of the reference [N] for a quantity ``of_mean``."""
+    """Return the difference value - base in per cent of the base; for a quantity ``of_mean``, of the mean load [N]."""
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Return the grid uncertainty of the finest run in per cent; nan with one level, except for loads (from experience)."""
+    """Return the grid uncertainty of a quantity in the finest run [%]; with one level nan, but loads from experience."""
     base = quantity.take(scene, from_run(reference.best, ""))
     if quantity.of_mean:
         return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
@@ -197,7 +197,7 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
 
 def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Return all modelling choices that were varied on a scene, as (choice, answer with the change, answer without)."""
+    """Return each variant stored for a scene as (modelling choice, loads with the change, loads without it)."""
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
     for key, variant in VARIANTS.items():
@@ -213,7 +213,7 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the root of squares over the modelling choices of a scene, the largest variant of each; None without any."""
+    """Return the root sum of squares over a scene's modelling choices [%], each by its largest variant; None if none."""
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
     for choice, changed, base in study.once(variants_of, name):
@@ -237,13 +237,13 @@ def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Arr
 
 
 def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[Array, str]:
-    """Return the root of squares over the input tolerances [%], and the name of the one with the largest effect."""
+    """Return the root sum of squares over all input tolerances [%], and the name of the most effective tolerance."""
     parts = input_parts(study, scene, quantity)
     return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """Compute the parts of u_val of a quantity of a scene; None without a stored reference."""
+    """Compute the parts of the validation uncertainty u_val of one quantity of a scene; None without a reference."""
     reference = study.reference(name)
     if reference is None:
         return None
@@ -262,14 +262,14 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
 
 
 def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
-    """Return the `choice_uncertainty` of every scene on which choices were varied."""
+    """Return, by scene on which modelling choices were varied, their joint effect on a quantity [%]."""
     changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
     return {name: u for name, u in changes.items() if u is not None}
 
 
 @dataclass(frozen=True)
 class Validated:
-    """Error of a model in one quantity of a scene, with the parts of u_val [%]; of contact loads at the worst contact."""
+    """Error of a model in one quantity of a scene, with the parts of u_val [%]; for contact loads, at the worst contact."""
 
     scene: str
     model: str
@@ -295,7 +295,7 @@ class Validated:
 
     @property
     def bar(self) -> str:
-        """u_val as text, or why it is not known."""
+        """Text with u_val [%], or why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
         why = "modelling choices were varied on no scene like it" if np.isfinite(self.grid) else "one mesh level"
@@ -367,7 +367,7 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
 
 
 def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """Count, by model, measured errors within the expected ones, and all with an expected one (`ladder.left_out_one`)."""
+    """Count, by model, the rows of `left_out_one` with a measured error within the expected one, and with any estimate."""
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
         if row["expected"] is None:
@@ -383,7 +383,7 @@ def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]
 
 @dataclass(frozen=True)
 class Choices:
-    """Modelling choices that were varied on a scene."""
+    """Effects of the modelling choices that were varied on a scene."""
 
     #: Name of the scene.
     scene: str
@@ -423,7 +423,7 @@ class Total:
         "part that all contacts share and no mesh shows; null where it is not known",
         show=lambda shared: SHARED if shared else None,
     )
-    #: Statement of a user's reference, which then is all that is known.
+    #: Text on the uncertainty of a user's reference, shown in place of the parts; empty for a computed reference.
     stated: str = ""
     #: Part of the discretisation for the contact ``at_face``, near a free face of the nut (`compare.reference.grid_parts`).
     beside_face: float = quantity(
@@ -438,13 +438,13 @@ class Total:
     @property
     @Stated("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
     def of_mesh(self) -> float | None:
-        """Discretisation; None of a user's reference, which states one number for everything."""
+        """Uncertainty by discretisation [%]; None for a user's reference, which states one number for everything."""
         return None if self.stated else self.discretisation
 
     @property
     @Stated("total_percent", "discretisation, modelling and input as independent errors")
     def percent(self) -> float:
-        """Root of the sum of squares of all parts."""
+        """Root of the sum of squares of all parts [%]; unknown parts count as zero."""
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
         parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
@@ -452,7 +452,7 @@ class Total:
 
     @property
     def text(self) -> str:
-        """The sum and its parts in words."""
+        """Sentence with the combined uncertainty and its parts."""
         if self.stated:
             return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
@@ -470,7 +470,7 @@ class Total:
 
     @property
     def beside(self) -> str:
-        """Sentence on effects that no part contains; empty if equilibrium fixes the sum of loads."""
+        """Sentence on the error of the sum of loads that no part contains; empty if equilibrium fixes that sum."""
         if not self.shared:
             return ""
         low, high = SHARED
@@ -515,9 +515,9 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
 
 
 def beside_face(reference: Reference) -> tuple[float, str]:
-    """Return the largest part of a contact's uncertainty due to a nearby free face [% of the mean load], and the contact.
+    """Return the largest uncertainty of a contact due to a free face near it [% of the mean load], and the contact.
 
-    Zero if it is smaller than the total uncertainty by discretisation.
+    Zero and an empty text if it is not above the rest of the uncertainty by discretisation.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.bar or not reference.parts.bar:
@@ -536,7 +536,7 @@ def second_order(scene: Scene, reference: Reference) -> float:
 
 
 def _inputs(scene: Scene) -> tuple[float | None, str]:
-    """Return the largest effect of the input tolerances on a contact load [%], and the dominant input."""
+    """Return the largest joint effect of the input tolerances on a contact load [%], and the dominant input."""
     study = Study()
     if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
         return None, ""
@@ -545,24 +545,24 @@ def _inputs(scene: Scene) -> tuple[float | None, str]:
 
 
 def recorded(varied: Modelling) -> Choices:
-    """Return the record of the choices that were varied on a scene."""
+    """Return the record, for a store, of the effects of the modelling choices varied on a scene."""
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return Choices(varied.scene, varied.largest, first, varied.choices[first])
 
 
 def choices_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
-    """Return the modelling choices for a scene: those studied on its parts, else those with the largest effect."""
+    """Return the choices' effects that hold for a scene: from a scene with its parts, else the largest known."""
     if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
 def save(store: Path, known: Mapping[str, Choices]) -> None:
-    """Write the modelling choices to a store; OSError if that is not possible."""
+    """Write the effects of modelling choices by scene to a store; OSError if the file cannot be written."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 
 @cache
 def read_choices(store: Path) -> dict[str, Choices]:
-    """Read the modelling choices of a store; OSError, ValueError or TypeError if the file is missing or damaged."""
+    """Read the effects of modelling choices by scene; OSError, ValueError or TypeError if the file cannot be used."""
     return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}
