@@ -8,10 +8,10 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """Package that was a function of the library up to 0.14."""
+    """Module type of ``rollbench.compare``, which was a function of the library up to 0.14."""
 
     def __call__(self, *_: object, **__: object) -> NoReturn:
-        """Raise an error that names the present name of the function."""
+        """Raise TypeError, with the present name of the function."""
         raise TypeError("rollbench.compare is a package: the function is rollbench.compare_models")
 
 

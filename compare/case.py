@@ -1,4 +1,4 @@
-"""Cases: publications with their printed numbers, scenes, computations and page of the report.
+"""Cases: publications with their printed numbers, scenes, computations and report pages.
 
 Those of this package are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry point
 of the group ``rollbench.cases`` that names its `Case`; it is imported when printed data are judged.
@@ -21,7 +21,7 @@ GROUP = "rollbench.cases"
 
 @dataclass(frozen=True)
 class Case:
-    """A publication, or several of a kind, with which results are compared.
+    """A publication, or a group of similar ones, with which results are compared.
 
     The folder of its package holds ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
     ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
@@ -39,15 +39,15 @@ class Case:
 
     @property
     def folder(self) -> Path:
-        """Folder with its files."""
+        """Folder with the files of the case."""
         return Path(str(resources.files(self.package)))
 
     def files(self, folder: str) -> dict[str, Path]:
-        """Return its TOML files in a folder, ``printed`` or ``scenes``, by name without ending."""
+        """Return the case's TOML files in its folder ``printed`` or ``scenes``, by name without ending."""
         return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
 
     def import_object(self, function: str) -> Any:
-        """Import and return the object that ``module:name`` names in its package."""
+        """Import and return an object of the case's package, given as ``module:name``."""
         module, _, name = function.partition(":")
         return getattr(import_module(f"{self.package}.{module}"), name)
 
@@ -109,5 +109,5 @@ def file_of(folder: str, name: str) -> Path | None:
 
 
 def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
-    """Return the files of a name, by the case that has one."""
+    """Return the files with a given name at the top of the cases' folders, by case."""
     return {case: path for case in cases if (path := case.folder / name).is_file()}

@@ -66,7 +66,7 @@ OF_ALL = "completion"
 
 
 def commands(first: str = "") -> App:
-    """Return the application with the command that the command line begins with; with all if it is not known."""
+    """Return the application with the command named ``first``, or with all commands if that is not known."""
     modules = {name: module for group in COMMANDS.values() for name, module in group.items()}
     for name in modules if first not in modules or first == OF_ALL else (first,):
         import_module(f"rollbench.compare.commands.{modules[name]}")
@@ -117,7 +117,7 @@ def option(argument: str) -> str:
 
 
 def in_options(error: InputError) -> InputError:
-    """Return an error that names options instead of the library's arguments."""
+    """Return a copy of an error in which options of the command line replace arguments of the library."""
     said = copy(error)
     for part in ("allowed", "advice"):
         setattr(said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option(found[1]), getattr(error, part)))
@@ -127,7 +127,7 @@ def in_options(error: InputError) -> InputError:
 
 
 def _drop_output() -> None:
-    """Discard what is still buffered for standard output."""
+    """Redirect standard output to nowhere, so that the remaining buffer is discarded."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -141,7 +141,7 @@ def _terminated(_number: int, _frame: FrameType | None) -> None:
 
 @contextmanager
 def _terminable() -> Iterator[None]:
-    """Handle TERM as an interrupt inside, and as before afterwards; only the main thread may set a handler."""
+    """Handle the signal TERM as an interrupt inside the block, in the main thread only."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -153,7 +153,7 @@ def _terminable() -> Iterator[None]:
 
 
 def _say(lines: Iterable[str]) -> None:
-    """Print lines on standard error; no failure if it is closed, because the exit code counts."""
+    """Print lines on standard error; errors of a closed output are ignored, because the exit code counts."""
     clear()
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
@@ -163,7 +163,7 @@ def _say(lines: Iterable[str]) -> None:
 def _let_threads_end() -> None:
     """Wait for threads that clean up after workers.
 
-    Cut off between the removal of a semaphore and its report to joblib's tracker, they would make this warn of a leak.
+    A thread that is cut off between removing a semaphore and reporting it would make joblib's tracker warn of a leak.
     """
     until = time.monotonic() + TIDYING
     for thread in threading.enumerate():

@@ -73,7 +73,7 @@ class InputError(Exception):
     code = 2
 
     def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
-        """Keep the parts of the message, as attributes."""
+        """Store the parts of the message as attributes."""
         super().__init__(file, key, value, allowed, advice, more)
         self.file = file
         self.key = key
@@ -159,14 +159,14 @@ class ProgramError(Refusal):
 
 @contextmanager
 def named(name: str, origin: str) -> Iterator[None]:
-    """Let refusals of a scene inside the block name its file.
+    """Replace the scene's name by its file in refusals that are raised inside the block.
 
     Parameters
     ----------
     name
         Name of the scene.
     origin
-        File or name that is shown instead.
+        File or name that is shown in place of the scene's name.
     """
     try:
         yield

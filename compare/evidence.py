@@ -26,7 +26,7 @@ from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_ta
 
 @dataclass(frozen=True)
 class Evidence:
-    """One printed entry with the computed value."""
+    """One printed entry with the values computed for it, and the verdict."""
 
     #: The printed entry.
     printed: Printed
@@ -45,7 +45,7 @@ class Evidence:
 
     @property
     def compared(self) -> float | None:
-        """Value that is compared with the printed one."""
+        """Computed value that is compared with the printed number; as printed, with the source's fault repeated."""
         return self.as_printed if self.printed.cls == "as-printed" else self.value
 
     @property
@@ -79,7 +79,7 @@ class Evidence:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the entry."""
+        """Verdict on the printed entry, by its class and the computed value."""
         p = self.printed
         if p.cls == "open":
             return "contradicted" if p.contradicted else "not identifiable"
@@ -100,7 +100,7 @@ class Evidence:
 
     @property
     def change(self) -> str:
-        """Text on the difference from the expected verdict; empty if there is none."""
+        """Text with expected and actual verdict if they differ; else empty."""
         expected = self.printed.verdict
         if expected == self.verdict:
             return ""
@@ -109,7 +109,7 @@ class Evidence:
 
 
 class Findings:
-    """Computed values of one printed table; entries without a value stay open.
+    """Collector of the computed values of one printed table; entries without a value stay open.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class Findings:
     """
 
     def __init__(self, table: str) -> None:
-        """Start with every entry of ``table`` open; InputError for an unknown table."""
+        """Start with no value for any entry of ``table``; InputError for an unknown table."""
         self._entries = {row.key: Evidence(row) for row in load_table(table)}
         self.table = table
 
@@ -144,7 +144,7 @@ class Findings:
         reading: float | None = None,
         reference: float | None = None,
     ) -> None:
-        """Record a number in the printed unit.
+        """Record the computed value of an entry, in the printed unit.
 
         Parameters
         ----------
@@ -191,13 +191,13 @@ class Findings:
 
 
 def sentences(*texts: str) -> str:
-    """Join the remarks that are not empty by ". "."""
+    """Return the remarks that are not empty, joined by ". "."""
     given = [text for text in texts if text]
     return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
 
 
 def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """Return "k of n" for a mask."""
+    """Return "k of n": the number of true values in a mask, and its size."""
     return f"{int(mask.sum())} of {mask.size}"
 
 
@@ -221,7 +221,7 @@ class Computation:
     behind: tuple[tuple[str, Behind], ...]
 
     def compute(self, study: Study) -> tuple[Evidence, ...]:
-        """Compute the values of every entry; the function is imported now."""
+        """Compute the values of every entry of the table; imports the function, InputError if that fails."""
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
         findings = Findings(self.table)
@@ -235,7 +235,7 @@ class Computation:
 
     @property
     def function(self) -> str:
-        """``module:function`` of the computation."""
+        """Name ``module:function`` of the computation; ``none`` if nothing is computed."""
         return f"{self.case.package}.{self.computed_by}" if self.computed_by else "none"
 
     @property
@@ -244,7 +244,7 @@ class Computation:
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Return the scenes of an entry; if there are none, the reason."""
+        """Return the scenes from which an entry is computed, and the reason if there are none."""
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
             return origin, ""
@@ -255,7 +255,7 @@ class Computation:
 
 @cache
 def computations() -> dict[str, Computation]:
-    """Return the computations of all cases by table, in the order of cases and files.
+    """Return the computations of all cases by printed table, in the order of cases and files.
 
     InputError for a file that cannot be read, printed tables that it does not name, and tables that are not printed.
     """
@@ -289,7 +289,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
     Parameters
     ----------
     study
-        Keeps the values, each table computed once, and the scenes used.
+        Cache of the values (each table is computed once) and of the scenes used.
     *names
         Tables; all unless given.
 
@@ -345,7 +345,7 @@ APART: tuple[Verdict, ...] = ("input", "identity")
 
 @cache
 def misprints() -> list[dict[str, str]]:
-    """Return the misprints and faults of all sources: source, place, wrong, right, evidence, command, test."""
+    """Return a row for each misprint or fault of a source: source, place, wrong, right, evidence, command, test."""
     out = []
     for case, path in files_named("misprints.toml", every_case()).items():
         for row in tomllib.loads(path.read_text(encoding="utf-8"))["row"]:
@@ -356,7 +356,7 @@ def misprints() -> list[dict[str, str]]:
 
 
 def left_out() -> list[dict[str, Any]]:
-    """Return groups of printed numbers that are not entries: source, place, quantity, count, reason."""
+    """Return a row for each group of printed numbers left out of the tables: place, quantity, count, reason."""
     rows: list[dict[str, Any]] = files.shipped_table("cases/left-out.toml")["row"]
     return rows
 
@@ -375,12 +375,12 @@ def audit(study: Study, *names: str) -> list[Evidence]:
 
 
 def source(printed: Printed) -> str:
-    """Return the title of the source of an entry."""
+    """Return the title of the publication that printed an entry."""
     return computations()[printed.table].case.title
 
 
 def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
-    """Count the entries by source and verdict, a row for each source and one for all.
+    """Count printed entries by source and verdict: a row for each source, and one for all.
 
     Rows have the verdicts, ``judged`` (without inputs and identities) and ``all``.
     """
@@ -395,7 +395,7 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
 
 
 def trust(row: Mapping[str, Any]) -> str:
-    """Return a sentence on how reliable a source is, from its row of ``counts``."""
+    """Return a sentence on how many numbers of a source are reproduced, from its row of ``counts``."""
     n = row["judged"]
     if n == 0:
         return f"{row['source']}: nothing that a model could be judged by."

@@ -1,4 +1,4 @@
-"""Files: shipped ones by their path below the folder ``compare``, reading text, and writing completely or not at all.
+"""Access to shipped files by their path below the folder ``compare``, reading of text, and safe writing of files.
 
 A user's file is UTF-8, or UTF-16 if a byte order mark says so. For a name that does not exist, similar names are suggested.
 """
@@ -37,7 +37,7 @@ def text(path: str) -> str:
 
 @cache
 def shipped_table(path: str) -> dict[str, Any]:
-    """Return a shipped TOML file; cached: do not change it."""
+    """Return the contents of a shipped TOML file; the result is cached and must not be changed."""
     return tomllib.loads(text(path))
 
 
@@ -54,13 +54,13 @@ class NoText(ValueError):
     """Error for bytes that cannot be read as text; value: what they are, advice: what to do."""
 
     def __init__(self, value: str, advice: str) -> None:
-        """Keep value and advice."""
+        """Store value and advice."""
         super().__init__(value)
         self.value, self.advice = value, advice
 
 
 def text_of(data: bytes) -> str:
-    """Return the text of a file's bytes; NoText for another encoding, and for what is no text.
+    """Return the bytes of a file as text; NoText for another encoding or binary data.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def text_of(data: bytes) -> str:
 
 
 def _no_text(data: bytes, at: int) -> NoText:
-    """Return the error for bytes that fail at a position."""
+    """Return the error for bytes that cannot be decoded at a position, with a guess of the cause."""
     line = data.count(b"\n", 0, at) + 1
     place = f"line {line}, byte 0x{data[at]:02X}"
     if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
@@ -96,7 +96,7 @@ def question(found: Iterable[str]) -> str:
 
 
 def alike(name: str, names: Iterable[str]) -> list[str]:
-    """Return up to three names similar to one, with or without ending, in capitals or not.
+    """Return up to three names that are similar to the given one; endings and capitals do not count.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def alike(name: str, names: Iterable[str]) -> list[str]:
 
 
 def like_path(path: Path, others: Iterable[str] = ()) -> str:
-    """Return a `question` for a file that does not exist: files of its folder with the same suffix, else similar names."""
+    """Return a `question` with names similar to a missing file: from its folder, else from ``others``."""
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
     except (OSError, ValueError):
@@ -125,7 +125,7 @@ def like_path(path: Path, others: Iterable[str] = ()) -> str:
 
 @contextmanager
 def written(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
-    """Raise InputError if writing the file ``path`` inside the block fails."""
+    """Convert an OSError inside the block, on writing the file ``path``, to InputError."""
     try:
         yield
     except OSError as error:
@@ -166,7 +166,7 @@ def replace_file(path: Path, text: str) -> None:
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write rows by the names of their columns as CSV, like `replace_file`; no text can be run as a formula."""
+    """Write rows (values by column name) as a CSV file, like `replace_file`; no text can be run as a formula."""
     import csv
 
     from rollbench.reports.cells import harmless
@@ -179,7 +179,7 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def no_figure() -> str:
-    """Return why no figure can be drawn, and what helps; empty if one can."""
+    """Return why no figure can be drawn on this machine, and advice; empty if figures can be drawn."""
     reason = fault("matplotlib")
     return f"no figure ({reason}: {pip('matplotlib')})" if reason else ""
 

@@ -45,7 +45,7 @@ SMALL = 0.1
 
 
 def gate_scale(reference: ArrayLike, mean: float) -> Array:
-    """Return the loads to which the gate relates errors of contact loads [N].
+    """Return, for each contact, the load [N] of which the gate takes its error in per cent.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def gate_scale(reference: ArrayLike, mean: float) -> Array:
 
 @dataclass(frozen=True)
 class LoadError:
-    """Difference of two load distributions in per cent."""
+    """Errors of a load distribution against a reference, in per cent."""
 
     #: Largest error over all contacts loaded in either [% of the reference's mean load, `meshes.loads.mean_load`].
     max_percent: float

@@ -57,7 +57,7 @@ _NUMBERS = ("tolerance", "low", "high")
 
 @dataclass(frozen=True)
 class Printed:
-    """One printed number or claim."""
+    """One number or claim printed in a source, with class, tolerance and expected verdict."""
 
     #: Name of its table.
     table: str
@@ -98,7 +98,7 @@ class Printed:
 
     @property
     def name(self) -> str:
-        """Table and key, ``table:key``."""
+        """Name of the entry, ``table:key``."""
         return f"{self.table}:{self.key}"
 
 
@@ -109,7 +109,7 @@ def tables() -> list[str]:
 
 @cache
 def load_table(name: str) -> tuple[Printed, ...]:
-    """Return the rows of a table of any case; cached. InputError for an unknown name or a faulty row."""
+    """Return the entries of a printed table of any case; cached. InputError for an unknown name or a faulty row."""
     path = file_of("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
@@ -126,7 +126,7 @@ def entry(table: str, key: str) -> Printed:
 
 
 def value_of(table: str, key: str) -> float:
-    """Return a printed number by table and key; KeyError for a claim, else as `entry`."""
+    """Return the printed number of an entry; KeyError for a claim or unknown key, InputError for an unknown table."""
     value = entry(table, key).value
     if value is None:
         raise KeyError(f"{table}: {key!r} is no number")
@@ -134,7 +134,7 @@ def value_of(table: str, key: str) -> float:
 
 
 def parse_table(text: str, name: str) -> tuple[Printed, ...]:
-    """Return the rows of a table from its TOML text: ``source``, ``place`` and ``[[row]]`` entries.
+    """Return the entries of a printed table from its TOML text: ``source``, ``place`` and ``[[row]]`` entries.
 
     InputError for a faulty row.
     """
@@ -155,7 +155,7 @@ def parse_table(text: str, name: str) -> tuple[Printed, ...]:
 
 
 def last_digit(printed: str) -> float:
-    """Return half a unit of the last printed digit.
+    """Return half a unit of the last digit of a printed number.
 
     Examples
     --------

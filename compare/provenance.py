@@ -24,9 +24,9 @@ SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 @cache
 def commit() -> str:
-    """Return the commit of the sources in a repository, marked if they were changed since; else a description.
+    """Return the git commit of this program's sources, marked if files were changed since; else why it is not known.
 
-    The state is that of the first call: what a report itself writes there is no change of the sources.
+    Cached at the first call: files that a report writes into the repository later do not count as changes.
     """
     root = Path(__file__).resolve().parents[1]
     if not (root / ".git").exists():
@@ -48,7 +48,7 @@ def _source_folder(package: str) -> Path:
 
 
 def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
-    """Return the SHA-256 over names and contents of all Python sources of folders, and over a text."""
+    """Return the SHA-256 over names and contents of all Python sources in folders of the program, and over a text."""
     lines = [text] if text else []
     for package in folders:
         root = _source_folder(package)
@@ -58,7 +58,7 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
 
 
 def printed_files() -> dict[str, Path]:
-    """Return the files of printed data by their names in manifests: tables, misprints, what is left out."""
+    """Return the files of printed data (tables, misprints, numbers left out) by their names in manifests."""
     files = {f"{name}.toml": path for name, path in shipped_files("printed").items()}
     files |= {f"misprints/{case.name}.toml": path for case, path in files_named("misprints.toml").items()}
     return files | {"left-out.toml": data.place("cases/left-out.toml")}
@@ -67,7 +67,7 @@ def printed_files() -> dict[str, Path]:
 def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
     """Return the SHA-256 of all inputs of a report by name: sources, scenes, printed data, and files of its stores.
 
-    Of several files of one name in the stores the first counts.
+    Of files with the same name in several stores, that of the first store counts.
     """
     hashes = {SOURCES: sources_hash()}
     hashes |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}

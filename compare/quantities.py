@@ -17,15 +17,15 @@ from rollbench.reports.quantity import Quantity
 
 
 class Unit(NamedTuple):
-    """Unit of a key."""
+    """Unit at the end of a key, with the factor from SI."""
 
-    #: Unit for people.
+    #: Unit as shown in texts.
     text: str
     #: Factor from SI (1 for percent, hours and revolutions).
     factor: float = 1.0
 
 
-#: Endings of keys with their units; the longest that fits counts.
+#: Endings of keys with their units; the first that fits is used, so longer endings come first.
 UNITS = {
     "N_per_um": Unit("N/um", 1e-6),
     "N_mm": Unit("N/mm", 1e-3),
@@ -51,7 +51,7 @@ UNITS = {
 
 
 def unit_of(key: str) -> tuple[str, Unit | None]:
-    """Return name and unit of a key; None if it names no unit."""
+    """Return a key without its unit, and the unit at its end (None without unit)."""
     ending = next((ending for ending in UNITS if key.endswith(f"_{ending}")), None)
     return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
 
@@ -81,18 +81,18 @@ def split_unit(key: str) -> tuple[str, str]:
 
 @cache
 def quantities(kind: type) -> dict[str, Quantity]:
-    """Return the quantities stated at the fields of a record, by their keys."""
+    """Return the quantities that the fields of a record class state, by their JSON keys."""
     return {x.key: _column(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
 def _unit(key: str) -> tuple[str, Unit | None]:
-    """Return name and unit of a key; the unit may be that at the end of the name of its table."""
+    """Return the last part of a dotted key without unit, and its unit, or else the unit of an outer part."""
     *tables, last = map(unit_of, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
 def heading_of(x: Stated) -> tuple[str, str]:
-    """Name and unit of a quantity in tables."""
+    """Return heading and unit of a quantity in tables."""
     words, unit = _unit(x.key)
     return x.heading or words.replace("_", " "), "" if unit is None else unit.text
 
@@ -108,7 +108,7 @@ def _column(name: str, x: Stated) -> Quantity:
 
 
 def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
-    """Return the quantities of a record as JSON values by their keys, except those named; None without a record."""
+    """Return a record's quantities as JSON values by key, except the keys in ``without``; None without a record."""
     if holder is None:
         return None
     out: dict[str, Any] = {}
@@ -121,7 +121,7 @@ def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
 
 
 def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a record that are quantities, in SI, from JSON; None if that has no value."""
+    """Return the quantity fields of a record class, in SI, from its JSON; None for a missing value."""
     out: dict[str, Any] = {}
     for field in fields(kind):
         one = next(iter(field.metadata.get("stated", ())), None)
@@ -135,7 +135,7 @@ def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def number(value: float) -> float | None:
-    """Return a JSON number: nan and infinity become null, and zero has no sign."""
+    """Return a number for JSON: nan and infinity become None, and zero has no sign."""
     value = float(value) + 0.0
     return value if math.isfinite(value) else None
 
@@ -192,9 +192,9 @@ def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
 
 
 def _ready(value: Any, factor: float) -> Any:
-    """Return a value in its unit: numbers times ``factor``, also those in a mapping, tuple or array.
+    """Return a value for JSON in the unit of its key: numbers times ``factor``, also inside mappings and lists.
 
-    Records by their keys.
+    A record becomes a dictionary.
     """
     if is_dataclass(value):
         return as_json(value)

@@ -19,7 +19,7 @@ from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missi
 
 
 def gmsh_fault() -> str:
-    """Return why gmsh cannot be loaded, with the missing shared libraries; empty if it can."""
+    """Return why gmsh cannot be loaded, with the missing shared libraries; empty if it can be loaded."""
     reason = fault("gmsh")
     if not reason or version("gmsh") is None:
         return reason
@@ -41,7 +41,7 @@ def need_gmsh() -> None:
 
 
 def need_packages(*packages: str) -> None:
-    """Raise InputError for the first of some Python packages that cannot be used."""
+    """Raise InputError if one of the Python packages cannot be used, for the first of them."""
     for package in packages:
         if reason := fault(package):
             advice = f"{pip(package)}; see rollbench doctor for what works without"
@@ -49,18 +49,18 @@ def need_packages(*packages: str) -> None:
 
 
 def need_reference() -> None:
-    """Raise InputError if no run of the 3D reference can be computed."""
+    """Raise InputError if gmsh or a package that the 3D reference needs cannot be used."""
     need_gmsh()
     need_packages(*REFERENCE)
 
 
 def libraries(packages: Sequence[str]) -> str:
-    """Return packages with their versions, in words."""
+    """Return the names of packages with their versions as text."""
     return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
 
 
 def machine() -> str:
-    """Return processor and number of cores, in words."""
+    """Return processor and number of cores as text."""
     cpu = platform.processor() or platform.machine()
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -103,7 +103,7 @@ ENDED = 1
 
 
 def checked(limit: float | None) -> float | None:
-    """Return a time limit [s]; InputError if it is not a valid one."""
+    """Return a time limit [s] unchanged; InputError if it is out of range."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
     return limit
@@ -128,9 +128,9 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """Show a progress bar on a terminal's standard error; the yielded function takes a text and the share that is done.
+    """Show a progress bar on a terminal's standard error; yields a function of a text and the share of work done.
 
-    Nothing is shown elsewhere, or in the first seconds.
+    Nothing is shown if standard error is no terminal, or in the first seconds.
     """
     begin = monotonic()
 
@@ -169,7 +169,7 @@ def on_terminal(text: str) -> None:
 
 
 def clear() -> None:
-    """Remove the line of progress, before anything else is printed."""
+    """Erase the line of progress on the terminal, before anything else is printed."""
     global _drawn
     if _drawn and sys.stderr.isatty():
         _say(ERASE)
@@ -177,7 +177,7 @@ def clear() -> None:
 
 
 def duration(seconds: float) -> str:
-    """Return a duration in words, with one number.
+    """Return a duration as a rounded number with its unit.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def duration(seconds: float) -> str:
 
 
 def _left(spent: float, share: float) -> str:
-    """Return the remaining time as text from the share of the work done (0 to 1) and its seconds; empty if not known."""
+    """Return the remaining time as text, from seconds spent and share of work done (0 to 1); empty if not known."""
     return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
 
 
@@ -213,7 +213,7 @@ def _draw(text: str, share: float | None = None) -> None:
 
 
 def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
-    """Return whether one of some outputs (file numbers) is a pipe whose reader has closed it (``| head``)."""
+    """Return whether one of the outputs (file numbers) is a pipe that its reader has closed, as in ``| head``."""
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()

@@ -1,1 +1,1 @@
-"""Drawing and writing of reports from plain records; no model is imported."""
+"""Draws and writes reports from plain records; imports no model."""

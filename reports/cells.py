@@ -10,7 +10,7 @@ from typing import Any
 
 from rollbench.reports.content import Cell, Quantity, Table
 
-#: Characters of a text from which its column is made wide, and up to which it stands in one line, as "31 SL".
+#: Length of a cell's text [characters] above which it counts as long, and up to which it stays on one line ("31 SL").
 LONG, SHORT = 90, 9
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NUMBER = re.compile(r"[+−-]?\d[\d., ]*(?:[eE][+-]?\d+)?")
@@ -77,7 +77,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
 
 
 def _significant(value: float, digits: int) -> str:
-    """Return ``value`` with some significant digits; as a power of ten below 0.001 and from a million on."""
+    """Return a number as text with ``digits`` significant digits; as a power of ten if very small or large."""
     if value == 0.0:
         return "0"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
@@ -88,7 +88,7 @@ def _significant(value: float, digits: int) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a scalar of numpy as one of Python."""
+    """Return a numpy scalar as a Python number; any other value unchanged."""
     return value.item() if hasattr(value, "item") else value
 
 
@@ -138,13 +138,13 @@ def typeset(text: str) -> str:
 
 
 def filled(table: Table) -> tuple[list[Quantity], list[str]]:
-    """Return the columns of a table with any value, and the headings of those that are empty in all rows."""
+    """Return the columns of a table that have a value in some row, and the headings of the empty columns."""
     empty = [c for c in table.columns if table.rows and all(_plain(row.get(c.key)) in (None, "") for row in table.rows)]
     return [c for c in table.columns if c not in empty], [c.label for c in empty]
 
 
 def is_number(column: Quantity, table: Table) -> bool:
-    """Return whether a column is right-aligned: all its cells that are not empty are numbers, in whatever notation."""
+    """Return whether a column holds numbers only (empty cells aside), so that it is right-aligned."""
     if column.format != "s":
         return True
     cells = [str(_plain(row.get(column.key))) for row in table.rows if _plain(row.get(column.key)) not in (None, "", "–")]
@@ -152,7 +152,7 @@ def is_number(column: Quantity, table: Table) -> bool:
 
 
 def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
-    """Return text and style of a cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
+    """Return text, alignment and mark of a table cell; the mark is the style of a class or verdict, else empty."""
     text = format_cell(value, column.format)
     align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
     mark = ""
@@ -164,7 +164,7 @@ def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
 
 
 def verdict(text: str) -> str:
-    """Return ``good``, ``bad``, ``open`` or ``other``, by the first word of a verdict."""
+    """Return the kind of a verdict by its first word: ``good``, ``bad``, ``open`` or ``other``."""
     if text == "not identifiable":
         return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]

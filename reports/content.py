@@ -18,13 +18,13 @@ Numbers = Sequence[float] | NDArray[np.float64]
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
-#: A row of a table: values by what they are; a bare word is the heading of a column of texts.
+#: A row of a table: values by column; a plain text as key is the heading of a column of texts.
 Row = dict[Quantity | str, Cell]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table; ValueError for two columns of one heading and unit, which a CSV file could not tell apart."""
+    """A table of a report; ValueError for two columns with the same heading and unit."""
 
     #: Stem of its CSV file.
     name: str
@@ -42,7 +42,7 @@ class Table:
     csv_only: Sequence[str] = ()
 
     def __post_init__(self) -> None:
-        """Check the headings."""
+        """Raise ValueError for two columns with the same heading and unit, which a CSV file could not distinguish."""
         heads = [(column.label, column.unit) for column in self.columns]
         twice = {label for label, unit in heads if heads.count((label, unit)) > 1}
         if twice:
@@ -52,7 +52,7 @@ class Table:
     def of(
         cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
-        """Make a table whose rows have quantities as keys; its columns are these, in the order in which they appear."""
+        """Make a table from rows with quantities as keys; columns are in the order in which keys first appear."""
         listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
         return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
@@ -64,7 +64,7 @@ def _quantity(named: Quantity | str) -> Quantity:
 
 @dataclass(frozen=True)
 class Series:
-    """One curve."""
+    """One curve, band, histogram or set of bars in a panel."""
 
     #: Label in the legend.
     label: str
@@ -135,7 +135,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class SetView:
-    """One set of a load case in a view."""
+    """Data of one set of a load case for the 3D view."""
 
     #: Name of the set.
     name: str
@@ -162,19 +162,19 @@ class SetView:
 
 @dataclass(frozen=True)
 class CaseView:
-    """One load case in a view."""
+    """Data of one load case for the 3D view."""
 
-    #: Name; empty for the only one.
+    #: Name of the load case; empty if there is only one.
     name: str
     #: Its sets.
     sets: Sequence[SetView]
-    #: Shaft of several sets; None: that of the set.
+    #: Shaft with several sets; None for a scene with one set.
     shaft: Assembly | None = None
 
 
 @dataclass(frozen=True)
 class View:
-    """Page with a solved scene in 3D, to be turned."""
+    """Data of a page that shows a solved scene in 3D and can be turned."""
 
     #: Title.
     title: str
@@ -224,7 +224,7 @@ class Sketch:
 
 @dataclass(frozen=True)
 class MeshPart:
-    """A piece of a mesh in a picture."""
+    """A mesh, or part of one, in a 3D picture."""
 
     #: Nodes, (n, 3) [m].
     points: Rows
@@ -282,7 +282,7 @@ class FieldPicture:
 
 @dataclass(frozen=True)
 class PressurePanel:
-    """Pressure of one contact."""
+    """Contours of the pressure in one contact, with Hertz' ellipse."""
 
     #: Title.
     title: str
@@ -346,7 +346,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Summary:
-    """First screen of the report."""
+    """Contents of the report's first page: question, answer, figure, limits."""
 
     #: The question.
     question: str
@@ -360,7 +360,7 @@ class Summary:
     coverage: Sequence[str]
     #: Statements on its limits.
     limits: Sequence[str]
-    #: Table for print.
+    #: Table for the printed report.
     table: Table | None = None
     #: Tables and figures below.
     items: Sequence[Table | Figure] = ()

@@ -47,7 +47,7 @@ def draw_field(picture: FieldPicture, path: str | Path) -> None:
 
 
 def grid_of(part: MeshPart) -> Any:
-    """Return a part as a grid of pyvista with its values, lengths in mm."""
+    """Return a mesh part as a pyvista grid with its node values; lengths in mm."""
     import pyvista
 
     cells = np.asarray(part.cells, dtype=np.int64)[:, VTK[part.kind][1]]
@@ -58,7 +58,7 @@ def grid_of(part: MeshPart) -> Any:
 
 
 def surface_of(grid: Any) -> Any:
-    """Return the faces that belong to one cell only as triangles, those of second order as four or eight."""
+    """Return the outer surface of a grid as triangles; faces of second-order cells become four or eight."""
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
@@ -70,7 +70,7 @@ def surface_of(grid: Any) -> Any:
 
 
 def _kept(part: MeshPart, picture: FieldPicture) -> Any:
-    """Return the cells that are not in front of all cuts, as a grid."""
+    """Return the cells of a mesh part that the picture's cuts leave, as a pyvista grid."""
     points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), grid_of(part)
     if not picture.cuts:
         return grid
@@ -80,7 +80,7 @@ def _kept(part: MeshPart, picture: FieldPicture) -> Any:
 
 
 def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """Draw the surface of what the cuts leave, with the edges of the cells."""
+    """Draw the surface of the cells that the cuts leave of a part, with cell edges if asked for."""
     grid = _kept(part, picture)
     if not grid.n_cells:
         return
@@ -110,7 +110,7 @@ def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict
 
 
 def _limits(picture: FieldPicture) -> tuple[float, float] | None:
-    """Return the ends of the scale of the values; None without values."""
+    """Return the ends of the colour scale: as given, else of all values; None without values."""
     shown = [np.asarray(p.values, float) for p in picture.parts if p.values is not None]
     if picture.limits is not None or not shown:
         return picture.limits if shown else None
@@ -118,7 +118,7 @@ def _limits(picture: FieldPicture) -> tuple[float, float] | None:
 
 
 def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
-    """Return unit vectors to the right, upwards and to the viewer."""
+    """Return the picture's unit vectors to the right, upwards and towards the viewer, (3,) each."""
     sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     right = np.cross(np.asarray(picture.up, float), sight)
     right /= np.linalg.norm(right)
@@ -126,7 +126,7 @@ def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
 
 
 def _render(picture: FieldPicture, path: str) -> None:
-    """Build the picture and write it; runs in the child process."""
+    """Draw the picture and write its PNG; runs in the child process."""
     import matplotlib
     import pyvista
 

@@ -72,7 +72,7 @@ _RC = {
     "legend.frameon": False,
     "path.simplify": False,
 }
-#: Distance between lines of text, and from a text to the points it belongs to [points of 1/72 inch].
+#: Distance between lines of text, and from a text to its points [points of 1/72 inch].
 LINE, AWAY = 10.0, 10.0
 #: Approximate width of a letter of these texts [points].
 LETTER = 4.1
@@ -91,7 +91,7 @@ LEFT = 0.4
 
 
 def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
-    """Move heights as little as possible, in order, so that they are ``gap`` apart, within low to high if possible.
+    """Move heights as little as possible, keeping their order, so that they are ``gap`` apart (if possible, in range).
 
     Parameters
     ----------
@@ -160,14 +160,14 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
 
 
 def _places(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
-    """Return the points (n, 2) in the panel, and its width and height [points]."""
+    """Return the places (n, 2) of data points in the panel, and the panel's width and height [1/72 inch]."""
     scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
     place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
     return scale * place, scale * box.width, scale * box.height
 
 
 def _widen(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
-    """Extend the abscissa until every text has room; positions and room are shares of the width."""
+    """Extend the abscissa until every text has room; ``at`` and ``room`` are shares of the panel's width."""
     scale = axes.xaxis.get_transform()
     low, high = scale.transform(np.asarray(axes.get_xlim(), float))
     where = low + at * (high - low)
@@ -181,7 +181,7 @@ def _widen(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: 
 
 @contextmanager
 def own_style(name: str) -> Iterator[None]:
-    """Apply fixed settings of matplotlib inside, whatever a matplotlibrc says."""
+    """Apply the report's matplotlib settings inside the block, whatever a matplotlibrc says."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update({**_RC, "svg.hashsalt": f"rollbench-{name}"})
@@ -189,7 +189,7 @@ def own_style(name: str) -> Iterator[None]:
 
 
 def for_phone(figure: Figure) -> Figure:
-    """Return a figure for a narrow screen: one panel below the other, `PHONE` inches wide, long labels wrapped."""
+    """Return a copy of a figure for a narrow screen: panels in one column, `PHONE` inches wide, labels wrapped."""
 
     def lines(text: str, length: int) -> str:
         return textwrap.fill(text, length, break_long_words=False)
@@ -314,7 +314,7 @@ def draw_map(item: PressureMap) -> str:
 
 
 def _written(svg: str, name: str) -> str:
-    """Return the final document: unique identifiers, um as µm."""
+    """Return the SVG document with unique identifiers, the reader's fonts, and um as µm."""
     return re.sub(r">[^<]+<", lambda text: micro(text[0]), _own_names(svg, name))
 
 
@@ -345,7 +345,7 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
 
 
 def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
-    """Return the number of each label in each panel; equal labels have equal numbers."""
+    """Return, for each panel, the style number of each label; equal labels have equal numbers in all panels."""
     labels = [list(dict.fromkeys(series.label for series in panel.series)) for panel in panels]
     count = Counter(label for names in labels for label in names)
     fixed = {label: number for number, label in enumerate(label for label in count if count[label] > 1)}
@@ -358,7 +358,7 @@ def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
 
 
 def _same_labels(panels: Sequence[Panel]) -> bool:
-    """Return whether one legend serves all panels."""
+    """Return whether all panels have the same labels, so that one legend serves all."""
     return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
 
 
@@ -452,7 +452,7 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
 
 
 def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
-    """Make one axis logarithmic; short ranges are labelled at 1, 2 and 5; powers are plain text."""
+    """Make an axis logarithmic, with labels at 1, 2 and 5 on short ranges; powers of ten are plain text."""
     getattr(axes, f"set_{name}scale")("log", nonpositive="mask")
     low, high = float(np.min(positive)), float(np.max(positive))
     decades = math.log10(high / low)
@@ -485,7 +485,7 @@ def _include_zero(axes: Any, y: Any) -> None:
 
 
 def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
-    """Put a legend below the axes, lower by some inches; return the number of its rows."""
+    """Put a legend below the axes, ``lower`` inches further down; return its number of rows (0: no legend)."""
     handles, labels = axes.get_legend_handles_labels()
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
         return 0
@@ -506,7 +506,7 @@ def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
 
 
 def _own_names(svg: str, name: str) -> str:
-    """Prefix the identifiers of an SVG with the figure's name, and let it use the reader's fonts."""
+    """Return an SVG whose identifiers begin with the figure's name, and which uses the reader's fonts."""
     prefix = re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}-")
     svg = re.sub(r'(\bid="|href="#|url\(#)', lambda match: match.group(0) + prefix, svg)
     return svg.replace("'DejaVu Sans'", FONTS)

@@ -20,21 +20,21 @@ def sha256(data: str | bytes) -> str:
 
 
 def hashes(folder: Path) -> dict[str, str]:
-    """Return the SHA-256 of every file of a report's folder except the manifest, by its path."""
+    """Return the SHA-256 of every file in a report's folder, except the manifest, by relative path."""
     files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != FILE)
     return {p.relative_to(folder).as_posix(): sha256(p.read_bytes()) for p in files}
 
 
 def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
-    """Write the inputs of a report (``origin``, plain data) and the hashes of its files to its folder."""
+    """Write the manifest of a report: its inputs (``origin``, plain data) and the hashes of its files."""
     text = json.dumps({**origin, "files": hashes(folder)}, indent=1, ensure_ascii=False)
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
 def page_text(path: Path) -> str:
-    """Return the text of a file of a report.
+    """Return the text of a file in a report's folder.
 
-    OSError if there is none; ValueError for a pipe, a device, or a file that no report has.
+    OSError if it is missing; ValueError for a pipe, a device, a folder or too large a file.
     """
     if path.exists() and not path.is_file():
         raise ValueError("a pipe, a device or a folder")
@@ -44,7 +44,7 @@ def page_text(path: Path) -> str:
 
 
 def parsed(text: str) -> Any:
-    """Return the JSON value of a text; ValueError for anything else, however deeply nested."""
+    """Parse a text as JSON; ValueError if it is not JSON or nested too deeply."""
     try:
         return json.loads(text)
     except RecursionError:

@@ -25,7 +25,7 @@ class CannotDraw(RuntimeError):
     """Error for a picture that could not be drawn, with its cause and advice."""
 
     def __init__(self, cause: str, advice: str = "") -> None:
-        """Make the message of cause and advice."""
+        """Make the message from cause and advice."""
         super().__init__(f"3D picture: {cause}" + (f"; {advice}" if advice else ""))
         self.cause = cause
 
@@ -73,7 +73,7 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
 
 
 def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
-    """Look at ``focus`` along parallel lines, with anti-aliasing.
+    """Set the camera (parallel projection), lights and anti-aliasing of a plotter.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float,
 
 
 def fault() -> str:
-    """Return why no picture can be drawn on this machine, by drawing a small one (some seconds); empty if one can."""
+    """Return why 3D pictures cannot be drawn on this machine, after a trial of some seconds; empty if they can."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             draw_in_child("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")

@@ -1,4 +1,4 @@
-"""Writing a report as a folder: a first page, a page for each section, tables as CSV, figures, a search index."""
+"""Writes a report as a folder: first page, a page for each `Page` record, tables as CSV, figures, search index."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 @dataclass
 class _Writer:
-    """Destination of files, addresses of names in texts, and entries of the search index."""
+    """State while a report is written: folder, link targets by name, and entries of the search index."""
 
     #: Folder of the report.
     folder: Path
@@ -82,7 +82,7 @@ class _Writer:
 
 
 def templates() -> Environment:
-    """Return the templates of pages; texts are escaped."""
+    """Return the Jinja environment with the page templates; texts are escaped."""
     loader = PackageLoader("rollbench.reports")
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
@@ -153,9 +153,9 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
 
 
 def headline(conclusion: str, title: str) -> tuple[str, str]:
-    """Return the heading of a page or section, and the rest of its conclusion.
+    """Split a conclusion into the heading of a page or section and the remaining sentences.
 
-    The heading is the first sentence of the conclusion, which says what was found; else the title.
+    The heading is the conclusion's first sentence; the title if there is none or it is too long.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any
 
 
 def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
-    """Return an entry of the search index: title, address, place, text."""
+    """Return an entry of the search index: title, address, where it stands, and text to search."""
     return {"t": micro(title), "h": place, "s": under, "x": micro(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
@@ -197,7 +197,7 @@ def _searchable(record: Any) -> str:
 
 
 def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """Return the first screen's data, with its figure for wide and for narrow screens."""
+    """Return the first page's data for the templates, with its figure for wide and for narrow screens."""
     wide, narrow = figures.draw(summary.figure), figures.draw(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
@@ -231,7 +231,7 @@ def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
 
 
 def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
-    """Return a 3D picture as a separate file, or why it is missing; ``back``: address of its place."""
+    """Write a 3D picture as a file and return its data, or why it is missing; ``back``: link back to the report."""
     path = writer.folder / name
     try:
         if isinstance(item, LoadedScrew):
@@ -261,7 +261,7 @@ def inline(svg: str) -> Markup:
 
 
 def table_view(table: Table, folder: Path) -> dict[str, Any]:
-    """Return a table as a page shows it, without empty columns, folded if it is long; writes its CSV."""
+    """Return a table's data for the templates, without empty columns, folded if long; writes its CSV file."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
@@ -326,9 +326,9 @@ def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
 
 
 def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
-    """Replace the folder of a report by a new one that ``make`` fills, completely or not at all; return its path.
+    """Replace a report's folder by a new one that ``make`` fills, completely or not at all; return its path.
 
-    ValueError as `check_target`, and if it cannot be replaced.
+    ValueError if the folder holds other files (`check_target`) or cannot be replaced.
     """
     out = Path(out).resolve()
     check_target(out)
@@ -344,7 +344,7 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
 
 
 def check_target(out: Path) -> None:
-    """Raise ValueError unless a report may replace the folder ``out``."""
+    """Raise ValueError unless ``out`` is missing, empty or an earlier report that a new one may replace."""
     if not out.exists():
         return
     if not out.is_dir():
@@ -371,7 +371,7 @@ def _is_page(entry: Path) -> bool:
 
 
 def _check_names(report: Report) -> None:
-    """Raise ValueError for names that are not fit for files and anchors, or repeated."""
+    """Raise ValueError for names in a report that are repeated or not fit for files and anchors."""
     seen: set[tuple[str, str]] = {("page", "index")}
     for page in report.pages:
         if not _NAME.fullmatch(page.name) or ("page", page.name) in seen:
@@ -391,7 +391,7 @@ def _check_names(report: Report) -> None:
 
 
 def _swap(fresh: Path, out: Path) -> None:
-    """Replace ``out`` by ``fresh``; whatever happens in between, one of the two is there."""
+    """Replace the folder ``out`` by ``fresh``; if that fails, the old folder is restored."""
     if not out.exists():
         fresh.rename(out)
         return

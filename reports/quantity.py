@@ -1,4 +1,4 @@
-"""Column of a table."""
+"""Record for a column of a report's table."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _ARROW = 3.6  # length of the longest arrow, in ball radii
 STEEL, _NUT, _CUT = "#c3c8ce", "#9fb0c2", "#5f7d9c"
 _SCREW_SIDE, _NUT_SIDE, _IDLE = "#d1495b", "#1b1f24", "#eeeeee"
 
-#: Radius [m], azimuth [rad] and station [m] of the points of a surface, each (rows, columns).
+#: Surface: radius [m], azimuth [rad] and station [m] of its points, each (rows, columns).
 Grid = tuple[Array, Array, Array]
 
 
@@ -82,7 +82,7 @@ class _Grooves:
         return half
 
     def surface(self, phi: Array, z: Array, land: float) -> Array:
-        """Return the radius [m] at ``phi``, ``z`` of the screw (``land`` less than the track's radius) or of the nut."""
+        """Return the radius [m] of the screw's grooved surface, or of the nut's if ``land`` is above the pitch radius."""
         depth = self.depth(phi, z)
         if land < self.track_radius:
             return np.fmin(land, self.track_radius - depth)
@@ -106,7 +106,7 @@ def ball_radius(scene: Scene) -> float:
 
 
 def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
-    """Return azimuths and heights of a grid cut at ``ends``, with lines along the helix to keep edges sharp."""
+    """Return azimuths and stations of a grid between ``ends``, with lines along the helix to keep edges sharp."""
     rise = grooves.slope * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
     lines = np.linspace(low, high, max(2, round((high - low) / step)))
@@ -115,7 +115,7 @@ def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float)
 
 
 def _sheet(grid: Grid) -> Any:
-    """Return a surface; lengths in mm."""
+    """Return a grid as a triangulated pyvista surface; lengths in mm."""
     import pyvista
 
     sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in cartesian(grid)))
@@ -136,9 +136,9 @@ def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
     scene
         The scene.
     coarse
-        Steps, in multiples of those of a picture.
+        Step of the grid, as a multiple of that in a picture.
     reach
-        Length from the nut's centre, in lengths of the nut.
+        Length drawn on either side of the nut's centre, in nut lengths.
     """
     grooves, half = _grooves(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
@@ -182,7 +182,7 @@ def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
 
 
 def directions() -> tuple[Array, Array]:
-    """Return unit vectors across the axis, towards the viewer and upwards in the picture."""
+    """Return two unit vectors across the axis: towards the viewer, and upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
 
@@ -201,7 +201,7 @@ def grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
 
 
 def _render(picture: LoadedScrew, path: str) -> None:
-    """Build the scene and write it; runs in the child process."""
+    """Draw the loaded screw and write its PNG; runs in the child process."""
     import pyvista
 
     pyvista.OFF_SCREEN = True
@@ -238,7 +238,7 @@ def _round_scale(low: float, high: float) -> tuple[float, float, int]:
 
 
 def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
-    """Draw balls coloured by load, unloaded ones pale, and the colour scale."""
+    """Draw the balls, coloured by load (unloaded ones pale), and the colour scale."""
     import pyvista
 
     centres = 1e3 * ball_layout(picture.scene).centre
@@ -278,9 +278,9 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
-    """Yield arrows that end at the contacts on the open side, with their colour; lengths in mm.
+    """Yield arrows of the forces on the balls, which end at the contacts on the open side, with their colour.
 
-    They are proportional to the forces on the balls: those from the screw, then those from the nut.
+    Lengths, in mm, are proportional to the forces; first those from the screw, then those from the nut.
     """
     import pyvista
 
@@ -301,7 +301,7 @@ def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
 
 
 def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
-    """Draw the arrows, and their legend."""
+    """Draw the arrows of the contact forces, and their legend."""
     size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return

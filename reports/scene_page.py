@@ -30,7 +30,7 @@ BLOCKS = ("manifest", "scene", "results")
 
 @dataclass(frozen=True)
 class ScenePage:
-    """Contents of the page."""
+    """Contents of the HTML page of a scene."""
 
     #: Title.
     title: str
@@ -62,7 +62,7 @@ class ScenePage:
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:
-    """Return the manifest of a page: provenance, and SHA-256 of scene, results, files, and of the page without manifest."""
+    """Return the manifest of a page: provenance, SHA-256 of scene, results, files, and page without manifest."""
     return {
         "provenance": dict(page.provenance),
         "scene": sha256(page.scene_text),
@@ -101,13 +101,13 @@ def _block(name: str, content: str = "") -> str:
 
 
 def without_manifest(html: str) -> str:
-    """Return the page as it was when its hash was computed."""
+    """Return the HTML with an empty manifest, as it was when its hash was computed."""
     pattern = re.escape(_block("manifest", "@")).replace("@", ".*?")
     return re.sub(pattern, lambda _: _block("manifest"), html, count=1, flags=re.DOTALL)
 
 
 def _embedded(data: Any) -> Markup:
-    """Return JSON for a script block, in which nothing ends the block."""
+    """Return data as JSON for a script element, escaped so that nothing in it ends the element."""
     text = json.dumps(data, sort_keys=True)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
@@ -117,7 +117,7 @@ def _drawn(item: Figure | Sketch) -> Markup:
 
 
 def _picture(item: LoadedScrew | None) -> tuple[str, str]:
-    """Return the picture as base64, or why there is none."""
+    """Return the 3D picture as base64 and an empty text, or an empty text and why it is missing."""
     if item is None:
         return "", ""
     with TemporaryDirectory() as folder:

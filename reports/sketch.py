@@ -1,4 +1,4 @@
-"""Side view of a screw or bearing as SVG: shaft, nut in section, balls, supports, loads and main dimensions.
+"""Draws a side view of a screw or bearing as SVG: shaft, nut in section, balls, supports, loads, main dimensions.
 
 The stretch around the nut is to scale in both directions. A long shaft is shortened, with a break line; what lies there is
 labelled with its station.
@@ -22,7 +22,7 @@ WIDTH, TALL, END, TEXT = 520.0, 130.0, 90.0, 12.0
 #: Nut lengths of shaft to scale beyond either face of the nut, and least room [pixels] at either side.
 BEYOND, SIDE = 0.25, 44.0
 
-#: Newton and micrometre by what they are written in.
+#: Factors for kilonewtons and micrometres in texts.
 KILO, MICRO = 1e3, 1e-6
 
 
@@ -153,7 +153,7 @@ def _hatch(x: float, top: float, foot: float, side: float) -> Iterator[str]:
 
 
 def _balls(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Draw balls in side view, those behind the axis pale."""
+    """Draw the balls in side view, those behind the axis pale."""
     for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
         radius = scale.per_metre * scene.balls.radius
         pale = "" if front >= 0.0 else ' opacity="0.45"'
@@ -201,7 +201,7 @@ def _acting(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
 
 
 def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
-    """Return the rings (station, inner, outer radius) at which the nut is fixed, and whether it is at its outer surface."""
+    """Return the rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
     solid = dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
         return [], True
@@ -212,7 +212,7 @@ def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, floa
 
 
 def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
-    """Yield the fixed freedoms of a support, and its prescribed displacements."""
+    """Yield texts with a support's fixed freedoms and its prescribed displacements."""
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
         yield f"holds {held}"
@@ -223,7 +223,7 @@ def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
 
 
 def _load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
-    """Return the components of a load that are not zero, as text."""
+    """Return a text with the components of force and moment of a load that are not zero."""
     forces = [
         f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
         for axis, value in zip("xyz", force, strict=True)
@@ -233,7 +233,7 @@ def _load(force: tuple[float, float, float], moment: tuple[float, float, float])
 
 
 def _clear(x: float, words: str) -> float:
-    """Return the middle of a text near ``x`` that stays on the drawing."""
+    """Return the abscissa [pixels] near ``x`` at which a centred text stays on the drawing."""
     half = 0.27 * TEXT * len(words)
     return min(max(x, half + 2.0), WIDTH - half - 2.0)
 

@@ -1,4 +1,4 @@
-"""Page with a solved scene in 3D that can be turned; it loads nothing from outside.
+"""Makes a page with a solved scene in 3D that can be turned; the page loads nothing from outside.
 
 The page is `viewer/view.js` with three.js (`.ci/three` makes the part of it that is used). It draws surfaces, balls and
 forces, and takes every displayed value from the JSON of the results in the page.
@@ -24,15 +24,15 @@ from rollbench.reports.content import CaseView, SetView, View
 
 #: Mark of pages written by this program, whose file or folder it may replace.
 MARKER = '<meta name="generator" content="rollbench">'
-#: Edge of the surfaces' cells, as a multiple of that of a picture.
+#: Step of the drawn surfaces, as a multiple of that in a picture.
 COARSE = 3.0
-#: Length of grooved shaft that is drawn from the middle of a nut, in its lengths; and the same for a bearing ring.
+#: Length of grooved shaft drawn on either side of a nut's centre, in nut lengths; and the same for a bearing ring.
 NUT, RING = 0.8, 0.5
 MM = 1e3
 
 
 def page(view: View, back: str = "") -> str:
-    """Return the page of a view; ``back``: address of a link, none if empty."""
+    """Return the HTML page of a view; ``back``: address of a link back, none if empty."""
     link = f' <a href="{escape(back)}">back</a>' if back else ""
     filled = {
         "TITLE": escape(view.title),
@@ -48,7 +48,7 @@ def page(view: View, back: str = "") -> str:
 
 
 def fragment(view: View) -> str:
-    """Return the viewer as elements for a page that holds the results as JSON in an element of a given id."""
+    """Return the viewer as HTML elements, for a page that holds the results as JSON in the element ``results``."""
     surfaces: dict[str, int] = {}
     cases = [_case(case, surfaces) for case in view.cases]
     data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_sight()}
@@ -57,7 +57,7 @@ def fragment(view: View) -> str:
 
 
 def block(name: str, data: Any) -> str:
-    """Return JSON for an element of a page, in which nothing ends the element."""
+    """Return a script element with data as JSON, escaped so that nothing in it ends the element."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     for sign in "<>&":
         text = text.replace(sign, f"\\u{ord(sign):04x}")
@@ -73,7 +73,7 @@ def _sight() -> dict[str, list[float]]:
 
 
 def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
-    """Return a load case for the script; ``surfaces``: numbers of surfaces that are drawn once and shared by cases."""
+    """Return a load case's data for the viewer; ``surfaces``: numbers of the surfaces, which load cases share."""
     drawn = [s for one in case.sets for s in _surfaces(one, case.shaft is not None)]
     if case.shaft is not None:
         drawn += _plain(case.shaft)
@@ -82,7 +82,7 @@ def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
 
 
 def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
-    """Return the surfaces of a set with the shaft below it; ``shared``: the rest of the shaft is drawn separately."""
+    """Return the surfaces of a set and of the shaft in it; ``shared``: the rest of the shaft is drawn separately."""
     if isinstance(one.parts, RollerRow):
         return [_cone(one.parts, one.position, _apex(one.thrust))]
     reach = RING if shared and not one.parts.track.lead else NUT
@@ -91,7 +91,7 @@ def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
 
 
 def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
-    """Return a surface in mm, its coordinates as 16-bit numbers between smallest and largest."""
+    """Return a surface for the viewer: coordinates [mm] coded as 16-bit numbers between smallest and largest."""
     points = MM * np.stack(scene3d.cartesian(grid), axis=-1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535.0
@@ -101,7 +101,7 @@ def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
 
 
 def _plain(shaft: Assembly) -> list[dict[str, Any]]:
-    """Return the shaft between the sets: radius and station [mm] along outlines that are turned about the axis."""
+    """Return the parts of the shaft between the sets, as outlines (radius, station) [mm] of bodies of revolution."""
     under = [
         _stretch(s, s.parts, shaft.screw.length) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None
     ]
@@ -130,7 +130,7 @@ def _stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
 
 
 def _set(one: SetView) -> dict[str, Any]:
-    """Return a set for the script; lengths in mm, gaps in um."""
+    """Return a set's data for the viewer; lengths in mm, approaches by errors in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
         return head | _rollers(one.parts, one.position, _apex(one.thrust))
@@ -151,12 +151,12 @@ def _set(one: SetView) -> dict[str, Any]:
 
 
 def _apex(thrust: str) -> float:
-    """Return the side of a row of rollers on which its apex lies, by the thrust that it carries."""
+    """Return the sign of z of the side on which the apex of a roller row lies, by the thrust that it carries."""
     return 1.0 if thrust == "+z" else -1.0
 
 
 def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """Return the cone under a row of rollers, without its ribs."""
+    """Return the cone (inner ring) under a row of rollers for the viewer, without its ribs."""
     reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
     apex = position + sign * reach * np.cos(row.cup_angle)
     ends = [float(reach + x) for x in (-0.5 * row.length, 0.5 * row.length)]
@@ -165,7 +165,7 @@ def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
 
 
 def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """Return positions and axes of the rollers of a row, and the outline of one about its axis [mm]."""
+    """Return positions [mm] and axes of a row's rollers, and one roller's outline about its axis [mm]."""
     reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # of the apex from the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     tilt = row.cup_angle - row.roller_angle
@@ -187,7 +187,7 @@ def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
 
 
 def _numbers(values: Array) -> Any:
-    """Return nested lists with six digits; null for nan."""
+    """Return an array as nested lists of numbers with six digits; None for nan and infinity."""
 
     def one(value: Any) -> Any:
         return [one(x) for x in value] if isinstance(value, list) else float(f"{value:.6g}") if np.isfinite(value) else None

@@ -1,7 +1,7 @@
 """Functions of the library: each computes what the command of its name prints, and returns it as a record.
 
 Linear algebra has one thread while a function runs, and as many as before when it returns. ``OMP_NUM_THREADS``, or the
-variable of one library such as ``OPENBLAS_NUM_THREADS``, is the switch: where it is set, it holds.
+variable of one library such as ``OPENBLAS_NUM_THREADS``, takes precedence where it is set.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
 
-#: Takes the lines of progress of long computations; shown by ``logging.basicConfig(level="INFO")``.
+#: Logger of the progress of long computations; shown by ``logging.basicConfig(level="INFO")``.
 LOG = logging.getLogger("rollbench")
 
 
@@ -75,7 +75,7 @@ def read(name: str | Path) -> Described:
 
 
 def new(size: str = "", *, kind: str = "ball screw") -> Described:
-    """Make a scene to begin with, all values as is usual for its kind and size.
+    """Make a scene to begin with, with usual values for its kind and size.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def solve_described(
     *,
     stiffness: bool = False,
 ) -> Result:
-    """Solve a scene that is already read; see `solve`.
+    """Solve a scene record (a scene that is already read); see `solve`.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def solve_described(
     options
         Options of the model.
     stiffness_at
-        Station on the shaft [m] at which the stiffness is computed; None: the usual place.
+        Station on the shaft [m] at which the stiffness is computed; None: as for `solve`.
     origin
         File or name that errors give for the scene; its name unless given.
     stiffness
@@ -771,7 +771,7 @@ def table(
 
 @held_to_one_thread()
 def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """Judge models on ball screws drawn from the range of catalogues, by stored loads of the 3D reference.
+    """Judge models on random ball screws within the range of catalogues, by stored 3D reference loads.
 
     Parameters
     ----------
@@ -779,7 +779,7 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
         Name of a model, what `model_command` returns, or several of these. The models refined and lin are always shown too,
         from the record of the survey.
     count
-        Number of screws, from the first; at most 240.
+        Number of drawn screws, counted from the first; at most 240.
     max_error
         Limit of the judgements [%].
     workers

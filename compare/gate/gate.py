@@ -1,4 +1,4 @@
-"""The gate of shipped scenes: printed values, closed forms, balance, agreement of two solvers, and the 3D reference.
+"""Gate of the shipped scenes: checks printed values, closed forms, equilibrium, two solvers, and the 3D reference.
 
 Closed forms are computed here independently of the solvers, for the gate and the report.
 """
@@ -104,7 +104,7 @@ def cantilever(scene: Scene) -> tuple[float, float]:
 
 
 def two_opposite_balls(scene: Scene) -> tuple[float, float]:
-    """Compute the load of two opposite balls without lead under an axial load: as solved, and F / (2 sin gamma) [N]."""
+    """Compute the load of one of two opposite balls under an axial load F, as solved and as F / (2 sin gamma) [N]."""
     ring = replace(
         scene,
         errors=Errors(),
@@ -155,13 +155,13 @@ TIGHT = 2.0
 #: Scenes with a higher limit [%], and why.
 WIDER = {"unseen-thin-nut": (2.4, "the wall under the nut's groove is thin, and the model's nut a smooth tube")}
 
-#: Limits [%] of rows that are exact except for round-off and the tolerance of a root.
+#: Limit [%] of checks that are exact except for round-off and the tolerance of a root search.
 EXACT = 1e-6
 
 
 @dataclass(frozen=True)
 class GateRow:
-    """One check of the gate; a claim has no number."""
+    """Result of one check of the gate; numbers are None for a claim in words."""
 
     #: Name of the checked quantity.
     name: str
@@ -193,12 +193,12 @@ class GateRow:
         return "reported" if not self.gated else "undecided" if over else "ok"
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON values."""
+        """Return the check as JSON values, with its verdict."""
         return asdict(self) | {"verdict": self.verdict}
 
 
 def number_row(name: str, kind: str, value: float, reference: float, limit: float) -> GateRow:
-    """Return the row of a number against a reference, with a limit in per cent."""
+    """Return the check of a number against a reference value, with a limit [%]."""
     error = float(error_percent(value, reference))
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
 
@@ -206,12 +206,12 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
 def error_row(
     name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
 ) -> GateRow:
-    """Return a row with an error only, and the uncertainty ``bar`` of its reference, both in per cent."""
+    """Return a check that has an error and the uncertainty ``bar`` of its reference [%], but no values."""
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 
 def evidence_row(entry: Evidence, max_error: float) -> GateRow:
-    """Return the row of a printed entry, whose limit is its printed digits plus ``max_error`` [%]."""
+    """Return the check of a printed entry; the limit is its tolerance, at most ``max_error`` [%]."""
     p = entry.printed
     if p.value is None:
         return GateRow(
@@ -228,7 +228,7 @@ def evidence_row(entry: Evidence, max_error: float) -> GateRow:
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check every hard or as-printed entry, and every input of the printed tables."""
+    """Check every entry of the printed tables of class hard, as-printed or input for which a value is computed."""
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [evidence_row(e, max_error) for e in gated]
 
@@ -236,14 +236,14 @@ def printed_rows(study: Study, max_error: float) -> list[GateRow]:
 def band_rows(study: Study) -> list[GateRow]:
     """Check every number and claim of other programs, makers and textbooks that has a tolerance band.
 
-    The limit is the end of the band on the side of the value.
+    The limit is the distance of the printed number from the end of the band on the computed value's side.
     """
     tables = [name for name, one in by_table().items() if one.case.name == "external"]
     return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
 def band_row(found: Evidence) -> GateRow:
-    """Return the row of an entry with a tolerance band."""
+    """Return the check of a printed entry with a tolerance band."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
@@ -253,7 +253,7 @@ def band_row(found: Evidence) -> GateRow:
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check closed forms on the source's screw."""
+    """Check solutions on the source's screw against closed forms."""
     scene = study.scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
@@ -294,7 +294,7 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def reference_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the default model against the stored 3D references of the case studies and of screws not used in development.
+    """Check the default model against the stored 3D references of case studies and of screws not used in development.
 
     The error of the worst contact has the limit ``max_error``, the largest error of the mean load ``TIGHT`` or the limit in
     ``WIDER``. Errors of a contact are in per cent of its reference load (of the mean for small loads). The uncertainty of

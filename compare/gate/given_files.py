@@ -1,4 +1,4 @@
-"""Values of the whole screw in users' CSV files, to be judged: quantity, value, unit, and where they apply."""
+"""Reading of users' CSV files with values of the whole screw to be judged: quantity, value, unit, place or load."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6
 
 @dataclass(frozen=True)
 class GivenValue:
-    """One value of a file."""
+    """One value of the whole screw from a user's file."""
 
     #: The quantity.
     quantity: Quantity
@@ -41,12 +41,12 @@ class GivenValue:
 
     @property
     def name(self) -> str:
-        """Quantity, and where it applies."""
+        """Name of the quantity, with the load or position at which the value applies."""
         return self.quantity.name + (f" at {self.where}" if self.where else "")
 
 
 def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
-    """Read the values of a file.
+    """Read the values to be judged from a CSV file.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
 
 
 def _life(number: str, unit: str) -> float:
-    """Return a life in million revolutions; ValueError for another unit."""
+    """Return a life in million revolutions; ValueError for a number or unit that is not valid."""
     value = float(number) * LIVES.get(unit.lower(), float("nan"))
     if not 0.0 < value < float("inf"):
         raise ValueError(unit)
@@ -117,7 +117,7 @@ def _life(number: str, unit: str) -> float:
 
 
 def _size(where: str, dimension: str) -> float | None:
-    """Return the value of a text with a unit of this dimension in SI; None for anything else."""
+    """Return a text such as ``5 kN`` as a number in SI; None if its unit is not of the dimension."""
     try:
         value = parse(where, dimension)
     except UnitError:

@@ -37,11 +37,11 @@ BY_FORMULA = "this project's formula on the reference's loads"
 
 @dataclass(frozen=True)
 class Quantity:
-    """Quantity that the gate judges."""
+    """Quantity, other than contact loads, that the gate judges."""
 
     #: Key, which ends with the unit.
     key: str
-    #: Name for people.
+    #: Name in tables, files and options.
     name: str
     #: Limit over that of the loads, unless a limit is given.
     times: float = 1.0
@@ -50,12 +50,12 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """Unit for people."""
+        """Unit as shown in texts."""
         return split_unit(self.key)[1]
 
     @property
     def factor(self) -> float:
-        """Factor from SI to the unit; 1 of a life."""
+        """Factor from SI to the shown unit; 1 for a life."""
         unit = unit_of(self.key)[1]
         return 1.0 if unit is None else unit.factor
 
@@ -74,7 +74,7 @@ QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
 
 
 def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Read limits ``NAME=NUMBER`` in per cent, of the contact angle in degrees.
+    """Parse limits ``NAME=NUMBER``, in per cent, or degrees for the contact angle.
 
     Parameters
     ----------
@@ -109,23 +109,23 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
 
 
 def limit_of(quantity: Quantity, given: Mapping[str, float], of_loads: float) -> float:
-    """Return the limit of a quantity [%, of an angle deg]: that given, or from the limit of the loads [%]."""
+    """Return a quantity's limit [%; deg for angles]: the given one, else derived from the limit of the loads [%]."""
     return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
 
 
 def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
-    """Return approach [m] or largest pressure [Pa] of contact loads (n, 4) [N] by Hertz, with the radii of each contact."""
+    """Return the contacts' approach [m] or largest pressure [Pa], (n, 4), by Hertz from loads (n, 4) [N]."""
     h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 
 def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
-    """Return the uncertainty of a quantity from that of the loads, by moving all of them up or down together.
+    """Return a quantity's uncertainty due to the loads', by raising or lowering all loads together.
 
     Parameters
     ----------
     of
-        Function of the loads that gives the quantity and is monotone in each of them.
+        Function of the loads that gives the quantity; monotone in each load.
     load
         Contact loads, (n, 4) [N].
     bar
@@ -144,7 +144,7 @@ def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Arra
 
 
 def of_contacts(scene: Scene, reference: Reference, quantity: Quantity) -> tuple[Array, Array]:
-    """Return a quantity of every contact of a reference, (n, 4) in SI, and its uncertainty (nan: not known)."""
+    """Return a reference's values of a contact quantity, (n, 4) in SI, and their uncertainty (nan: not known)."""
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
         bars = np.zeros_like(reference.load) if reference.stated else uncertainties_of(reference, lambda run: run.angle)
@@ -155,17 +155,17 @@ def of_contacts(scene: Scene, reference: Reference, quantity: Quantity) -> tuple
 
 @dataclass(frozen=True)
 class Whole:
-    """Scene, for quantities of the whole screw."""
+    """Computes quantities of the whole screw (displacement, rigidity, torque, life) for a scene."""
 
     scene: Scene
 
     @cached_property
     def start(self) -> float:
-        """Axial position of the unloaded screw by the default model [m]; no run of the reference is without loads."""
+        """Axial displacement of the unloaded screw by the default model [m]; the reference has no run without loads."""
         return unloaded_place(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:
-        """Return a quantity of an answer in SI, at an axial position for displacements [m]; None if it has none."""
+        """Return a quantity in SI from an answer's loads and displacements at ``station`` [m]; None if undefined."""
         angle = np.radians(answer.angle)
         if quantity is LIFE:
             life = load_answers(self.scene, answer.load, angle).life
@@ -184,7 +184,7 @@ class Whole:
     def reference(
         self, quantity: Quantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """Return a quantity of a reference in SI and its uncertainty; None if not known."""
+        """Return a reference's value of a quantity and its uncertainty, in SI; None if not known."""
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
@@ -196,7 +196,7 @@ class Whole:
         return values[-1], observe(values, ref.sizes).uncertainty
 
     def why_not(self, quantity: Quantity, ref: Reference) -> str:
-        """Return why a reference has no value of a quantity."""
+        """Return the reason why a reference has no value of a quantity."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "friction finds none"
         if quantity is LIFE:
@@ -204,13 +204,13 @@ class Whole:
         return f"{ref.label} holds none" if ref.stated else "the screw does not move with its load"
 
     def note_on(self, quantity: Quantity) -> str:
-        """Return the note on a quantity."""
+        """Return a note on how a quantity of the reference is obtained; may be empty."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
         return f"from the place without loads, by {DEFAULT} {1e6 * self.start:.3g} um" if self.start else ""
 
     def _torque(self, load: Array, angle: Array) -> float | None:
-        """Return the friction torque [N m] of contact loads (n, 4) [N]; angles (n, 4) [rad] by the model where nan."""
+        """Return the friction torque [N m] for contact loads (n, 4) [N] and angles (n, 4) [rad]; nan: the model's."""
         lent = self._lent
         if self.scene.friction is None or not lent.converged:
             return None

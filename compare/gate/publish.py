@@ -1,6 +1,6 @@
-"""Verdicts as files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
+"""Writes verdicts as files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
 
-Also the changes against an earlier file of ``rollbench check --csv`` or ``--json``.
+Also finds changes against an earlier file of ``rollbench check --csv`` or ``--json``.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ HEADINGS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """One row of a published table."""
+    """One row of a published table of verdicts, from a user's scene or the shipped gate."""
 
-    #: Whether it is shown green.
+    #: Whether the row is shown as passed.
     good: bool
     #: Verdict.
     word: str
@@ -81,24 +81,24 @@ class Outcome:
         return tuple(one_line(cell, 2000) for cell in cells)
 
     def text(self) -> str:
-        """Return ``heading: cell`` of all cells but the verdict, joined by semicolons."""
+        """Return all cells but the verdict as ``heading: cell``, joined by semicolons; empty cells are left out."""
         return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], self.cells[1:], strict=True) if cell)
 
 
 def amount(value: float | None, unit: str) -> str:
-    """Return a number as a cell shows it."""
+    """Return a number as the text of a cell, with its unit unless that is per cent; empty for None."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
 def of_verdict(v: Verdict) -> Outcome:
-    """Return the row of a verdict on a user's scene."""
+    """Return the published row for a verdict on a user's scene."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
 def of_row(row: GateRow) -> Outcome:
-    """Return the row of a check of the shipped gate."""
+    """Return the published row for a check of the shipped gate."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
@@ -106,7 +106,7 @@ def of_row(row: GateRow) -> Outcome:
 def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return JUnit XML with a test case for each row and notes as properties.
 
-    A row that is not green is a failure, whose type is its verdict.
+    A row that did not pass is a failure, whose type is its verdict.
     """
     bad = [o for o in outcomes if not o.good]
     counts = {"tests": str(len(outcomes)), "failures": str(len(bad)), "errors": "0", "skipped": "0"}
@@ -131,7 +131,7 @@ def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return Markdown: a heading with the counts, notes, a table and a chart of the worst ball and its neighbours.
 
-    Rows that are not green come first. GitHub, GitLab, Forgejo and Gitea draw the chart (Mermaid); a comment cannot show an
+    Rows that did not pass come first. GitHub, GitLab, Forgejo and Gitea draw the chart (Mermaid), as a comment shows no
     image file.
     """
     counts: dict[str, int] = {}
@@ -145,19 +145,19 @@ def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 
 
 def worst(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row whose ball the picture shows: the first that is not green, else that with the largest error."""
+    """Return the row whose ball the picture shows: rows that did not pass first, then by error; None without any."""
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
 
 def _title(o: Outcome) -> str:
-    """Return scene, worst ball, error and limit as a title."""
+    """Return the title of chart or picture: scene, worst ball, its error and the limit."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _chart(o: Outcome | None) -> list[str]:
-    """Return the lines of a Mermaid chart of the loads around the worst ball."""
+    """Return the Markdown lines of a Mermaid chart of the loads around the worst ball; empty without a row."""
     if o is None:
         return []
     balls, loads, reference, _ = zip(*o.near, strict=True)
@@ -197,12 +197,12 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _safe(text: str) -> str:
-    """Escape characters that are markup."""
+    """Return a text with the characters escaped that are markup in a Markdown table."""
     return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
 
 def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return CSV with a line of headings."""
+    """Return the rows of verdicts as CSV text, with a line of headings."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
@@ -219,9 +219,9 @@ def publish(
     csv_file: Path | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> list[Path]:
-    """Write verdicts as files, and add the Markdown to the summary of a job of continuous integration.
+    """Write verdicts as files, and append the Markdown to the summary of a continuous-integration job.
 
-    The picture of the worst ball is written next to that summary as SVG.
+    The picture of the worst ball is written next to the Markdown file as SVG.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ Label = tuple[str, str]
 
 
 class Row(NamedTuple):
-    """Published row: verdict, error and limit, to four digits, in one unit; None if the row has none."""
+    """Published row, for comparison with another file: verdict, error and limit to four digits, and their unit."""
 
     verdict: str
     error: float | None
@@ -284,12 +284,12 @@ class Row(NamedTuple):
 
     @property
     def size(self) -> str:
-        """Absolute error with two decimals, with its unit unless that is per cent."""
+        """Absolute error as text with two decimals, and its unit unless that is per cent; empty without error."""
         return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
 
 class Change(NamedTuple):
-    """Change of a row against an earlier file."""
+    """Change of one published row against an earlier file."""
 
     #: Name of the scene or check.
     scene: str
@@ -301,7 +301,7 @@ class Change(NamedTuple):
     after: Row | None
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON values: verdict and error before and after, and the limit."""
+        """Return the change as JSON: scene, quantity, verdict and error before and after, and the limit."""
         rows = self.before, self.after
         limits = [amount(row.limit, row.unit) for row in reversed(rows) if row is not None and row.limit is not None]
         return {
@@ -329,7 +329,7 @@ class Change(NamedTuple):
 
 
 def changes(path: Path, outcomes: Sequence[Outcome]) -> list[Change]:
-    """Return the rows whose verdict or error differs from an earlier file, new and removed ones included.
+    """Return the changes of verdict or error against an earlier file, including new and removed rows.
 
     Parameters
     ----------
@@ -354,12 +354,12 @@ def changes(path: Path, outcomes: Sequence[Outcome]) -> list[Change]:
 
 
 def _seen(row: Row | None) -> tuple[str, str] | None:
-    """Return the part of a row whose change counts."""
+    """Return the part of a row that decides whether it changed: verdict and error with two decimals."""
     return None if row is None else (row.verdict, row.size)
 
 
 def _row(verdict: str, error: float | None, limit: float | None, unit: str) -> Row:
-    """Return a row with its numbers rounded as published."""
+    """Return a row with error and limit rounded to four digits, as they are published."""
     error, limit = (None if x is None else float(f"{x:.4g}") for x in (error, limit))
     return Row(verdict, error, limit, unit)
 
@@ -389,7 +389,7 @@ def _of_csv(text: str) -> Iterator[tuple[Label, Row]]:
 
 
 def _amount(cell: str) -> tuple[float | None, str]:
-    """Return number and unit of a cell that `gate.publish.amount` wrote."""
+    """Return number (None if empty) and unit of a cell that `amount` wrote."""
     number, _, unit = cell.partition(" ")
     return float(number) if number else None, unit
 
@@ -399,7 +399,7 @@ def _listed(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _of_json(row: Mapping[str, Any]) -> tuple[Label, Row]:
-    """Return a row from JSON; the ending of its limit's key gives the unit."""
+    """Return label and row from the JSON of a verdict; the ending of the limit's key gives the unit."""
     if "kind" in row:
         label, verdict = (row["name"], row["kind"]), row["verdict"]
     else:

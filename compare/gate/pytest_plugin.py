@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Rollbench:
-    """Value of the fixture ``rollbench``.
+    """Value of the pytest fixture ``rollbench``: judges scenes with paths relative to the test file.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ class Rollbench:
     """
 
     def __init__(self, root: Path) -> None:
-        """Keep the folder; nothing is imported before it is needed."""
+        """Store the folder; the program is imported only when a scene is judged."""
         self.root = root
 
     def check(

@@ -1,6 +1,6 @@
 """Verdicts on users' scenes: loads of a model, or of another program, against the 3D reference.
 
-Instead of the 3D reference the loads of a file can be taken: measured ones, or those of another 3D program.
+A file of loads, measured or from another 3D program, can replace the 3D reference.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.units import parse
 
-#: Notes above the table.
+#: Names of notes above the table of a reference file.
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 
 
@@ -75,7 +75,7 @@ def read_reference(
     scene
         Scene with one set.
     only
-        Rows that are read.
+        Filter for the rows, by the accepted texts of the columns case and set.
     contacts
         Number of contacts that the nominal screw loads; None: computed.
 
@@ -112,7 +112,7 @@ def read_reference(
 
 
 def exceeding(ref: Reference, limit: float) -> str:
-    """Return a warning if the uncertainty of a reference is larger than the limit [%]; else empty."""
+    """Return a warning if the uncertainty of a reference exceeds the limit [%] by which it judges; else empty."""
     worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
@@ -123,7 +123,7 @@ def exceeding(ref: Reference, limit: float) -> str:
 
 
 def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
-    """Return the uncertainty of every contact [N], and a description of it."""
+    """Return the uncertainty (n, 4) [N] stated in a reference file, and a description; InputError if not valid."""
     on = given.load > 0.0
     stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
     note = given.notes.get(UNCERTAINTY)
@@ -152,7 +152,7 @@ def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str
 
 
 def as_run(scene: Scene, load: Array, angle: Array) -> Run:
-    """Return loads [N] and angles [deg] as a run without mesh."""
+    """Return contact loads [N] and angles [deg], (n, 4), as a run of the 3D reference without mesh."""
     return Run(
         scene=scene.name,
         level=0,
@@ -199,7 +199,7 @@ NO_CASES: Mapping[str, str] = {}
 
 @dataclass(frozen=True)
 class Asked:
-    """Request for verdicts."""
+    """Request for verdicts: what is judged, by which limits and references."""
 
     #: Folders of runs; the first takes those that are computed.
     stores: tuple[Path, ...]
@@ -237,7 +237,7 @@ def gate_request(
     stored: Path | None = None,
     compute: bool = True,
 ) -> Asked:
-    """Check a request for verdicts.
+    """Validate arguments and make a request for verdicts.
 
     Parameters
     ----------
@@ -292,7 +292,7 @@ def gate_request(
 
 @dataclass(frozen=True)
 class Files:
-    """Contents of a user's files for a scene or load case."""
+    """Contents of a user's files (loads, values, reference) for a scene or load case."""
 
     #: Loads of another program, for each set.
     loads: tuple[GivenLoads, ...] = ()
@@ -312,7 +312,7 @@ def check_scenes(
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
-    """Judge scenes against their references, missing runs of which are computed first.
+    """Judge scenes against their references; missing runs of the 3D reference are computed first.
 
     Parameters
     ----------
@@ -365,7 +365,7 @@ def check_scenes(
 
 
 def _verdicts(one: Referenced, files: Files, limits: Limits, request: Asked) -> list[Verdict]:
-    """Return the verdicts on the contacts of a set, by a file or a model."""
+    """Return the verdicts on the contacts of a set, whose loads are those of a user's file or of a model."""
     if request.loads is None:
         return _named(_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
@@ -376,12 +376,12 @@ def _verdicts(one: Referenced, files: Files, limits: Limits, request: Asked) -> 
 
 
 def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
-    """Return verdicts with the names of scene and set."""
+    """Return the verdicts with the names of assembly and set filled in; unchanged for a scene with one set."""
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
 def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: Asked) -> list[Verdict]:
-    """Return the verdicts by a user's reference, the first with a comparison to the stored 3D reference."""
+    """Return the verdicts; with a user's reference, the first also states the verdict by the stored 3D reference."""
     ours = stored_beside(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
@@ -393,7 +393,7 @@ def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits:
 def _value(
     value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: Asked, reason: str
 ) -> Verdict:
-    """Return the verdict on a value of the whole screw; of several sets on the life of one."""
+    """Return the verdict on a user's value of the whole screw; with several sets only the life of a set is judged."""
     assert request.values is not None
     one = next(iter(each), None)
     if one is None or (one.of is not None and value.quantity is not LIFE):
@@ -404,7 +404,7 @@ def _value(
 
 
 def of_set(one: Referenced, word: str) -> bool:
-    """Return whether a word (a number from 1, or a name) names a set; a single set accepts any."""
+    """Return whether a text is the number (from 1) or name of a set; always true for a scene with one set."""
     return one.of is None or word in _words(one.of.assembly, one.of.number)
 
 
@@ -417,7 +417,7 @@ def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why:
 
 
 def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
-    """Return the scenes that files are given for; InputError for several that are not load cases of one."""
+    """Return the scenes to which files apply, none without files; InputError for scenes that are not cases of one."""
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
@@ -427,7 +427,7 @@ def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, st
 
 
 def _files(scene: Solvable, request: Asked, warn: Callable[[str], None], case: str | None) -> Files:
-    """Read the files for a scene or load case; InputError if they do not fit."""
+    """Read the user's files for a scene or load case; InputError if they do not fit."""
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
@@ -447,7 +447,7 @@ def _files(scene: Solvable, request: Asked, warn: Callable[[str], None], case: s
 
 
 def parts_of(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
-    """Return each set of a scene with the rows of a file that belong to it; InputError for rollers."""
+    """Return each set of a scene with the filter for its rows in a file; InputError for rollers."""
     of_case: Only = {} if case is None else {"case": (case,)}
     if isinstance(scene, Scene):
         return [(scene, of_case)]
@@ -468,7 +468,7 @@ def judged_by(
     strict: bool = False,
     case: str | None = None,
 ) -> list[Referenced]:
-    """Read a user's reference for each set of a scene.
+    """Read the user's reference file for each set of a scene.
 
     Parameters
     ----------
@@ -508,13 +508,13 @@ def judged_by(
 
 
 def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """Return the stored 3D reference of a set, to be shown next to a user's; None if there is none."""
+    """Return the stored 3D reference of a set, shown next to a user's reference; None if there is none."""
     references = referenced(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 
 
 def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
-    """Raise InputError for a value that names no set, or one that the scene does not have."""
+    """Raise InputError for a value whose set is missing or unknown; a scene with one set needs none."""
     if isinstance(scene, Scene):
         return
     known = [word for k in range(len(scene.sets)) for word in _words(scene, k)]
@@ -525,7 +525,7 @@ def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> No
 
 
 def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
-    """Return the scene with its loads scaled to the axial load of a value; InputError if it has none."""
+    """Return the scene with its loads scaled to a value's axial load; InputError if the scene has no axial load."""
     assert value.force is not None
     if isinstance(scene, Assembly):
         raise InputError(str(path), "where", value.where, "empty", "several sets are judged at the loads of the scene")
@@ -537,7 +537,7 @@ def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
 
 
 def _unknown(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
-    """Warn of unknown columns; InputError if ``strict``."""
+    """Warn about unknown columns of a file; InputError if ``strict``."""
     if not headings:
         return
     if strict:
@@ -546,7 +546,7 @@ def _unknown(path: Path, headings: Sequence[str], warn: Callable[[str], None], *
 
 
 def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """Yield notes on the loads of another program."""
+    """Yield notes on a user's loads: flanks not given, renumbered balls, suspected causes of large errors."""
     left = [side for side in SIDES if side not in given.flanks]
     yield f"not judged, because not given: {', '.join(left)}" if left else ""
     if given.renumbered:
@@ -555,7 +555,7 @@ def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[s
 
 
 def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Return the limits of a scene: those of the request, else those of the scene, else `LIMIT`.
+    """Return the limits for a scene: from the request, else from the scene, else `LIMIT`.
 
     Parameters
     ----------
@@ -578,14 +578,14 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
 
 
 def as_shares(limits: Limits) -> Iterator[str]:
-    """Yield a question for each limit that looks like a share: 0.07 where 7 % may be meant."""
+    """Yield a warning for each limit that looks like a fraction, such as 0.07 where 7 % may be meant."""
     for name, limit in {"loads": limits.largest, **limits.others}.items():
         if limit < SHARE and name != ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: are {100.0 * limit:g} % meant? limits are in per cent"
 
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Return the verdicts on a model's answers; without equilibrium they fail."""
+    """Return the verdicts on a model's answers for a set; without equilibrium a single one, "fail"."""
     scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
         answer = answered(one.of, name)
@@ -610,7 +610,7 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
 
 
 def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
-    """Compute the missing runs; return by scene why it has no reference. A refusal does not stop other geometries."""
+    """Compute missing runs; return, by scene, why a run failed. A refusal does not stop other geometries."""
     why: dict[str, str] = {}
     for group in groups(scenes):
         for levels, lacking in _missing(group, request).items():
@@ -624,7 +624,7 @@ def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: 
 
 
 def _missing(scenes: Sequence[Solvable], request: Asked) -> dict[tuple[int, ...], list[Solvable]]:
-    """Return the scenes by the levels that they lack."""
+    """Return scenes by the mesh levels that have to be computed for them."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
         stored = [k for k in LEVELS if load_run(scene, k, stores=request.stores) is not None]

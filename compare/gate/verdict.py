@@ -47,7 +47,7 @@ ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a scene [%]."""
+    """Limits of the errors of a scene [%]; of contact angles [deg]."""
 
     #: Largest error of a contact load (of its reference load; of the mean load if that is small).
     largest: float = LIMIT
@@ -58,7 +58,7 @@ class Limits:
 
 
 def of_whom(scene: str, case: str | None, set_: str | None) -> str:
-    """Return the given ones of scene, case and set in words."""
+    """Return scene, load case and set as text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
@@ -120,26 +120,26 @@ class Verdict:
 
     @property
     def error_percent(self) -> float | None:
-        """Error, if it is in per cent."""
+        """Error [%]; None if the unit is another."""
         return self.error if self.unit == "%" else None
 
     @property
     def uncertainty_percent(self) -> float | None:
-        """Uncertainty of the reference, if it is in per cent."""
+        """Uncertainty of the reference [%]; None if the unit is another."""
         return self.uncertainty if self.unit == "%" else None
 
     @property
     def limit_percent(self) -> float | None:
-        """Limit, if it is in per cent."""
+        """Limit [%]; None if the unit is another."""
         return self.limit if self.unit == "%" else None
 
     @property
     def subject(self) -> str:
-        """Scene, case and set, in words."""
+        """Text with scene, load case and set that are judged."""
         return of_whom(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON values; keys end with the unit, those in per cent are null if the unit is another."""
+        """Return JSON values; keys of numbers end with the unit, and keys in per cent are null for another unit."""
         data: dict[str, Any] = {}
         for key, value in asdict(self).items():
             if key not in ("error", "uncertainty", "limit"):
@@ -174,7 +174,7 @@ class Verdict:
 
     @property
     def pair_text(self) -> str:
-        """Value and that of the reference, in words."""
+        """Text with the judged value, the reference's value and the unit; empty for loads."""
         if self.pair is None:
             return ""
         key, value, reference = self.pair
@@ -222,7 +222,7 @@ def decide(error: float, uncertainty: float | None, limit: float) -> Word:
 
 
 class At(NamedTuple):
-    """Error of one contact."""
+    """Error of one judged contact, with the uncertainty of the reference."""
 
     #: Error [%].
     error: float
@@ -235,7 +235,7 @@ class At(NamedTuple):
 
 
 def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
-    """Return the worst verdict on contacts, and the contact that decides: the first to fail, or the nearest to failing."""
+    """Return the worst verdict on contacts, and the decisive contact: furthest beyond, or nearest to, the limit."""
     each = [decide(p.error, p.bar, limit) for p in points]
     worst = worst_of(each)
     sign = -1.0 if worst == "fail" else 1.0
@@ -246,7 +246,7 @@ def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
 def verdict_without_reference(
     reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
 ) -> Verdict:
-    """Return the verdict on a quantity that the reference does not have."""
+    """Return the verdict "not covered" on a quantity that the reference does not have."""
     return Verdict(
         reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
     )
@@ -305,7 +305,7 @@ def judge(
 
 
 def _near(load: Array, reference: Reference, at: At) -> tuple[tuple[int, float, float, float], ...]:
-    """Return the balls next to a contact, as in `Verdict.near`."""
+    """Return number, load, reference load and uncertainty of the balls around a contact, as in `Verdict.near`."""
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
@@ -322,7 +322,7 @@ def worst_of(words: Sequence[Word]) -> Word:
 
 
 def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Return why loads beyond the limit may be in another unit or on other balls; empty if neither fits.
+    """Return a guess why loads exceed the limit: other unit, other numbering of balls, swapped flanks; empty if none.
 
     Parameters
     ----------
@@ -370,7 +370,7 @@ BY_HERTZ = "the reference's by Hertz from its loads, each contact's own radii"
 
 
 class Contacts(NamedTuple):
-    """Quantities of contacts that are judged."""
+    """Judged values of every contact: loads and other quantities."""
 
     #: Contact loads, (n, 4) [N].
     load: Array
@@ -381,7 +381,7 @@ class Contacts(NamedTuple):
 
 
 def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
-    """Return the contact quantities of a model's answer that have a limit."""
+    """Return a model's loads, and those of its other contact quantities that have a limit."""
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
     further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
     if "pressure" in further and answer.pressure is not None:
@@ -390,21 +390,21 @@ def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Con
 
 
 def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
-    """Return the quantities of the whole screw of a model's answer that have a limit."""
+    """Return a model's values for those quantities of the whole screw that have a limit."""
     whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
     values = ((q, whole.value_of(q, answer)) for q in limited)
     return [GivenValue(q, value) for q, value in values if value is not None]
 
 
 def contact_verdicts(judged: str, given: Contacts, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
-    """Judge each given quantity of contacts that the reference has, on the contact that decides."""
+    """Judge each given contact quantity other than the loads that the reference has, by its decisive contact."""
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
     names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
     return [_of_contacts(judged, given, name, scene, ref, limits) for name in names]
 
 
 def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
-    """Judge one quantity of the contacts.
+    """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
 
     Errors are in per cent of the contact's value, or of that at the mean load for contacts below a tenth of it; of angles
     in degrees, for contacts that bear load in both.
@@ -443,7 +443,7 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
 
 
 def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
-    """Judge a value of the whole screw, in per cent of the reference's."""
+    """Judge a value of the whole screw against the reference's value, in per cent of the latter."""
     whole, q = Whole(scene), given.quantity
     limit = limit_of(q, limits.others, limits.largest)
     reference, bar = whole.reference(q, ref, given.station)
@@ -458,5 +458,5 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
 
 
 def not_judged(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the names of quantities without verdict."""
+    """Return the names of the quantities that no verdict judges."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -321,7 +321,7 @@ def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent 
 
 
 def unloaded_place(scene: Scene, bare: StaticResult) -> float:
-    """Return the screw's axial displacement at the nut's centre without loads [m], the zero of reported displacements.
+    """Return the screw's axial displacement at the nut's centre without loads [m], where displacements are zero.
 
     Parameters
     ----------
@@ -551,7 +551,7 @@ class SetAnswers:
     parts: Scene | RollerRow
     #: Results derived from the contact loads of the set.
     loads: LoadAnswers | RollerAnswers
-    #: Contact loads and axial force on the shaft without the loads of the scene; None without equilibrium in that state.
+    #: Contact loads and axial force on the shaft without the scene's loads; None without equilibrium then.
     preload: Preload | None
     #: Friction torque of a loaded ball bearing.
     torque: BallTorque | None = None
@@ -616,7 +616,7 @@ def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 
 
 def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
-    """Return the load path of each loaded body, as the change when its loads are removed; ``path`` if there is only one."""
+    """Return the load path of each loaded body (what changes without its loads); ``path`` if only one is loaded."""
     bodies, options = loaded_bodies(assembly), Options(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)

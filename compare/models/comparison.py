@@ -263,7 +263,7 @@ def from_run(run: Run, name: str) -> Loads:
 
 
 def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
-    """Return the reference's loads on the source's mesh, if given, and on each level; empty for a user's reference."""
+    """Return the reference's loads on the source's mesh and on each level; empty for a user's reference."""
     if reference.stated:
         return []
     out = [from_run(run, f"3D level {run.level}") for run in reference.runs]
@@ -352,7 +352,7 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of the axis' displacement at the reference's stations; errors in per cent of the component's largest.
+    """Yield rows of the axis' displacement at the reference's stations; errors are in % of the largest component.
 
     No rows if the model gives the displacement at one station and the reference at several.
     """

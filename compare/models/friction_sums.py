@@ -62,9 +62,9 @@ def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: 
 
 
 def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies of a scene with a coefficient of friction, if no kernel must be compiled.
+    """Return friction torques and efficiencies of a scene that has [friction], if no kernel must be compiled.
 
-    Results are cached on disk for equal scenes and loads: loading the machine code would take longer than the rest of the
+    Results are cached on disk by scene and loads: loading the machine code would take longer than the rest of the
     solution.
 
     Parameters
@@ -81,7 +81,7 @@ def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dic
     dict or None
         Sums as JSON values.
     str
-        Empty, or the reason why there are none, with advice.
+        Reason why there are none; else empty.
     """
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())

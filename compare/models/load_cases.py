@@ -301,7 +301,7 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
 
 def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
-    """Return the life of all sets that turn with the shaft as one system; None for a single set or if none has a life."""
+    """Return the life of all sets that turn with the shaft as one system; None for one set or without any life."""
     if not isinstance(cycle.parts, Assembly):
         return None
     turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}

@@ -399,7 +399,7 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
 
 
 def sum_of(loads: Sequence[Load]) -> Array:
-    """Return the sums of forces and of moments as given, (6,) [N, N m], without moments of the forces about the origin."""
+    """Return the sums of forces and of given moments, (6,) [N, N m]; lever arms of the forces do not count."""
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 

@@ -241,7 +241,7 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def shipped_points() -> tuple[Point, ...]:
-    """Return the comparison points of all shipped scenes and drawn screws; without those whose file cannot be read."""
+    """Return the comparison points of shipped scenes and drawn screws, without a file that cannot be used."""
     return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
 
 
@@ -365,7 +365,7 @@ def _beyond(known: Array, here: Array) -> list[str]:
 
 
 def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
-    """Return the expected errors [%] by quantity at scaled features (k,), from the points of similar compared scenes."""
+    """Return the expected errors [%] by quantity at scaled features (k,), from the points of similar scenes."""
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
         errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)

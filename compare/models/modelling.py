@@ -2,7 +2,7 @@
 
 The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that the source does not
 print. Each choice is varied separately on the coarsest level, each mesh setting refined separately on the finest level,
-and compared with the same scene on that level (``base``). Of several variants of a choice, the largest change per contact
+and compared with the same scene on that level (``base``). Of several variants of a choice the largest change per contact
 counts; choices are independent and of unknown sign, so they add by the root of the sum of squares, contact by contact. The
 sum is an estimate of one typical variation of every choice, not a bound. Properties of the scene (where the nut is fixed)
 or of the method (modes, sockets) are listed but not included, nor are choices that cannot be varied
@@ -39,7 +39,7 @@ from rollbench.meshes.parts import Scene
 #: Scenes on which every choice is varied: one without preload, one with.
 VARIED = ("lin-case1", "lin-case3")
 
-#: The preloaded scene of `VARIED`, all four flanks loaded, on which each setting of the finest mesh is refined separately.
+#: The preloaded scene of `VARIED`, with load on all flanks, on which each setting of the finest mesh is refined.
 REFINED = "lin-case3"
 
 #: By scene name: the varied scene with the same parts, whose effects are used for it.
@@ -87,7 +87,7 @@ class Modelling:
 
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """Return the run with which variants on a level are compared: that named ``base``, else the scene's own run."""
+    """Return the baseline run for variants on a level: the scene's run of variant ``base``, else its regular run."""
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
@@ -132,7 +132,7 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
 
 
 def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
-    """Return the scene's modelling uncertainty: root sum of squares over the choices; None if none was varied in 3D."""
+    """Return a scene's modelling uncertainty: root sum of squares over all choices; None if none was varied."""
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
         return None

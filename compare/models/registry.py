@@ -446,7 +446,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """Return the function of options that runs the named model on the scene; InputError if no such model covers it."""
+    """Return a function of options that runs the named model on the scene; InputError if there is none."""
     if isinstance(scene, Scene):
         model = known_model(name)
         return partial(model.run, model.scene(scene))

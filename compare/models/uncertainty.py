@@ -176,13 +176,13 @@ class Uncertainty:
 
 
 def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return the difference value - base in per cent of the base; for a quantity ``of_mean``, of the mean load [N]."""
+    """Return value - base in per cent of the base, or of the mean load [N] for a quantity ``of_mean``."""
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Return the grid uncertainty of a quantity in the finest run [%]; with one level nan, but loads from experience."""
+    """Return a quantity's grid uncertainty in the finest run [%]; with one level nan, but loads by experience."""
     base = quantity.take(scene, from_run(reference.best, ""))
     if quantity.of_mean:
         return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
@@ -213,7 +213,7 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the root sum of squares over a scene's modelling choices [%], each by its largest variant; None if none."""
+    """Return the root sum of squares over a scene's modelling choices [%], each by its largest variant."""
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
     for choice, changed, base in study.once(variants_of, name):
@@ -269,7 +269,7 @@ def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
 
 @dataclass(frozen=True)
 class Validated:
-    """Error of a model in one quantity of a scene, with the parts of u_val [%]; for contact loads, at the worst contact."""
+    """Error of a model in a quantity of a scene, with the parts of u_val [%]; of contact loads, at the worst one."""
 
     scene: str
     model: str
@@ -367,7 +367,7 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
 
 
 def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """Count, by model, the rows of `left_out_one` with a measured error within the expected one, and with any estimate."""
+    """Count, by model, the rows of `left_out_one` with measured <= expected error, and those with an estimate."""
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
         if row["expected"] is None:
@@ -551,7 +551,7 @@ def recorded(varied: Modelling) -> Choices:
 
 
 def choices_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
-    """Return the choices' effects that hold for a scene: from a scene with its parts, else the largest known."""
+    """Return the choices' effects used for a scene: of a scene with its parts, else the largest; None if outside."""
     if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)

@@ -1,4 +1,4 @@
-"""Computing runs of the 3D reference: one set-up and its load cases, with larger patches if a contact reaches their rim."""
+"""Computes runs of the 3D reference: a set-up and its load cases; patches grow if a contact reaches their rim."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ GROWN = 5e-3
 
 
 def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
-    """Run a task.
+    """Compute the runs of a task.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
 
 
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
-    """Run a task, and return its runs with the bodies condensed to the contacts.
+    """Compute the runs of a task, and its bodies condensed to the contacts.
 
     Patches whose rim a contact reaches are enlarged to the size that the loads need, if that changes them.
 
@@ -86,7 +86,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     list of Run
         A run for each scene.
     CondensedBodies or None
-        The bodies, if all runs have loads and `with_bodies`.
+        The bodies; None if a run has no loads, or `with_bodies` is false for the task.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
-    """Prepare the set-up of each set, shared by equal sets; InputError if a mesh cannot be built or memory runs out."""
+    """Return the prepared set-up for each set (equal sets share one); InputError if meshing or memory fails."""
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
@@ -144,7 +144,7 @@ def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step
 
 
 def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
-    """Solve one load case; Refusal if a set-up does not cover it."""
+    """Solve one load case on prepared set-ups; Refusal if they do not cover it."""
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
 
@@ -162,7 +162,7 @@ def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceRe
 def _run(
     task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
-    """Make the run of one load case, with the name of the task's scene."""
+    """Make the record of the run of one load case, under the name of the task's scene."""
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
     without = {}
@@ -203,7 +203,7 @@ def _run(
 
 
 def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
-    """Return settings with larger patches, for the loads that were found.
+    """Return mesh settings with larger contact patches, to suit the contact loads found.
 
     Patches grow by a fixed factor. If ``left`` steps would leave them shorter than the skew contacts reach along the
     groove, they get that length at once.
@@ -228,7 +228,7 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
     from rollbench.hifi.meshing.settings import hertz_units
 
     def zone(settings: Settings) -> tuple[float, float]:
-        """Half widths [m] of the contact zone."""
+        """Return the half widths [m] of the patch's contact zone, across and along the groove."""
         size = socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
         widths = (size.gamma * float(setup.map.radius.mean()), size.phi * setup.map.R)
         share = patch_lines(settings, widths, size.depth)[1]
@@ -269,5 +269,5 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
 
 
 def with_bodies(task: Task) -> bool:
-    """Return whether a task also stores its condensed bodies: one set, base variant, regular mesh level."""
+    """Return whether a task also stores its condensed bodies: one set per scene, no variant, a regular mesh level."""
     return bool(task.single) and not task.variant and task.level in LEVELS

@@ -1,12 +1,13 @@
-"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), single and pooled.
+"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130).
 
-It is used for displacements, angles and friction; contact loads do not converge with an order
-(`compare.reference.grid_parts`).
+`observe` fits one quantity, `pool` many with a common order. Both serve for displacements, angles and friction; contact
+loads do not converge with an order (`compare.reference.grid_parts`).
 
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
-the smaller standard deviation counts. If its order p lies outside ``ORDERS``, phi_0 + alpha h, phi_0 + alpha h^2 and (below
-the range, from four levels on) phi_0 + alpha_1 h + alpha_2 h^2 replace it, the best of them. With delta = phi_1 - phi_0
-the error of the finest level by the fit, sigma the fit's standard deviation, r_1 the residual of the finest level and
+the smaller standard deviation counts. If its order p lies outside ``ORDERS``, the best of these fits replaces it:
+phi_0 + alpha h, phi_0 + alpha h^2 and (order below the range, four levels or more) phi_0 + alpha_1 h + alpha_2 h^2. With
+delta = phi_1 - phi_0 the error of the finest level by the fit, sigma the fit's standard deviation, r_1 the residual of
+the finest level and
 Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
 
     U = F |delta| + sigma + |r_1|                        where sigma < Delta,
@@ -58,9 +59,9 @@ class Convergence:
 
     #: Values, coarse to fine.
     values: tuple[float, ...]
-    #: Why it has a separate order or none.
+    #: Kind of convergence, such as `MONOTONE`; says why there is no credible order.
     label: str
-    #: Order that its values show, credible or not; None if they show none.
+    #: Order fitted to the values, credible or not; None if they do not change monotonically.
     own_order: float | None
     #: Value at zero cell size; None without credible order.
     extrapolated: float | None
@@ -74,7 +75,7 @@ class Convergence:
 
     @property
     def text(self) -> str:
-        """The label, with the order."""
+        """Kind of convergence as text, with the fitted order."""
         if self.own_order is None:
             return self.label
         if self.label == MONOTONE:
@@ -88,7 +89,7 @@ def _shown(p: float) -> str:
 
 
 def representative_size(settings: Mapping[str, Any]) -> float:
-    """Return the relative cell size of a level, by the cells across a contact: a level refines all sizes together."""
+    """Return the relative cell size of a level, one over its number of cells per semi-axis of a contact."""
     return 1.0 / float(settings["b_over_h"])
 
 
@@ -150,7 +151,7 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
     allow (F test, 95 %). With so many degrees of freedom sigma is known, which changes the source's formula: U is the
     largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``. If all of them lie above, order 2 is
     taken, whose error is larger than the fit's; if all lie below, the source's fits of fixed orders with its factor of 3.
-    sigma of a quantity is its value or that of all, whichever is larger: one or two residuals are small by chance too
+    sigma of a quantity is its own or the common one, if that is larger: one or two residuals are small by chance too
     often.
 
     With two levels U is three times the difference, or three times the RMS difference of all if that is larger. Quantities
@@ -188,7 +189,7 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
 
 
 def _pooled(data: Array, h: Array) -> Array:
-    """Return the uncertainties of `pool` for three or more levels, of quantities that all change."""
+    """Return the uncertainties (m,) by `pool`, for three or more levels and quantities that all change."""
     free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
     low, high = allowed(data, h, free)
     if high < ORDERS[0]:
@@ -200,7 +201,7 @@ def _pooled(data: Array, h: Array) -> Array:
 
 
 def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Return values (levels, m), and sizes relative to the finest."""
+    """Return values as (levels, m) and sizes relative to the finest; ValueError if they are not usable."""
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
     if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
@@ -216,7 +217,7 @@ def _still(column: Array) -> bool:
 
 
 def _label(column: Array, h: Array) -> tuple[str, float | None]:
-    """Return why a quantity on three or more levels has an order or none, and the order."""
+    """Return the kind of convergence of a quantity on three or more levels, and its order (None if not monotone)."""
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
         return NOT_MONOTONE, None
@@ -254,7 +255,7 @@ class Fit:
 
 
 def searched(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit one common order to all quantities, the best in ``SEARCH``, by repeated zooming: there are several minima."""
+    """Fit the best common order in ``SEARCH`` to all quantities, by grids on ever smaller intervals."""
     w = weights(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
@@ -266,7 +267,7 @@ def searched(y: Array, h: Array, weighted: bool = False) -> Fit:
 
 
 def given(y: Array, h: Array, p: float, weighted: bool) -> Fit:
-    """Fit a given order p that was searched or varied: it counts as one parameter of all quantities together."""
+    """Fit limits and slopes for a given order p, which counts as one parameter that all quantities share."""
     x = _box(h, np.array([p]))[0]
     finest, slope, residual = _linear(y, x[:, None], weights(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
@@ -274,7 +275,7 @@ def given(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 
 
 def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
-    """Fit first and second order, each without and with weights; if ``both``, also both together (four levels or more)."""
+    """Fit order 1 and order 2, each without and with weights; if ``both``, also their sum (four levels or more)."""
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
         forms["first and second order"] = (1.0, 2.0)
@@ -288,9 +289,9 @@ def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
 
 
 def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
-    """Return the interval of orders around the searched one whose squares exceed its squares no more than by chance.
+    """Return the interval of orders around the best one that the data allow, as the fit gets worse only by chance.
 
-    By the F test with ``CONFIDENCE``; all of ``SEARCH`` if the fit has no degree of freedom.
+    An F test with ``CONFIDENCE`` on the sums of squares decides; all of ``SEARCH`` if there is no degree of freedom.
     """
     from scipy.stats import f as f_ratio
 
@@ -316,7 +317,7 @@ def weights(h: Array, weighted: bool) -> Array:
 
 
 def _squares(y: Array, h: Array, w: Array, p: Array) -> Array:
-    """Return the weighted squares of the residuals for every order of ``p``, with fitted limits and slopes."""
+    """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes."""
     centred = y - w @ y
     x = _box(h, p)
     x = x - (x @ w)[:, None]
@@ -342,7 +343,7 @@ def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
 def _fit(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """Make the record of a fit with ``of_each`` parameters of each quantity and ``of_all`` common ones."""
+    """Make the record of a fit that has ``of_each`` parameters for each quantity and ``of_all`` common parameters."""
     n, m = residual.shape
     squares = n * (weights(h, weighted) @ (residual * residual))
     freedom = (n - of_each) * m - of_all

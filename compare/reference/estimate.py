@@ -41,7 +41,7 @@ class Reference:
     contacts: int = 0
     #: Name of the reference; of a user's its file.
     label: str = "3D reference"
-    #: Statement of a user's reference about itself.
+    #: Text on the uncertainty in the file of a user's reference; empty for a computed reference.
     stated: str = ""
     #: Further quantities of contacts in a user's reference, (n, 4) in SI.
     further: Mapping[str, Array] = field(default_factory=dict)
@@ -70,7 +70,7 @@ class Reference:
 
     @property
     def unsettled(self) -> str:
-        """Note on runs that did not fully converge; empty if all did."""
+        """Text with the status of the runs that did not fully converge; empty if all did."""
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 
@@ -87,7 +87,7 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     Returns
     -------
     Reference or None
-        The reference, by its `FITTED` finest runs; None if there is none.
+        The reference, from the `FITTED` finest stored runs; None if there is none.
     """
     runs = tuple(run for level in LEVELS if (run := load_run(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]

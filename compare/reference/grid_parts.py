@@ -1,4 +1,4 @@
-"""Uncertainty of contact loads by the mesh: the sum of the parts of each refinement.
+"""Uncertainty of contact loads by the mesh, the sum of a part for each kind of refinement.
 
 A level refines by different ratios: cells of the contact by 4/3, those of the bodies by 1.15, the cut of the coarse sockets
 not at all, so that no order over one cell size describes its loads. Nor do the loads approach a limit from one side:
@@ -60,8 +60,8 @@ from rollbench.meshes.solid import dimensions
 
 FILE = "grid_parts.json"
 
-#: Standard deviations in an uncertainty that covers 95 %, and in one that rests on the change between two neighbouring
-#: levels only: this scatters from scene to scene, and 2 covered 87 % of the contacts of one drawn screw.
+#: Number of standard deviations in an uncertainty that covers 95 %: usual, and if only the change between two neighbouring
+#: levels is known. That change scatters from scene to scene: a factor of 2 covered 87 % of the contacts of one drawn screw.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
 
 #: Second-order cells.
@@ -86,7 +86,7 @@ Levelled = Mapping[int, Array]
 
 @dataclass(frozen=True)
 class Experience:
-    """Parts of the uncertainty that the levels of a scene do not show, from compared scenes [% of the mean load]."""
+    """Parts of the uncertainty that a scene's mesh levels do not show, from other scenes [% of the mean load]."""
 
     #: Standard deviation by the cut of the sockets.
     sockets: float
@@ -116,12 +116,12 @@ class GridParts:
     sockets: float | None = None
     #: Standard deviation of an error that all contacts share.
     common: float | None = None
-    #: Uncertainty over the root of the sum of squares.
+    #: Factor of the uncertainty over the root of the sum of squares of the parts.
     cover: float = COVER
 
     @property
     def by_experience(self) -> bool:
-        """Whether the uncertainty is that of a single level."""
+        """Whether the uncertainty is that of a single level, taken from experience."""
         return self.contact is None
 
     def bars(self, loads: Levelled) -> Array:
@@ -141,7 +141,7 @@ def both_flanks(load: Array) -> bool:
 
 
 def moving(loads: Levelled) -> Array:
-    """Return the contacts (n, 4) that carry load on any level."""
+    """Return a mask (n, 4) of the contacts that carry load on any mesh level."""
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
@@ -176,13 +176,13 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
 
 
 def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
-    """Return the change of the loaded contacts from a level to another [% of the mean load of the finest]."""
+    """Return the changes of the loaded contacts from one level to another [% of the mean load on ``finest``]."""
     on = moving(loads)
     return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
 
 
 def _sizes(level: int) -> Array:
-    """Return the relative cell sizes of contact and bodies; of a level after the last by the ratios ``NEXT``."""
+    """Return a level's relative cell sizes of contact and bodies, (2,); beyond the last level by ``NEXT``."""
     last = max(LEVELS)
     cells = LEVELS[min(level, last)]
     size = np.array([1.0 / cells["b_over_h"], cells["fine"] / LEVELS[PRODUCTION]["fine"]])
@@ -190,14 +190,15 @@ def _sizes(level: int) -> Array:
 
 
 def _added(level: int, other: int) -> Array:
-    """Return the variances of the difference of two levels, by part, for parts of size one."""
+    """Return the factors (contact, bodies) by which unit variances enter the variance of two levels' difference."""
     return np.asarray(_sizes(level) ** (2 * ORDER) + _sizes(other) ** (2 * ORDER))
 
 
 def _variances(columns: Array, shown: Array, fixed: float) -> Array:
-    """Return the variances by part from those shown between levels, in addition to a fixed one, by relative least squares.
+    """Fit the variances of contact and bodies to the variances observed between levels, by relative least squares.
 
-    They are at least zero; with two levels all is attributed to the bodies, whose part falls more slowly.
+    ``fixed`` is a known further variance. Results are at least zero; with two levels all is attributed to the bodies,
+    whose part falls more slowly.
     """
     from scipy.optimize import nnls
 
@@ -210,7 +211,7 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
 
 
 def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
-    """Derive the experience from scenes on several levels.
+    """Derive the experience with mesh errors from scenes solved on several levels.
 
     Parameters
     ----------
@@ -247,18 +248,18 @@ def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str,
 
 
 def _holding(errors: Sequence[Array], least: float) -> float:
-    """Return the bound that covers ``SHARE`` of all errors, and ``least`` of those of every scene."""
+    """Return the bound that covers ``SHARE`` of all errors, and the share ``least`` of each scene's errors."""
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
 def save(store: Path, known: Experience) -> None:
-    """Write the experience to a store; OSError if that is not possible."""
+    """Write the experience to a store; OSError if the file cannot be written."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 
 @cache
 def read_experience(store: Path) -> Experience:
-    """Read the experience of a store; OSError, ValueError, KeyError or TypeError if the file is missing or damaged."""
+    """Read the experience from a store; OSError, ValueError, KeyError or TypeError if the file cannot be used."""
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
     one, both = (float(x) for x in data["single"])
     return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
@@ -281,7 +282,7 @@ TOWARDS = (2, 3)
 
 @dataclass(frozen=True)
 class Lip:
-    """Compliance of the lip between a contact and a free face."""
+    """Compliance of the nut's lip between a contact and a free face, by the distance of the contact."""
 
     #: Distances from the face [ball radii], rising.
     radii: Array
@@ -291,7 +292,7 @@ class Lip:
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return compliance and missing part on a level (beyond the last measured one: as on that)."""
+        """Return the lip's compliance at distances [ball radii], and the part of it that a level neglects."""
         missing = self.missing[min(max(level, 1), max(self.missing))]
         return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
@@ -300,9 +301,9 @@ class Lip:
 def read_lip(store: Path) -> Lip:
     """Read the compliance of lips from a store.
 
-    It is that of the scene measured on all levels, raised by the largest ratio of any other scene; extrapolated closer to
-    the face from the two nearest distances, and further away to zero. OSError, ValueError or KeyError if the file is
-    missing or damaged.
+    It is measured on one scene on all levels; the missing part is raised by the largest ratio of any other scene. Values
+    are extrapolated closer to the face from the two nearest distances, and to zero further away. OSError, ValueError or
+    KeyError if the file is missing or damaged.
     """
     rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
@@ -319,7 +320,7 @@ def read_lip(store: Path) -> Lip:
 
 
 def too_large(scene: Scene, load: Array, level: int) -> Array:
-    """Return by how much contact loads (n, 4) [N] of a level are at most too large near free faces of the nut [N]."""
+    """Return the largest excess (n, 4) [N] of a level's contact loads (n, 4) [N] due to free faces of the nut."""
     from rollbench.hifi.meshing.settings import hertz_units
 
     out = np.zeros_like(load)
@@ -342,9 +343,9 @@ def too_large(scene: Scene, load: Array, level: int) -> Array:
 
 
 def left_out(scene: Scene, load: Array, level: int) -> Array:
-    """Return the largest error of contact loads (n, 4) [N] of a level due to free faces of the nut [N].
+    """Return the largest error (n, 4) [N] of a level's contact loads (n, 4) [N] due to free faces of the nut.
 
-    If equilibrium fixes the sum of loads, the other contacts of their side have errors too.
+    If equilibrium fixes the sum of loads, the other contacts of the same flank have errors too.
     """
     excess = too_large(scene, load, level)
     if both_flanks(load) or not excess.any():

@@ -41,8 +41,8 @@ BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 CONTACT_GB = 0.007
 
-#: What a second process saves of the time of the stages that it shares, and adds to the memory: a share, or where there are
-#: so many contacts that it makes patches alone (`hifi.setup.TOGETHER`), a share of what does not grow with them.
+#: Stages that a second process shares, the speed-up there, and the memory that it adds: ``MORE`` of the whole up to
+#: ``TOGETHER`` contacts; beyond, it computes patches alone (`hifi.setup.TOGETHER`), ``PATCHES_ALONE`` of the base memory.
 SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 
 PATCHES_ALONE = 0.68
@@ -53,7 +53,7 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 
 @dataclass(frozen=True)
 class Expected:
-    """Expected cost of a run."""
+    """Expected time and memory of a task of the 3D reference."""
 
     #: Seconds of each stage.
     stages: dict[str, float]
@@ -120,7 +120,7 @@ class Progress:
     """Progress of a task: stage, share and time left, from expected and measured seconds of its stages."""
 
     def __init__(self, task: Task, after: float = 0.0) -> None:
-        """Start a task; ``after``: expected seconds of the tasks that follow."""
+        """Start the progress of a task; ``after``: expected seconds of the tasks that follow it."""
         self.label, self.after = task.label, after
         stages, scenes = expected_cost(task).stages, len(task.scenes)
         loads = stages.pop("contact loads")
@@ -129,13 +129,13 @@ class Progress:
 
     @property
     def under_way(self) -> str:
-        """The task and its present stage."""
+        """Text with the task and its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """Return the line of progress for ``text``, which is a `StageDone` at the end of a stage.
+        """Return the line of progress for a message; a `StageDone` marks the end of a stage and updates the estimate.
 
-        ``spent``: seconds since the task began. Stages from the cache say nothing about the speed of the machine.
+        ``spent``: seconds since the task began. Stages read from the cache do not count for the speed of the machine.
         """
         stage = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
         if stage is None or not isinstance(text, StageDone):
@@ -160,7 +160,7 @@ HEARTBEAT = 20.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Where runs are computed (machine or cluster), and with how many processes."""
+    """Settings for computing runs: this machine or a cluster, number of processes, cache."""
 
     #: ``joblib``: processes of this machine; ``dask``: a cluster.
     backend: str = "joblib"
@@ -180,9 +180,9 @@ class Engine:
 
 
 def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
-    """Run jobs and yield number and result of each, the first two in this process.
+    """Run jobs and yield number and result of each; with several workers, the first two still run in this process.
 
-    The rest runs here too if the second (everything is then loaded) shows that starting processes would take longer.
+    If the time of the second job (all modules are then loaded) shows that other processes do not pay, all run here.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def plan(
     source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:
-    """List the tasks of a study: the coarsest level of every geometry first, then the most expensive of the rest.
+    """List the tasks of a study: the coarsest level of every geometry first, the other tasks by decreasing cost.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def plan(
 
 
 def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
-    """Return the runs that no store holds yet, by task."""
+    """Return the tasks reduced to the scenes whose runs (or condensed bodies) are in no store."""
     left = []
     for task in tasks:
         runs = [load_run(scene, task.level, task.variant, stores) for scene in task.scenes]
@@ -274,7 +274,7 @@ def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 def compute_and_store(
     task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
 ) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute a task and store its results at once, so that an interrupted study loses only the current one.
+    """Compute a task and store its results at once: an interrupted study loses only the task under way.
 
     Parameters
     ----------
@@ -302,7 +302,7 @@ def compute_and_store(
 
 
 def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Store the runs of a task that have loads, and its bodies; InputError if the folder cannot be written."""
+    """Store the runs of a task that have loads, and its condensed bodies; InputError if they cannot be written."""
     for run, scene in zip(runs, task.scenes, strict=True):
         if run.answers:
             save(store, scene, run)
@@ -326,7 +326,7 @@ def ensure(
     fresh: bool = False,
     stored: Callable[[Task], None] = lambda _: None,
 ) -> list[Run]:
-    """Compute the runs that no store holds.
+    """Compute and store the runs of tasks that are in no store.
 
     Parameters
     ----------
@@ -343,7 +343,7 @@ def ensure(
     fresh
         Whether stored runs are computed again.
     stored
-        Called with every task that is stored while more follow.
+        Called with every stored task except the last.
 
     Returns
     -------
@@ -420,7 +420,7 @@ def ensure(
 
 
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """Return the announcement before set-ups are computed; InputError if this machine has too little memory."""
+    """Return the message before tasks are computed; InputError if this machine has too little memory."""
     kept = f", {stored} are stored" if stored > 0 else ""
     head = f"3D reference: {count_of(len(left), 'set-up')} to compute{kept}"
     if not here:
@@ -431,10 +431,10 @@ def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, 
 
 
 def all_variants() -> tuple[str, ...]:
-    """Return the names of the variants of choices that no mesh level refines."""
+    """Return the names of the variants that are not mesh refinements."""
     return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
 
 
 def refinements() -> tuple[str, ...]:
-    """Return the names of the variants that refine one choice of the finest level."""
+    """Return the names of the variants that refine one mesh setting of the finest level."""
     return tuple(name for name, variant in VARIANTS.items() if variant.refined)

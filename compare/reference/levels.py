@@ -1,4 +1,4 @@
-"""Mesh levels of the 3D reference, each of which refines all numerical choices together; also of rolling contacts."""
+"""Mesh levels of the 3D reference and of rolling contacts; a level refines all numerical settings together."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from rollbench.compare import files
 
-#: Ball radius [m] for which the lengths of the levels are stated; for other radii they are in proportion.
+#: Ball radius [m] for which the lengths of the levels are stated; for other radii they are scaled in proportion.
 BALL = 2.778e-3
 _TABLES = files.shipped_table("reference/levels.toml")
 
@@ -29,10 +29,10 @@ BEYOND: dict[str, Any] = _settings(_TABLES["beyond"])
 #: twice the size, split); no part of a convergence study.
 SOURCE_LEVEL = 0
 SOURCE_MESH: dict[str, Any] = _settings(_TABLES["source"])
-#: Finest level of a production run, of which single choices are refined.
+#: Finest level of a production run; variants refine single settings of it.
 PRODUCTION = 3
-#: Levels of a study: the one beyond production judges the uncertainty of those before it. Level 5 is for scenes with
-#: lightly loaded contacts beside heavy ones, of which it judges that of four levels.
+#: Levels of a study: the last, beyond production, judges the uncertainty of those before it. Level 5 is for scenes with
+#: lightly loaded contacts next to heavily loaded ones, where it judges the uncertainty of four levels.
 STUDIED = (1, 2, 3, 4)
 #: Levels of a scene that nobody studies: the second is more accurate than the first by a factor of 1.8, measured on all
 #: scenes that were solved on three levels or more. From level to level the factors are 1.6, 1.2 and 1.2: what the cut of
@@ -44,7 +44,7 @@ _RATIOS = ("b_over_h", "growth")
 
 
 def scaled(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the settings of a level for a ball radius [m]; ``refined``: names of settings taken from ``BEYOND``."""
+    """Return the mesh settings of a level for a ball radius [m]; ``refined``: names of settings from ``BEYOND``."""
     ratio = ball / BALL
     settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {name: BEYOND[name] for name in refined}
 

@@ -102,7 +102,7 @@ def as_done(
 def _elsewhere(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
-    """Yield numbers and results of jobs in other processes."""
+    """Run jobs in other processes or on a cluster, and yield number and result of each; raise a job's exception."""
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
     answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
     with closing(answers):
@@ -116,7 +116,7 @@ def _elsewhere(
 def _call(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
 
-    A worker of another ``version``, which may have joined the cluster at any time, refuses it by an InputError.
+    A worker whose version is not ``version`` (it may have joined the cluster at any time) answers with an InputError.
     Results and exceptions are sent as bytes: joblib hangs on results that cannot be unpickled. Those of
     cloudpickle may hold functions without a name, as a table of the report has them.
     """
@@ -143,7 +143,7 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
 
 
 def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
-    """Yield answers of processes of this machine as they come; remaining jobs are dropped when it is closed."""
+    """Run jobs in processes of this machine and yield answers as they come; closing drops the remaining jobs."""
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
@@ -163,7 +163,7 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
 
 
 def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
-    """Yield answers of the workers of a cluster as they come; remaining jobs are dropped when it is closed.
+    """Run jobs on a cluster and yield the workers' answers as they come; closing drops the remaining jobs.
 
     The scheduler gets all jobs at once, or as many as may run at the same time: it hands them to workers whenever these
     join, and a cluster that adapts its size sees how much there is to do.
@@ -199,9 +199,9 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
 
 
 def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
-    """Poll a cluster, once for each item requested.
+    """Check the state of a cluster once per item requested from the generator.
 
-    InputError if there is nobody to do the jobs: no worker comes in ``wait`` seconds, first or after the last was lost, or
+    Raises InputError if no job can run: no worker joins in ``wait`` seconds, at first or after the last was lost, or
     the scheduler does not answer any more.
     """
     alone, silent, had_workers = 0.0, 0.0, False
@@ -283,7 +283,7 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
 
 @contextmanager
 def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
-    """Connect to the scheduler, or start a cluster on this machine."""
+    """Yield a Dask client of the scheduler, or of a cluster started on this machine; InputError if that fails."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -331,7 +331,7 @@ def _alive(scheduler: str) -> bool:
 
 
 async def _greet(scheduler: str) -> None:
-    """Return when the scheduler answers, else raise; a Client that found none would hold up the end of the process."""
+    """Connect to the scheduler, and raise if it does not answer; a failed Client would delay the process's end."""
     from distributed.core import connect
     from distributed.security import Security
 

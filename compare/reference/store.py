@@ -36,13 +36,13 @@ LARGEST, DEEPEST = 8_000_000, 8
 
 
 def sealed(data: Mapping[str, Any]) -> str:
-    """Return the text of a run's file: its data with a checksum, rows of numbers line by line."""
+    """Return the text of a run's file: its data as JSON with a checksum, each row of numbers on its line."""
     whole = {**data, "checksum": checksum(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
 
 def unsealed(path: Path) -> dict[str, Any]:
-    """Return the data of a run's file.
+    """Read the data of a run's file and verify its checksum.
 
     Parameters
     ----------
@@ -106,18 +106,18 @@ class Measured:
     machine: str = ""
 
     def __str__(self) -> str:
-        """Return the conditions in words, to follow "measured with"."""
+        """Return version and machine as text, to follow the words "measured with"."""
         return f"{self.version or 'an unknown version'}{f' on {self.machine}' if self.machine else ''}"
 
 
 @cache
 def measuring_conditions() -> Measured:
-    """Return the conditions of times measured by this process."""
+    """Return the conditions (version, sources, machine) of times measured by this process."""
     return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
 
 
 def one_run(times: Iterable[Measured]) -> Measured | None:
-    """Return the conditions of some times; None without times, ValueError if they differ."""
+    """Return the measuring conditions that all times share; None without times, ValueError if they differ."""
     found = set(times)
     if len(found) > 1:
         raise ValueError(f"times of several measuring runs: {', '.join(sorted(map(str, found)))}")
@@ -125,7 +125,7 @@ def one_run(times: Iterable[Measured]) -> Measured | None:
 
 
 def most_of(times: Iterable[Measured]) -> Measured | None:
-    """Return the conditions shared by most of some times, which a table can show together; None without times."""
+    """Return the most frequent measuring conditions of the times, which a table can show; None without times."""
     common = Counter(times).most_common(1)
     return common[0][0] if common else None
 
@@ -151,7 +151,7 @@ KEY = 16 * "[0-9a-f]"
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 
-#: Fields of a scene that have no effect on static loads (of an ensemble, those of the first member).
+#: Values put in place of the scene's fields that have no effect on static loads, for content keys.
 UNSAID: dict[str, Any] = {
     "name": "",
     "title": "",
@@ -167,7 +167,7 @@ UNSAID: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Run:
-    """Stored result of one scene on one mesh level; of several sets on one shaft the balls of all, set after set."""
+    """Stored result of one scene on one mesh level; with several sets on a shaft, balls are listed set after set."""
 
     #: Name of the scene.
     scene: str
@@ -187,7 +187,7 @@ class Run:
     centreline: Array
     #: Contact loads without single ingredients of the model, by ingredient.
     without: dict[str, Array]
-    #: Run times of these [s].
+    #: Run times of the solutions in ``without`` [s].
     without_seconds: dict[str, float]
     #: Flanks that were meshed.
     sides: tuple[int, ...]
@@ -224,7 +224,7 @@ class Run:
 
     @property
     def measured(self) -> Measured:
-        """Conditions under which its times were measured."""
+        """Conditions under which the run's times were measured."""
         return Measured(self.versions.get("rollbench", ""), self.sources, self.machine)
 
     @property
@@ -239,7 +239,7 @@ class Run:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the programs that affect results; empty if not installed."""
+    """Return the installed versions of `PROGRAMS`; an empty text for a program that is not installed."""
     return {name: _version(name) for name in PROGRAMS}
 
 
@@ -292,14 +292,14 @@ def key_of(
 def bodies_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
-    """Return the content key of condensed bodies: parts, solid dimensions, settings, flanks, versions and ``BODIES``."""
+    """Return the content key of condensed bodies: digest of parts, mesh settings, flanks, versions and ``BODIES``."""
     return digest(SCHEMA, BODIES, geometry_digest(scene), *_meshed(scene, settings, sides, programs))[:16]
 
 
 def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
-    """Return the inputs of a mesh other than the fields of the scene."""
+    """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions."""
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions(scene)
     low, high = dims.ends(scene)
@@ -310,9 +310,9 @@ def _meshed(
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
-    """Return the file of a run of a scene in a store.
+    """Return the path of a scene's run in a store.
 
-    Its key is made with the versions in the run, which may differ from those installed, and its name with the scene's name
+    The key uses the program versions of the run, which may differ from those installed; the file has the scene's name
     at the time of the run.
     """
     key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
@@ -320,7 +320,7 @@ def path_in(store: Path, scene: Solvable, run: Run) -> Path:
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
-    """Return the file of the condensed bodies of a run in a store."""
+    """Return the path of a run's condensed bodies in a store."""
     key = bodies_key(scene, run.settings, run.sides, run.versions)
     return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
@@ -330,7 +330,7 @@ def _stem(name: str, level: int, variant: str) -> str:
 
 
 def save(store: Path, scene: Solvable, run: Run) -> Path:
-    """Write a run with loads, completely or not at all; ValueError for a run without loads."""
+    """Write a run to a store, completely or not at all, and return its path; ValueError for a run without loads."""
     if not run.answers:
         raise ValueError(f"a run that did not converge is no reference: {run.status}")
     path = path_in(store, scene, run)
@@ -341,7 +341,7 @@ def save(store: Path, scene: Solvable, run: Run) -> Path:
 
 
 def _rows(array: Array) -> list[list[float | None]]:
-    """Return rows with seven significant digits: far beyond the uncertainty, and small files."""
+    """Return an array as rows of numbers with seven significant digits (small files); nan becomes None."""
     return [[None if np.isnan(x) else float(f"{x:.7g}") for x in row] for row in array]
 
 
@@ -353,7 +353,7 @@ def shipped_store() -> Path:
 def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """Return a stored run whose mesh suits the scene.
 
-    It is found by its key, whatever the name of the scene was at the time of the run. Of several runs, made together with
+    Its key identifies it, whatever the scene's name was at the time of the run. Of several runs, computed with
     other scenes, those by the installed versions of gmsh and scikit-fem come first, then the finest cells, then the largest
     patches.
 
@@ -386,7 +386,7 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
 
 
 def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
-    """Return the files of a store whose key fits the scene on a mesh of that level, those with its name first."""
+    """Return the run files of a level and variant whose key fits the scene; files with the scene's name first."""
     own, pattern = (_stem(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
     meshes = {mesh.text: mesh for path in paths if (mesh := _mesh_of(path)) is not None and mesh.balls == scene.ball_count}
@@ -405,11 +405,11 @@ class _Mesh(NamedTuple):
     sides: tuple[int, ...]
     #: Versions of programs.
     programs: dict[str, str]
-    #: The same as text.
+    #: Settings, flanks and versions as text.
     text: str
 
     def key(self, scene: Solvable, variant: str) -> str | None:
-        """Return the key of a scene's run on this mesh; None if it is not a mesh of such a scene."""
+        """Return the content key of a run of the scene on this mesh; None if the mesh does not fit the scene."""
         try:
             return key_of(scene, variant, self.settings, self.sides, self.programs)
         except (ValueError, KeyError, TypeError):
@@ -417,7 +417,7 @@ class _Mesh(NamedTuple):
 
 
 def _mesh_of(path: Path) -> _Mesh | None:
-    """Return the mesh of a run's file; None if it cannot be read."""
+    """Return the mesh data in a run's file; None if the file cannot be read."""
     try:
         return _known_mesh(path, path.stat().st_mtime_ns)
     except OSError:
@@ -437,7 +437,7 @@ def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
 
 
 def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Return the sort key of runs, the preferred one first."""
+    """Return the sort key of a run: installed versions first, then fine contact cells, then large patches."""
     other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))

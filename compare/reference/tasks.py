@@ -1,6 +1,6 @@
 """Tasks of the 3D reference: scenes that share set-ups, flanks that may touch, and mesh settings of a level.
 
-A scene with one set has one set-up; of several sets on one shaft, equal ones share theirs.
+A scene with one set has one set-up; equal sets on one shaft share a set-up.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
 #: Scenes that the 3D reference solves: one set, or several on one shaft.
 Solvable = Scene | Assembly
-#: Settings in which another scene's mesh may differ: it needs cells as fine, patches as large, and as many flanks.
+#: Settings in which a stored mesh may differ, with cells at least as fine, patches at least as large and all flanks.
 _SIZED = ("semi", "reach", "sides")
 
 
 @dataclass(frozen=True)
 class SetUp:
-    """Set-up that equal sets share."""
+    """Description of a set-up that equal sets share: bodies, meshed flanks, mesh settings."""
 
     #: Bodies of the set as a scene; with several sets, stations are relative to the set.
     bodies: Scene
@@ -49,20 +49,20 @@ def stations(*cases: Solvable) -> tuple[float, ...]:
 
 
 def balls_of(described: Solvable) -> list[slice]:
-    """Return the balls of each set among those of all."""
+    """Return, for each set of balls, the slice of its balls in arrays of all balls."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
 def refused(described: Solvable, error: ValueError) -> Refusal:
-    """Return the Refusal for a scene without equilibrium, bodies or mesh."""
+    """Return the Refusal for a scene that the 3D reference cannot solve, with the reason in ``error``."""
     advice = "change what it names, or solve it with a low-order model"
     return Refusal(described.name, "3D reference", str(error), advice)
 
 
 def _bodies(case: Solvable) -> list[Scene]:
-    """Return the bodies of each set that are meshed. Raises Refusal for a set without 3D body."""
+    """Return the meshed bodies of each set; Refusal for a set without a 3D body."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import bodies_of
@@ -74,9 +74,9 @@ def _bodies(case: Solvable) -> list[Scene]:
 
 
 def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
-    """Return the contacts to expect of each set; Refusal if none can be expected.
+    """Return the expected contacts (loads, angles) of each set; Refusal if they cannot be estimated.
 
-    A set that carries nothing counts with a tenth of the mean contact load of the others.
+    For a set without load, a tenth of the mean contact load of the other sets is assumed.
     """
     from rollbench.hifi.meshing.settings import carrying, expected_by_set, expected_contacts
 
@@ -92,12 +92,12 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
 
 
 def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Return the flanks that may touch, and the opposite ones, against which they press a ball."""
+    """Return the numbers of the flanks that may touch, and of the flanks opposite them across the ball."""
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Return the flanks of a scene that may touch (`hifi.meshing.settings`), and those opposite.
+    """Return the numbers of a scene's flanks that may touch (`hifi.meshing.settings`), and of the opposite flanks.
 
     Refusal if no equilibrium is found.
     """
@@ -152,13 +152,13 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
 
 
 def recorded(ups: Sequence[SetUp]) -> dict[str, Any]:
-    """Return the settings of a run of several sets: those of each set with its flanks, and the cells across a contact."""
+    """Return the mesh settings to store for a run of several sets: cells across a contact, and settings by set."""
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
 def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
-    """Return whether the meshes of a run suit a scene: cells as fine, patches as large, all flanks that may touch."""
+    """Return whether a run's meshes suit a scene: fine enough cells, large enough patches, all touching flanks."""
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
         wanted = recorded(set_ups([changed], level, variant))["sets"]
@@ -184,7 +184,7 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
-    """Return the assembly without fields that have no effect on static loads."""
+    """Return the assembly with all fields reset that do not affect static loads; ``unsaid``: values for sets."""
     bare = [
         replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets
     ]
@@ -193,7 +193,7 @@ def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assemb
 
 
 def geometry_of(scene: Solvable) -> tuple[Any, ...]:
-    """Return the data that scenes must share to share a set-up."""
+    """Return the parts of a scene that must be equal for scenes to share a set-up."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else geometry_of(s.parts), s.position, s.carrier) for s in scene.sets
@@ -203,7 +203,7 @@ def geometry_of(scene: Solvable) -> tuple[Any, ...]:
 
 
 def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
-    """Group scenes by geometry, in order."""
+    """Return the scenes in groups of equal geometry, in order of first occurrence."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
         alike.setdefault(geometry_of(scene), []).append(scene)
@@ -211,7 +211,7 @@ def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
 
 
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings with lists as tuples, as they were before they were stored."""
+    """Return settings with JSON lists turned back into tuples."""
 
     def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
@@ -231,7 +231,7 @@ class Task:
     level: int
     #: Modelling variant; empty: base.
     variant: str = ""
-    #: Whether each ingredient is left out in turn too.
+    #: Whether scenes are also solved without each model ingredient in turn.
     ablate: bool = False
     #: Folder of the mesh cache; None: no cache.
     cache: Path | None = None

@@ -1,6 +1,6 @@
-"""Choices of the 3D reference, each varied separately.
+"""Variants of the 3D reference, each of which changes one modelling or numerical choice.
 
-Choices that no mesh level refines are varied on the coarsest level, those of the mesh on the finest.
+Mesh settings are varied on the finest level, all other choices on the coarsest.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import Dimensions, dimensions, groove_depths
 
 Change = Callable[[Scene], Scene]
-#: "modelling": an idealisation or a dimension that the source does not print; "numerical": a choice of the method beside
-#: the mesh; "scene": another boundary condition, which is the scene's own to state.
+#: "modelling": an idealisation, or a dimension that the source does not print; "numerical": a choice of method or
+#: the mesh; "scene": another boundary condition, which the scene has to state.
 Kind = Literal["modelling", "numerical", "scene"]
 #: Bound on the axial-torsional coupling of a grooved shaft (twist by an axial force over the geometric mean of both
 #: flexibilities, `hifi.shaft.section.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
@@ -28,7 +28,7 @@ COUPLING = 0.02
 
 @dataclass(frozen=True)
 class Variant:
-    """Variation of one choice."""
+    """Variant of the 3D reference, by one changed choice."""
 
     #: Description.
     label: str
@@ -43,13 +43,13 @@ class Variant:
 
     @property
     def level(self) -> int:
-        """Mesh level on which it is varied."""
+        """Mesh level on which the variant is computed."""
         return PRODUCTION if self.refined else min(LEVELS)
 
 
 @dataclass(frozen=True)
 class NotVaried:
-    """Choice that is not varied."""
+    """Choice of the 3D reference that no variant covers."""
 
     #: The choice.
     choice: str
@@ -63,24 +63,24 @@ def same(scene: Scene) -> Scene:
 
 
 def solid(**changes: Any) -> Change:
-    """Return a change of fields that only the 3D model reads."""
+    """Return a function that changes fields of a scene's ``solid``, which only the 3D model reads."""
     return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
 
 
 def scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
-    """Return a change of a solid dimension by a factor and a shift [m]."""
+    """Return a function that changes a scene's solid dimension by a factor and a shift [m]."""
     return lambda scene: solid(**{name: take(dimensions(scene)) * factor + shift})(scene)
 
 
 def longer(leads: float) -> Change:
-    """Return a change that lengthens the 3D stretch by a number of leads on each side."""
+    """Return a function that lengthens a scene's 3D stretch of shaft by a number of leads on each side."""
     return lambda scene: scaled("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
 
 
 def held_ring(half: Literal["inner", "outer"]) -> Change:
-    """Return a change that fixes the nut at one half of its fixed face, or of the flange's annulus.
+    """Return a function that fixes the nut at the inner or outer half of its fixed face (or of its flange's seat).
 
-    ValueError if the nut is fixed elsewhere.
+    The function raises ValueError if the nut is fixed elsewhere.
     """
 
     def change(scene: Scene) -> Scene:
@@ -107,7 +107,7 @@ def ends_in_plain_shaft(scene: Scene) -> Scene:
 
 
 def twisted(scene: Scene) -> Scene:
-    """Return the scene with rotations of the supports that the dropped axial-torsional coupling would cause.
+    """Return the scene with its supports turned by the twist that the dropped axial-torsional coupling would cause.
 
     The shaft would turn by |c| F L / sqrt(EA GJ) up to the nut, with the sum of axial loads F and the sections of a plain
     shaft of the pitch radius less that of the groove (its core: more than the grooved shaft twists), or of the groove's
@@ -137,7 +137,7 @@ SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "wh
 
 
 def finer(label: str, choice: str, *refined: str) -> Variant:
-    """Return the variant that refines one choice of the mesh on the finest level."""
+    """Return the variant that refines one choice of the mesh, by its settings ``refined``, on the finest level."""
     return Variant(label, choice, "numerical", same, refined)
 
 

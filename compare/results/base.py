@@ -27,7 +27,7 @@ HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
 
 
 class Row(NamedTuple):
-    """A row of a table of results, as text: error to expect of the value, and a note such as which ball it is of."""
+    """Row of a table of results, as texts: quantity, value, unit, error to expect, note (such as the ball)."""
 
     quantity: str
     value: str
@@ -37,7 +37,7 @@ class Row(NamedTuple):
 
 
 def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] = HEADINGS) -> str:
-    """Return rows as aligned text below their headings.
+    """Return a table of rows as aligned text below its headings.
 
     Numbers are flush right, the last column is wrapped, and a column without any text is left out.
 
@@ -80,7 +80,7 @@ def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -
 
 
 def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
-    """Return rows as an HTML table below their headings.
+    """Return a table of rows as HTML below its headings.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -
 
 
 def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the JSON of a result with its version first."""
+    """Return the JSON of a result with the version of the format as its first key, ``schema``."""
     return {"schema": SCHEMA, **data}
 
 
@@ -128,7 +128,7 @@ class Record(ABC):
 
     @property
     def _shown(self) -> str:
-        """Path in the JSON of the part that tables show; empty: all."""
+        """Path in the JSON of the part that `table` shows; empty: all."""
         return ""
 
     @property
@@ -152,7 +152,7 @@ class Record(ABC):
         Raises
         ------
         KeyError
-            If there is no such key; the message lists those that there are.
+            If there is no such key; the message lists the available keys.
         """
         deprecated(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
         return self._at(path)
@@ -239,7 +239,7 @@ class Record(ABC):
     def table(self) -> Sequence[Sequence[str]]:
         """Return the rows of the table that a notebook shows.
 
-        Unless a kind of result has rows of its own, there is one row for every single value in its JSON.
+        By default there is one row for every single value in the JSON; some kinds of results have other rows.
 
         Returns
         -------
@@ -257,7 +257,7 @@ class Record(ABC):
         return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:
-        """Return the value at a path of keys in the JSON; KeyError with the keys that there are."""
+        """Return the value at a path of keys in the JSON; KeyError lists the available keys."""
         value: JSON = self.to_dict()
         for key in path.split(".") if path else ():
             if not isinstance(value, dict) or key not in value:
@@ -281,9 +281,9 @@ def deprecated(what: str, instead: str) -> None:
 
 
 def _flat(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
-    """Yield name, value and unit of every single value below a JSON value; None and lists of records are left out.
+    """Yield name, value and unit of every single value inside a JSON value; None and lists of records are left out.
 
-    Keys without a unit take that of the table that holds them (``of_all``).
+    A key without a unit takes the unit of its table (``of_all``).
     """
     if isinstance(value, dict):
         for key, inner in value.items():

@@ -1,4 +1,4 @@
-"""Comparison of models with a 3D reference, for one set, and its sentences."""
+"""Comparison of models with a 3D reference for one set, with its JSON, table rows and sentences."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ OURS = "stored 3D reference"
 
 @dataclass(frozen=True)
 class Beside:
-    """A model, or the reference itself, in a comparison."""
+    """Answers of one model, coarser mesh or the reference itself in a comparison, with errors of the loads."""
 
     #: Loads and displacements of the model or reference.
     answer: Loads
@@ -60,17 +60,17 @@ class Beside:
     force: float
     #: Number of contacts that the nominal screw loads.
     contacts: int
-    #: Largest error of a contact as the gate takes it [%].
+    #: Largest error of a contact load by the gate's rule (`measure.gate_scale`) [%].
     by_gate: float = 0.0
 
     @property
     def label(self) -> str:
-        """Name among others."""
+        """Name of the model or reference, as a key."""
         return self.answer.model
 
     @property
     def title(self) -> str:
-        """Name for tables."""
+        """Name of the model or reference for tables and sentences."""
         return title_of(self.answer.model)
 
     @property
@@ -82,7 +82,7 @@ class Beside:
 def model_errors(
     scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None
 ) -> Beside:
-    """Compute the errors of loads against a reference, and what follows from the loads.
+    """Compute the errors of contact loads against a reference, and pressure, life, displacement and force from them.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def model_errors(
     ref
         The reference; None: without errors.
     start
-        Axial position without loads [m].
+        Axial displacement of the screw without loads [m], which is subtracted.
     contacts
         Number of contacts that the nominal screw loads; None: computed from the scene.
 
@@ -121,7 +121,7 @@ class Compared:
     models: tuple[Beside, ...]
     #: The reference.
     itself: Beside
-    #: Error of the default model that was to be expected.
+    #: Expected error of the model that `verdict` judges, estimated from other scenes.
     expected: ModelForm | None
     #: Uncertainty of the comparison.
     total: Total
@@ -130,7 +130,7 @@ class Compared:
 
     @property
     def spoken(self) -> Beside:
-        """Model of the first sentence: the default model, else the first."""
+        """Model that `verdict` judges: the default model, else the first one."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
@@ -155,7 +155,7 @@ def compared(
     stores
         Folders with runs of the 3D reference.
     of
-        Which of several sets on a shaft the scene is.
+        Set on a shaft that the scene is; None: a scene with one set.
     ours
         Stored 3D reference, shown if the reference is a user's.
 
@@ -190,20 +190,20 @@ def compared(
 
 
 def answer_of(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
-    """Solve a scene with one set by a model."""
+    """Solve a scene with one set by a low-order model, with and without its loads."""
     result, seconds = solved(model, scene, reference, stores)
     bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
     return Answered(result, bare, seconds, scene)
 
 
 def others_than(reference: Reference) -> list[Point]:
-    """Return compared points of other scenes, whatever the name of this one: its error must not be expected from itself."""
+    """Return the comparison points of all other scenes; a scene's own errors must not predict its error."""
     own = {reference.scene, *(run.scene for run in reference.runs)}
     return [point for point in shipped_points() if point.scene not in own]
 
 
 def answers_of(b: Beside) -> dict[str, Any]:
-    """Return the results that follow from the loads of a model or the reference, as JSON; null for missing quantities."""
+    """Return the JSON of results from the loads of a model or the reference; null for missing quantities."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
         Axial(b.force, b.displacement, stiff),
@@ -216,7 +216,7 @@ def answers_of(b: Beside) -> dict[str, Any]:
 
 
 def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
-    """Return the JSON of a comparison: sentence, levels and uncertainty of the reference, errors, answers."""
+    """Return the JSON of a comparison: verdict, levels and uncertainty of the reference, errors, all answers."""
     error, expected = whole.spoken.error, whole.expected
     return {
         "scene": reference.scene,
@@ -234,12 +234,12 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
 
 
 def is_itself(answer: Loads, reference: Reference) -> bool:
-    """Return whether an answer is the run with which it would be compared."""
+    """Return whether an answer is the reference's finest run, with which all are compared."""
     return answer.model == f"3D level {reference.best.level}"
 
 
 def levels_text(reference: Reference, total: Total) -> str:
-    """Return levels and uncertainty of the reference in words."""
+    """Return a text with the mesh levels and the uncertainty of the reference; a user's reference states its own."""
     if reference.stated:
         return total.stated
     levels = ", ".join(str(run.level) for run in reference.runs)
@@ -249,7 +249,7 @@ def levels_text(reference: Reference, total: Total) -> str:
 
 
 def verdict(whole: Compared, reference: Reference) -> str:
-    """Return the first sentence: error of the default model, error that was to be expected, and uncertainty."""
+    """Return the summary of a comparison in one sentence: error of the judged model, expected error, uncertainty."""
     b, worth, e = whole.spoken, whole.expected, whole.spoken.error
     off = expected = ""
     if e is not None:
@@ -264,7 +264,7 @@ def verdict(whole: Compared, reference: Reference) -> str:
 
 
 def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of the table that compares answers of the judged model with those of the reference.
+    """Return headings and rows of the table that compares the judged model's answers with the reference's.
 
     Parameters
     ----------

@@ -155,7 +155,7 @@ class Comparison(Record):
 
     @property
     def errors(self) -> dict[str, float]:
-        """Largest error of a contact load by model [% of the mean contact load]."""
+        """Largest error of a contact load [% of the mean contact load], by model."""
         return {name: one.largest_error for name, one in self.models.items()}
 
     @property
@@ -214,7 +214,7 @@ class Comparison(Record):
 
 
 def comparison_of(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
-    """Make the record of a scene from the comparisons of its load cases and sets.
+    """Make the record of a scene's comparison from the comparisons of its load cases and sets.
 
     Parameters
     ----------
@@ -311,7 +311,7 @@ def _model(b: Beside, one: Referenced) -> ModelLoads:
 
 
 def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
-    """Return the JSON of a scene, or of one of several sets on a shaft."""
+    """Return the JSON of the comparison of a scene, or of one of several sets on a shaft."""
     found = one.found
     return {
         "scene": found.scene,
@@ -353,7 +353,7 @@ class Comparing:
     """Whether the references are a file of the user."""
 
     def each(self) -> Iterator[tuple[Referenced, Compared]]:
-        """Compare set by set, as asked for.
+        """Compare models with each reference, set by set, as the generator is advanced.
 
         Yields
         ------
@@ -381,7 +381,7 @@ def comparing(
     fresh: bool = False,
     reference: Path | None = None,
 ) -> Comparing:
-    """Find the references of scenes and their load cases; missing runs are computed.
+    """Find the references of scenes and their load cases, and compute missing runs of the 3D reference.
 
     Parameters
     ----------
@@ -470,7 +470,7 @@ def each_compared(
     *,
     own: bool,
 ) -> Iterator[tuple[Referenced, Compared]]:
-    """Compare models with references, set by set, as asked for.
+    """Compare models with references, set by set, as the generator is advanced.
 
     Parameters
     ----------
@@ -541,7 +541,7 @@ def own_references(
 
 
 def named(one: Referenced) -> dict[str, str]:
-    """Return the keys that name a set in JSON.
+    """Return the keys that identify a set in the JSON of a comparison.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Data(Record):
-    """Result that keeps the JSON of its command."""
+    """Result that is stored as the JSON of its command."""
 
     values: Mapping[str, JSON]
     """JSON of the command, without its version."""
@@ -78,7 +78,7 @@ class FrictionBall:
 
 @record(kw_only=True)
 class FrictionBand:
-    """Torques at 0.003 and 0.1, the least and largest coefficients of friction measured with lubricants."""
+    """Friction torques at the least and largest coefficients of friction measured with lubricants, 0.003 and 0.1."""
 
     coefficients: Sequence[float] = quantity(
         "coefficients", "coefficients between which a lubricated screw lies, 0.003 to 0.1", parts="[]"
@@ -98,7 +98,7 @@ class FrictionBand:
 
 @record(kw_only=True)
 class FrictionPlay:
-    """Effect of axial play on the friction torque, for a screw without stated preload or play: with smaller balls."""
+    """Effect of axial play (by smaller balls) on the friction torque of a screw without stated preload or play."""
 
     smaller: float = quantity("smaller_by_um", "by how much the ball radii are made smaller to show what play does")
     torque: float | None = quantity("friction_torque_Nmm", "friction torque then")
@@ -107,7 +107,7 @@ class FrictionPlay:
 
 @record(kw_only=True)
 class FrictionOnset:
-    """Whether neighbouring balls touch, by the speeds that they have at the static loads.
+    """Prediction whether neighbouring balls touch, from their speeds under the static loads.
 
     Balls without load stand still, unless a field says otherwise.
     """
@@ -273,7 +273,7 @@ class Friction(Data):
 
 
 def friction_of(data: Mapping[str, Any]) -> Friction:
-    """Make the record of the JSON of ``rollbench friction``.
+    """Convert the JSON of ``rollbench friction`` to a record.
 
     Parameters
     ----------
@@ -363,7 +363,7 @@ class MeshStudy(Data):
 
 
 def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str] = ()) -> MeshStudy:
-    """Make the record of the JSON of ``rollbench mesh-study``.
+    """Convert the JSON of ``rollbench mesh-study`` to a record.
 
     Parameters
     ----------
@@ -408,7 +408,7 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
 
 @record
 class Statistics:
-    """Statistics of an output over the samples of a sweep or the specimens of an ensemble, in the unit of its name."""
+    """Statistics of an output over the samples of a sweep or the specimens of an ensemble, in the output's unit."""
 
     mean: float = quantity("mean", "mean over the members", error="`standard_error`")
     standard_error: float = quantity(
@@ -461,7 +461,7 @@ class Ensemble(Data):
 
 
 def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
-    """Make the record of the JSON of ``rollbench solve --members``.
+    """Convert the JSON of ``rollbench solve --members`` to a record.
 
     Parameters
     ----------
@@ -511,7 +511,7 @@ class Sweep(Data):
 
 
 def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
-    """Make the record of the summary of a sweep.
+    """Convert the JSON summary of a sweep to a record.
 
     Parameters
     ----------
@@ -540,7 +540,7 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Survey(Data):
-    """Errors of models on ball screws drawn from the range of catalogues, by stored runs of the 3D reference."""
+    """Errors of models against stored 3D reference runs, on random ball screws within the range of catalogues."""
 
     screws: int
     """Number of screws with a stored reference."""
@@ -553,7 +553,7 @@ class Survey(Data):
 
 
 def survey_of(data: Mapping[str, Any]) -> Survey:
-    """Make the record of the JSON of ``rollbench survey``.
+    """Convert the JSON of ``rollbench survey`` to a record.
 
     Parameters
     ----------

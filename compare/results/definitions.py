@@ -1,4 +1,4 @@
-"""Definitions of all numbers of the output by their path in JSON, from the fields that state them; tables of the manual."""
+"""Definitions of all output numbers by their path in JSON, taken from record fields; tables of the manual."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from rollbench.meshes.quantity import Stated, stated_in
 
 
 class Table(NamedTuple):
-    """A table of the manual."""
+    """A table of the manual that defines the numbers of the output."""
 
     #: Title.
     title: str
@@ -56,14 +56,14 @@ class Table(NamedTuple):
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, Stated]]:
-        """Yield the end of the path of every defined number in JSON, and its definition."""
+        """Yield, for every defined number, the last part of its path in JSON and its definition."""
         for where, kind in self.records:
             for _, one in stated_in(kind):
                 if one.definition:
                     yield f"{where}{one.key.removeprefix('torque.')}{one.parts}", one  # other tables have torques, too
 
 
-#: The first table that has a path says what it is: ``loads.max_N`` stands for summary.loads.max_N,
+#: The first table with a matching path gives the definition: ``loads.max_N`` stands for summary.loads.max_N,
 #: sets[].summary.loads.max_N, answers.*.loads.max_N; FLANK is SL, SR, NL or NR; * is any one key.
 TABLES = (
     Table(
@@ -203,7 +203,7 @@ def _pattern(path: str) -> re.Pattern[str]:
 
 
 def definition(path: str) -> Stated | None:
-    """Return the definition of a path in a command's JSON; None if there is none.
+    """Return the definition of the number at a path in a command's JSON; None if it has none.
 
     Parameters
     ----------

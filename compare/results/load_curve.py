@@ -34,7 +34,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Course:
-    """Loads of a curve."""
+    """Loads at which a load curve is computed: values, direction and place."""
 
     values: tuple[float, ...]
     """Forces [N], or factors on the scene's loads, ascending."""
@@ -112,7 +112,7 @@ def _place(word: str) -> float:
 
 @record(kw_only=True)
 class CurvePoint:
-    """One load of a curve.
+    """Answers at one load of a load curve.
 
     A number is None if there is no equilibrium, or the displacement is not unique (within the lash): see ``status``.
     """
@@ -183,7 +183,7 @@ class LoadCurve(Record):
 
     @property
     def above(self) -> str:
-        """Warning that is shown above the answers; empty without."""
+        """Text of the warnings that are shown above the answers; empty without such warnings."""
         return above(self.warnings)
 
     def to_dict(self) -> dict[str, JSON]:
@@ -210,7 +210,7 @@ class _State:
 
 
 def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options: Options | None = None) -> LoadCurve:
-    """Solve a scene over a range of loads.
+    """Solve a scene over a range of loads, for displacement, stiffness and lash.
 
     Forces replace the scene's loads and act at the nut's centre (of several sets where its loads act) unless the course
     gives a place. Factors multiply all its loads; the curve is then over the first of them.
@@ -307,7 +307,7 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
 def _loading(
     scene: Scene | Assembly, course: Course
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
-    """Return the scene at a value of the course, direction and place of the force, and the force [N] of the value 1."""
+    """Return a function that loads the scene by a value, the force's direction and place, and the force [N] of 1."""
     several = isinstance(scene, Assembly)
     at: float | str = _asked(scene) if isinstance(scene, Assembly) else scene.nut.position
     if course.factors:
@@ -348,7 +348,7 @@ def _asked(assembly: Assembly) -> float | str:
 
 
 def _motion(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
-    """Return the motion (6,) [m, rad] of the station or housing that takes the force."""
+    """Return the displacement (6,) [m, rad] of the station or housing on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
         return motion_asked(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
@@ -359,7 +359,7 @@ def _largest(loads: Any) -> float:
 
 
 def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
-    """Return the displacements [m] at both ends of the lash; None, and the reason, if there is none."""
+    """Return the displacements [m] at both ends of the lash and an empty text; None and the reason if not defined."""
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "the loads have one sign"
     ends, rough = [], 0.0
@@ -376,6 +376,6 @@ def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[
 
 
 def _chord(end: CurvePoint, edge: float) -> float | None:
-    """Return the load of a curve's end over its displacement [m] from the end of the lash; None without a solution."""
+    """Return the stiffness [N/m] from the end of the lash (``edge`` [m]) to the curve's end; None if not solved."""
     moved = None if end.displacement is None else end.displacement - edge
     return end.load / moved if moved else None

@@ -1,6 +1,6 @@
 """The answers of a solved scene as rows of one table: quantity, value, unit, error to expect, note.
 
-Name, unit, digits, error and note stand at the field of the record that states the quantity. Terminal, page, notebook and
+Name, unit, digits, error and note are given at the record field that defines the quantity. Terminal, page, notebook and
 manual show these rows.
 """
 
@@ -38,8 +38,8 @@ from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.meshes.one_arc import Clearance
 from rollbench.meshes.quantity import Stated, stated_in
 
-#: Tables of a summary in the order of the rows, and the record that states their quantities; of two records of a table
-#: that counts whose first key the table has.
+#: Tables of a summary in the order of the rows, and the record that defines their quantities. Of two records for a
+#: table, the record whose first key the table contains is used.
 GROUPS: tuple[tuple[str, type], ...] = (
     ("", Together),
     ("loads", LoadSums),
@@ -70,7 +70,7 @@ GROUPS: tuple[tuple[str, type], ...] = (
 #: Fields of the errors that are in per cent of the mean contact load.
 OF_MEAN = ("percent", "rms_percent")
 UNKNOWN = "the scene does not solve without its loads"
-#: Tables of a summary of several sets that are of all of them.
+#: Tables in the summary of several sets that describe the whole shaft.
 OF_ALL = ("axial", "drive", "axis_life")
 #: Columns of the table of sets: group of a set's summary, its key, heading.
 OF_SETS = (
@@ -147,7 +147,7 @@ def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, det
 def compared_rows(
     data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
-    """Yield the quantities that the summaries of a model and of its reference both have.
+    """Yield table rows for the quantities that both the model's and the reference's summary contain.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def compared_rows(
 
 
 def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
-    """Yield record, table and quantities (by their keys) of each group; the table is empty if the summary lacks it."""
+    """Yield, for each group, its record, its table in the summary (empty if missing), and its quantities by key."""
     for group, kind in GROUPS:
         table = data.get(group) if group else data
         stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
@@ -186,7 +186,7 @@ def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], 
 
 
 def _named(x: Stated) -> tuple[str, str]:
-    """Return the name and the unit of a quantity."""
+    """Return name and unit of a quantity as shown in tables."""
     name, unit = heading_of(x)
     return name, unit.replace("million revolutions", "1e6 rev")
 
@@ -242,7 +242,7 @@ def _note(table: Mapping[str, Any], template: str) -> str:
 
 
 def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
-    """Yield rows that say why quantities of a record have no value."""
+    """Yield rows that explain why quantities of a record (``kind``) have no value."""
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
     if kind is LoadSums and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
@@ -263,7 +263,7 @@ def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
 
 
 def _support_rows(path: LoadPath | None) -> Iterator[Row]:
-    """Yield a row for each component of the loads of which a support takes a part."""
+    """Yield a row for each support and each load component of which it takes a part."""
     if path is None:
         return
     for taker in path.takers:
@@ -340,7 +340,7 @@ def together_rows(whole: Together) -> list[Row]:
 
 
 def expected_words(worth: ModelForm | None) -> str:
-    """Return one sentence that explains the errors to expect.
+    """Return a sentence on how the expected errors were estimated, or why they are not known.
 
     Parameters
     ----------

@@ -33,20 +33,20 @@ if TYPE_CHECKING:
     from rollbench.compare.models.answers import SetAnswers
     from rollbench.lowfi.bearings.torque import LoadTorque
 
-#: Answers that each set has separately.
+#: Keys of a set's summary that are not repeated in the summary of the whole shaft.
 OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
 #: Friction force [N] for whose reversal lost motion is given.
 LOST_BY = 100.0
 
 
 def per_side(row: Array) -> dict[str, float | None]:
-    """Return values (4,) by the names of the flanks."""
+    """Return four values by the names of the flanks."""
     return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
 @record
 class BallRow:
-    """One ball: position, and load, contact angle and pressure (4,) of its flanks, in SI."""
+    """One ball: position, and load, contact angle and pressure on its four flanks (4,), in SI."""
 
     index: int = quantity("index", "number of the ball along its track, from 1")
     azimuth: float = quantity("azimuth_deg", "nominal azimuth of the ball, from x to y; it goes on over turns")
@@ -99,7 +99,7 @@ class RollerRowAnswer:
 
 @record
 class LoadSums:
-    """Worst ball, mean and extremes of the loaded contacts [N]."""
+    """Summary of contact loads: most loaded ball and flank, mean and extremes [N], numbers of contacts."""
 
     ball: int = quantity("worst_ball", "ball of the largest contact load")
     side: str = quantity("worst_side", "its flank")
@@ -132,7 +132,7 @@ class LoadSums:
 
 @record
 class RollerSums:
-    """Worst roller, mean and extremes of the loaded rollers of a row [N]."""
+    """Summary of the loads of a row of rollers: most loaded roller, mean and extremes [N], numbers of rollers."""
 
     roller: int = quantity(
         "worst_roller",
@@ -242,7 +242,7 @@ class CentrelinePoint:
 
 
 def sides_json(load: Array) -> dict[str, Any]:
-    """Return, for each loaded flank, largest and smallest load [N], their ratio, balls with and without load."""
+    """Return, by loaded flank, largest and smallest load [N], their ratio, numbers of loaded and unloaded balls."""
     out = {}
     for side, values in zip(SIDES, load.T, strict=True):
         loaded = values[values > 0.0]
@@ -253,7 +253,7 @@ def sides_json(load: Array) -> dict[str, Any]:
 
 
 def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
-    """Return worst ball, mean and extremes of the loaded contacts (n, 4) [N]; None without load.
+    """Return the summary of contact loads (n, 4) [N] as JSON (`LoadSums`); None without load.
 
     ``contacts``: number in the mean load, see `meshes.loads.mean_load`.
     """
@@ -268,7 +268,7 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
 
 
 def roller_loads(load: Array) -> dict[str, Any] | None:
-    """Return worst roller, mean and extremes of the loaded rollers of a row, (count,) [N]; None without load."""
+    """Return the summary of a row's roller loads (count,) [N] as JSON (`RollerSums`); None without load."""
     carried = load[load > 0.0]
     if not carried.size:
         return None
@@ -277,12 +277,12 @@ def roller_loads(load: Array) -> dict[str, Any] | None:
 
 
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
-    """Return a stiffness (6, 6) at a station [m], in N/m, N/rad, N m/rad; null where a freedom is fixed."""
+    """Return a stiffness (6, 6) [N/m, N/rad, N m/rad] at a station [m] as JSON; null where a freedom is fixed."""
     return as_json(StiffnessAt(station, str(status), FREEDOMS, matrix))
 
 
 def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
-    """Return a life, also in hours if a speed [rad/s] is known."""
+    """Return a life as JSON, also in hours if a speed [rad/s] is known; None without life."""
     data = as_json(life)
     return data | {"L10_hours": number(life.hours(speed))} if data is not None and life and speed else data
 
@@ -336,7 +336,7 @@ def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
 
 
 def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
-    """Return the starting torque of a ball bearing with thrust in one direction, under its preload; None for others."""
+    """Return the starting torque of a preloaded ball bearing that carries thrust one way; None for others."""
     parts, preload = answers.parts, answers.preload
     one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
     if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
@@ -345,7 +345,7 @@ def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
-    """Return the summary of one of several sets, of balls or rollers."""
+    """Return the JSON summary of one of several sets, of balls or rollers; empty without equilibrium."""
     if not np.isfinite(s.loads).all():
         return {}
     data: dict[str, Any] = {} if s.balls is None else {"sides": sides_json(s.balls.load)}
@@ -361,14 +361,14 @@ def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) ->
 
 
 def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
-    """Return the stiffness of several sets as a whole, with the keys of a single set's."""
+    """Return the stiffness of a shaft with several sets as JSON, with the keys used for one set; None without."""
     if result.stiffness is None:
         return None
     return {"at": result.stiffness_at, **(stiffness_json(result.station, result.status, result.stiffness) or {})}
 
 
 def whole_json(one: SolvedAxis) -> dict[str, Any]:
-    """Return the summary of several sets: flanks of all balls, values of the set with the worst contact, axial answers."""
+    """Return the JSON summary of several sets: flanks, axial answers, values of the set with the worst contact."""
     result, answers = one.result, one.answers
     if not result.converged:
         return {}
@@ -391,7 +391,7 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
 def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
     """Return a solved scene as JSON: angles in deg, stations in mm, displacements in um, forces in N.
 
-    Of several sets rows of balls and rollers begin with their set, sums of a set are in ``sets``.
+    With several sets, each row of a ball or roller names its set, and the summary of each set is in ``sets``.
 
     Parameters
     ----------
@@ -445,7 +445,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
 
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
-    """Return the errors to expect of quantities other than loads [%], by ``key``; null if not covered."""
+    """Return expected errors [%] of displacement, rigidity, pressure by the template ``key``; None: not covered."""
     errors = {
         name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
     }
@@ -461,7 +461,7 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
 
 
 def pole_pressure(scene: Scene, found: StaticResult) -> Array:
-    """Return the largest pressure of every contact, (n, 4) [Pa], of the model, else by Hertz with errors of the radii.
+    """Return the largest pressure of every contact, (n, 4) [Pa]: the model's, else by Hertz with the radii's errors.
 
     nan without equilibrium.
     """
@@ -478,7 +478,7 @@ def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
 
 
 def set_balls(result: AxisResult) -> list[dict[str, Any]]:
-    """Return one row per ball, numbered from 1 in each set."""
+    """Return the JSON rows of the balls of all sets, numbered from 1 in each set."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if s.balls is not None and isinstance(s.of.parts, Scene):
@@ -487,7 +487,7 @@ def set_balls(result: AxisResult) -> list[dict[str, Any]]:
 
 
 def rollers(result: AxisResult) -> list[dict[str, Any]]:
-    """Return one row per roller, numbered from 1 in each set."""
+    """Return the JSON rows of the rollers of all sets, numbered from 1 in each set."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if not isinstance(s.of.parts, RollerRow) or s.roller_azimuth is None or s.line_loads is None:
@@ -503,7 +503,7 @@ def rollers(result: AxisResult) -> list[dict[str, Any]]:
 def cases_json(
     cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: Together, tangents: Sequence[Tangent | None] = ()
 ) -> dict[str, Any]:
-    """Return the JSON of the load cases in order, and of the sums over them.
+    """Return the JSON of a solved duty cycle: each load case in order, and extremes and lives over all.
 
     Parameters
     ----------
@@ -512,7 +512,7 @@ def cases_json(
     solved
         Solutions of the load cases.
     whole
-        Sums over the load cases.
+        Extremes and lives over the load cases.
     tangents
         Stiffness of each load case at a station, where asked for.
     """
@@ -528,12 +528,12 @@ def cases_json(
 
 
 def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
-    """Return the keys with which every row of a load case begins."""
+    """Return the keys with which the JSON of every load case begins: scene, and data of the case."""
     return {"scene": cycle.name, **(as_json(case) or {})}
 
 
 def together_json(whole: Together) -> dict[str, Any]:
-    """Return the extremes over the load cases, and the lives over the cycle or why there is none."""
+    """Return the JSON of extremes over the load cases and of lives over the cycle, or why there is no life."""
     several = len(whole.lives) != 1
     data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)
     each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)

@@ -19,7 +19,7 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
 Band = tuple[float, float]
-#: Attributes that scenes of one axis share, with the words that are shown where they differ.
+#: Attributes that variants of one axis share, with the text that is shown if they differ.
 SHARED = (
     *(
         ("loads", "loads"),
@@ -153,7 +153,7 @@ def _middle(value: Any) -> float | None:
 
 
 def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
-    """Make the record of several results; of load cases the first is taken, and the life over all.
+    """Make the record that compares several results; of a duty cycle, the first load case and the life over all.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def _alternative(whole: Result, name: str) -> Alternative:
 
 
 def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
-    """Return running and starting torques (low, high) [N m], and the moment of inertia of an axis [kg m^2]."""
+    """Return running and starting torques (low, high) [N m], and an axis' inertia [kg m^2]; None: not known."""
     if one.drive is not None:
         return one.drive.running, one.drive.starting, one.drive.inertia
     if one.bearing_torque is not None:
@@ -220,7 +220,7 @@ def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
 
 
 def _differ(scenes: Sequence[Scene | Assembly]) -> list[str]:
-    """Return the names of the data that differ between the scenes."""
+    """Return the names of the shared data (shaft, loads, operation) that differ between the scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
         return ["one set against several"]

@@ -373,7 +373,7 @@ class Result(Record, Balls):
         return figure
 
     def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Return title and contact loads (n, 4) [N] of every panel of `plot`."""
+        """Return title and contact loads (n, 4) [N] of each panel of `plot`; ``case``: text for the titles."""
         if self.cases:
             return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
@@ -440,7 +440,7 @@ class Result(Record, Balls):
         return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
 
     def _repr_html_(self) -> str:
-        """Return the table for a notebook, of several sets with a row on each."""
+        """Return the table as HTML for a notebook; with several sets, a second table has a row for each."""
         rows = [row for one in self.solved if isinstance(one, SolvedAxis) and not self.cases for row in set_rows(one)]
         return super()._repr_html_() + (as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
@@ -478,7 +478,7 @@ def result_of(
     solved
         Records of the solver, one for each load case.
     tangents
-        Stiffness of each at the station that was asked for; None where none was.
+        Stiffness of each at the requested station; None without such a station.
     at_nut
         Stiffness of each at the nut's centre; None where it was not computed.
     cycle
@@ -646,7 +646,7 @@ def _preload(known: loading.Preload | None) -> Preload | None:
 
 
 def expected_error(m: ModelForm | None) -> ExpectedError | None:
-    """Convert an estimate of the model's error to the record of the library.
+    """Convert an estimate of the model's error to the record that results show.
 
     Parameters
     ----------
@@ -665,7 +665,7 @@ def expected_error(m: ModelForm | None) -> ExpectedError | None:
 
 
 def _columns(one: Balls) -> dict[str, Array | list[str]]:
-    """Return the columns of the balls of one set; none without loads."""
+    """Return the columns of `Result.columns` for the balls of one set; empty without loads."""
     if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
         return {}
     out: dict[str, Array | list[str]] = {"ball": np.arange(1.0, one.z.size + 1), "azimuth_rad": one.azimuth, "z_m": one.z}

@@ -33,7 +33,7 @@ ERROR_OF = {
 
 @record
 class TableRow:
-    """Quantities at one combination of values of the keys, in SI units; errors in per cent.
+    """Row of a table: quantities at one combination of values of the keys, in SI units; errors in per cent.
 
     A field is None if it was not asked for or there is no equilibrium.
     """
@@ -114,7 +114,7 @@ class Over:
 
     @property
     def unit(self) -> str:
-        """Unit that the name of the column ends with; empty without."""
+        """Unit at the end of the column's name; empty if it has none."""
         return self.column.removeprefix(self.key).lstrip("_")
 
     @property
@@ -162,7 +162,7 @@ class Table(Data):
 
     @property
     def failures(self) -> dict[str, list[str]]:
-        """Combinations without equilibrium in words, by the reason."""
+        """Texts of the combinations of key values without equilibrium, by reason."""
         out: dict[str, list[str]] = {}
         for row, place in zip(self.rows, self.places, strict=True):
             if not row.converged:
@@ -217,7 +217,7 @@ def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def table_of(data: Mapping[str, Any]) -> Table:
-    """Make the record of the JSON of ``rollbench table``.
+    """Convert the JSON of ``rollbench table`` to a record.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def table_of(data: Mapping[str, Any]) -> Table:
 
 
 def place_words(over: Sequence[Over], row: Mapping[str, Any]) -> str:
-    """Describe the values of the keys of a row in words.
+    """Return a text with a row's values of the table's keys.
 
     Parameters
     ----------

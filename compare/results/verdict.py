@@ -82,7 +82,7 @@ class VerdictRow:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Verdict(Record):
-    """Judgement of the loads and values of scenes against their reference: a row for each quantity.
+    """Judgement of contact loads and other values of scenes against their reference: a row for each quantity.
 
     Examples
     --------
@@ -115,7 +115,7 @@ class Verdict(Record):
 
     @property
     def worst(self) -> VerdictRow | None:
-        """Row that decides: among those with the worst judgement the largest error over limit; None without rows."""
+        """Decisive row: of the rows with the worst judgement, the largest error over limit; None without rows."""
         gravest = [row for row in self.rows if row.judgement is self.judgement]
         return max(gravest, key=lambda row: abs(row.error or 0.0) / row.limit, default=None)
 
@@ -158,7 +158,7 @@ class Verdict(Record):
 
     @property
     def answer(self) -> str:
-        """The gravest verdict, of what, the error in per cent of the mean load, and how many there are of each verdict."""
+        """One line: worst judgement, scenes, models, largest load error [% of the mean load], counts."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
         of = [
             ", ".join(dict.fromkeys(texts)) for texts in ([v.subject for v in self.judged], [v.judged for v in self.judged])
@@ -170,7 +170,7 @@ class Verdict(Record):
 
     @property
     def advice(self) -> list[str]:
-        """Advice: what the errors of loads are relative to, and what to do where not all pass."""
+        """Sentences: to what the errors of loads are relative, and what to do if a quantity does not pass."""
         words = {v.word for v in self.judged}
         loads = any(v.quantity == LARGEST for v in self.judged)
         return [
@@ -189,7 +189,7 @@ class Verdict(Record):
         return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
 
     def __repr__(self) -> str:
-        """Return the worst judgement, then a line for each row."""
+        """Return the worst judgement, then a line for each warning and row."""
         return "\n".join([f"verdict: {self.word}", *self._notes])
 
 
@@ -287,7 +287,7 @@ def judged_cases(
 
 
 def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
-    """Return the JSON of all verdicts.
+    """Return all judgements as JSON.
 
     Parameters
     ----------
@@ -299,7 +299,7 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdic
     Returns
     -------
     dict
-        The verdicts and the worst of them; of load cases also those of each case, and which case decides.
+        The judgements and the worst of them; with load cases also the judgements of each case, and the decisive case.
     """
     gravest = worst_of([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}

@@ -31,7 +31,7 @@ def view_of(
     stores: Sequence[Path] | None = None,
     given: Reference | None = None,
 ) -> View:
-    """Return the data of the view of a solved scene, or of its load cases.
+    """Return the data of the 3D view of a solved scene, or of its load cases.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def view_of(
     stores
         Folders with runs of the 3D reference; None: that of the package.
     given
-        A user's reference, instead of these.
+        A user's reference, in place of the stored runs.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def _balls(
     known: Reference | None = None,
     expected: float | None = None,
 ) -> SetView:
-    """Return a set of balls; ``known``: reference of its loads; ``expected``: error of its loads [N]."""
+    """Return the view of a set of balls; ``known``: its 3D reference; ``expected``: error of its loads [N]."""
     closer = closer_than_perfect(parts, found.member)
     if not solved:
         return SetView(name, kind, parts, position, closer=closer)
@@ -118,7 +118,7 @@ def _balls(
 
 
 def closer_than_perfect(scene: Scene, member: int = 0) -> Array:
-    """Return by how much errors bring each ball closer to its flanks, along nominal contact normals, (n, 4) [m].
+    """Return the approach of each ball to its flanks due to geometric errors, along the nominal normals, (n, 4) [m].
 
     With the normal n of a flank, delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0): ball radius r_B, groove centre c
     and radius rho at the nominal contact angle, nominal values with a 0. First order in the errors.

@@ -11,7 +11,7 @@
 drawn screws; write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands
 by ``to_dict()``. ``python -m rollbench`` is the command line.
 
-The folders compare, lowfi, hifi, meshes and reports of the repository are packages of these names in here.
+The folders compare, lowfi, hifi, meshes and reports of the repository are subpackages of this package.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ __all__ = [
     "sweep",
     "table",
 ]
-#: Where a name of the library stands, if not in the package ``rollbench.compare.api``.
+#: Module of each public name that is not in the package ``rollbench.compare.api``.
 _ELSEWHERE = {
     "InputError": "rollbench.compare.errors",
     "Comparison": "rollbench.compare.results.comparison",
@@ -105,7 +105,7 @@ _FORMER = {"Solution": "Result", "Judged": "Verdict"}
 
 
 def __getattr__(name: str) -> object:
-    """Import a name of the library when it is first used; AttributeError for others."""
+    """Import a public name of the library when it is first used; AttributeError for any other name."""
     if name == "compare":
         return import_module("rollbench.compare")
     if name in _FORMER:

@@ -12,16 +12,16 @@ _OLD, _NEW = "rollbench.comparison", "rollbench.compare"
 
 
 class _Renamed(MetaPathFinder, Loader):
-    """Finds a module below the former name as the one below the present name, not a second copy of it."""
+    """Importer that gives the present module for a module below the former name, without a second copy."""
 
     def find_spec(
         self, name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return the spec of a module below the former name."""
+        """Return an import spec for a module below the former name; None for other modules."""
         return ModuleSpec(name, self, is_package=True) if name.startswith(f"{_OLD}.") else None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Put the present module in the place of the new one."""
+        """Replace the module just created by that of the present name in ``sys.modules``."""
         sys.modules[module.__name__] = import_module(_NEW + module.__name__.removeprefix(_OLD))
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def rollbench(request: pytest.FixtureRequest) -> Rollbench:
-    """Judges scenes, their paths from the folder of the test: ``rollbench.check("my.toml", max_error=7)``."""
+    """Fixture to judge scenes, with paths relative to the test file: ``rollbench.check("my.toml", max_error=7)``."""
     from rollbench.compare.gate.pytest_plugin import Rollbench
 
     return Rollbench(request.path.parent)
