@@ -1,4 +1,4 @@
-"""The command line: a table of its commands, each a module of ``compare.commands``, and exit codes."""
+"""Command line: table of the commands and their modules in ``compare.commands``, errors as text, and exit codes."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def arrange(app: App) -> None:
 
 
 def option(argument: str) -> str:
-    """Return the option of the command line for an argument of the library.
+    """Return the command-line option for an argument of a library function.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def _drop_output() -> None:
 
 
 class Terminated(KeyboardInterrupt):
-    """The signal TERM was received; handled like an interrupt."""
+    """Exception for the signal TERM, handled like an interrupt from the keyboard."""
 
 
 def _terminated(_number: int, _frame: FrameType | None) -> None:

@@ -12,7 +12,7 @@ _WHOLE = 2000
 
 
 def escaped(text: str) -> str:
-    """Replace what is not printable (controls, line ends, direction marks) by escapes.
+    """Return a text with unprintable characters (controls, line ends, direction marks) replaced by escapes.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class ArgumentError(InputError):
     """
 
     def __init__(self, argument: str, value: str, allowed: str, advice: str, file: str = "") -> None:
-        """Keep the parts of the message; ``str()`` gives ``max_error: got 700; allowed: ...; advice: ...``."""
+        """Store the parts of the message; ``str()`` gives ``max_error: got 700; allowed: ...; advice: ...``."""
         super().__init__(file, argument, value, allowed, advice)
         self.args = (argument, value, allowed, advice, file)
 
@@ -141,7 +141,7 @@ class Refusal(InputError):
     """
 
     def __init__(self, file: str, key: str, reason: str, advice: str) -> None:
-        """Keep the parts of the message."""
+        """Store the parts of the message."""
         super().__init__(file, key, reason, "", advice)
         self.args = (file, key, reason, advice)
 
@@ -194,7 +194,7 @@ class SceneError(InputError):
     def __init__(
         self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0, others: tuple[SceneError, ...] = ()
     ) -> None:
-        """Keep the parts of the message; ``lines()`` gives a line for every fault."""
+        """Store the parts of the message; ``lines()`` gives a line for every fault."""
         super().__init__(file, key, value, allowed, advice, more)
         self.args = (file, key, value, allowed, advice, more, others)
         self.others = others

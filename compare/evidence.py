@@ -1,4 +1,4 @@
-"""Comparison of every printed number and claim with a computed value, made once for gate, report and literature tests.
+"""Compares every printed number and claim with a computed value, once for gate, report and literature tests.
 
 `computations.toml` of a case names the function that computes the numbers of a printed table and the test that asserts
 them. The expected verdict of an entry is stored with the printed value; `Evidence.change` is the difference.
@@ -66,7 +66,7 @@ class Evidence:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the entry is reproduced; None if that cannot be decided."""
+        """Whether the computed value agrees with the printed entry; None if nothing was computed."""
         p = self.printed
         if p.value is None:
             return self.holds
@@ -182,7 +182,7 @@ class Findings:
         self._file(key, holds=bool(holds), words=words)
 
     def remark(self, key: str, words: str) -> None:
-        """Record a remark, or why nothing is compared. Raises KeyError for an unknown key."""
+        """Record a remark on an entry, such as why nothing is compared. Raises KeyError for an unknown key."""
         self._file(key, words=words)
 
     def evidence(self) -> tuple[Evidence, ...]:
@@ -240,7 +240,7 @@ class Computation:
 
     @property
     def every_scene(self) -> tuple[str, ...]:
-        """All scenes of the entries, each once."""
+        """Names of all scenes from which entries of the table are computed, each once."""
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:

@@ -1,4 +1,4 @@
-"""Definition of error: every percentage of the project is computed here."""
+"""Definitions of error: every percentage of the project is computed by this module."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class LoadError:
 
 
 def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
-    """Compute the errors of contact loads.
+    """Compute the errors of contact loads against those of a reference.
 
     Parameters
     ----------

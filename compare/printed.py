@@ -103,7 +103,7 @@ class Printed:
 
 
 def tables() -> list[str]:
-    """Return the names of the shipped tables, sorted."""
+    """Return the names of the shipped printed tables, sorted."""
     return list(shipped_files("printed"))
 
 

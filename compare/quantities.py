@@ -1,4 +1,4 @@
-"""Quantities of results as stated at the fields of records (`meshes.quantity`), in the units of their keys.
+"""Converts quantities stated at record fields (`meshes.quantity`) to JSON and text, in the units of their keys.
 
 The ending of a key gives the unit: ``approach_um`` is 1e6 times the field ``approach`` in m. JSON, terminal, comparison and
 the tables of the library use them.

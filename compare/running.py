@@ -1,4 +1,4 @@
-"""Requirements of long computations (gmsh, packages, memory), messages of progress, and a time limit."""
+"""Checks before long computations (gmsh, packages, memory), progress messages, and a time limit."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def gmsh_fault() -> str:
 
 
 def gmsh_remedy() -> str:
-    """Return advice for a gmsh that cannot be loaded."""
+    """Return advice on how to install gmsh, or the shared libraries that it lacks."""
     return pip("gmsh") if version("gmsh") is None else install(MESHING)
 
 
@@ -74,7 +74,7 @@ def cores() -> int:
 
 
 def out_of_memory(reason: object) -> InputError:
-    """Return the error for a computation that needs more memory than this machine has."""
+    """Return the InputError for a computation that needs more memory than this machine has."""
     advice = "end other programs, take a coarser level or fewer workers, or a cluster (`backend=dask`)"
     return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
 
@@ -145,7 +145,7 @@ def bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
 
 def on_terminal(text: str) -> None:
-    """Show a message on progress on the standard error of a terminal.
+    """Show a progress message on standard error if that is a terminal.
 
     A text with ``[3/12]`` or ``34%`` is shown as one line with a bar and the time left, other texts above this line. If
     standard error is not a terminal, only a text that begins with WARNING is shown.

@@ -126,7 +126,7 @@ def micro(text: str) -> str:
 
 
 def typeset(text: str) -> str:
-    """Return a text as a page shows it: um as µm, a minus sign, ± for +-, a no-break space before a per cent sign.
+    """Return a text with typographic signs for a page: µm for um, minus, ± for +-, no-break space before per cent.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Plain records of a report, filled by those who run models and drawn by this package."""
+"""Plain records for the contents of a report, filled by the code that runs models and drawn by this package."""
 
 from __future__ import annotations
 
@@ -306,7 +306,7 @@ class PressurePanel:
 
 @dataclass(frozen=True)
 class PressureMap:
-    """Filled contours of one to four contacts with one scale."""
+    """Figure with filled pressure contours of one to four contacts, on one colour scale."""
 
     #: Stem of its SVG file.
     name: str
@@ -398,7 +398,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Report:
-    """The whole report; the first summary of a section is its first screen."""
+    """The whole report; the first `Summary` found in a section is its first page."""
 
     #: Title.
     title: str

@@ -158,7 +158,7 @@ def _render(picture: FieldPicture, path: str) -> None:
 
 
 def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
-    """Put texts, scale bar and colour scale around the image; few colours keep the file small."""
+    """Write the final PNG: image with texts, scale bar and colour scale; few colours keep the file small."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable

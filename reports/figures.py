@@ -91,7 +91,7 @@ LEFT = 0.4
 
 
 def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
-    """Move heights as little as possible, keeping their order, so that they are ``gap`` apart (if possible, in range).
+    """Move heights as little as possible, in order, until they are ``gap`` apart, and within a range if possible.
 
     Parameters
     ----------

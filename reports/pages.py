@@ -88,7 +88,7 @@ def templates() -> Environment:
 
 
 def write_pages(report: Report, folder: Path, say: Progress) -> None:
-    """Draw everything and write pages, tables, figures and the search index.
+    """Draw all items of a report and write pages, tables, figures and the search index.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ class _Grooves:
         return half
 
     def surface(self, phi: Array, z: Array, land: float) -> Array:
-        """Return the radius [m] of the screw's grooved surface, or of the nut's if ``land`` is above the pitch radius."""
+        """Return the radius [m] of the grooved surface: screw, or nut if ``land`` is above the pitch radius."""
         depth = self.depth(phi, z)
         if land < self.track_radius:
             return np.fmin(land, self.track_radius - depth)
@@ -227,7 +227,7 @@ def _render(picture: LoadedScrew, path: str) -> None:
 
 
 def _round_scale(low: float, high: float) -> tuple[float, float, int]:
-    """Return round limits around ``low`` to ``high``, and a number of labels that divides them evenly."""
+    """Return round limits of a scale from ``low`` to ``high``, and a number of labels that divides it evenly."""
     if high - low < 1e-3 * high:
         low, high = 0.9 * low, 1.1 * high
     decade = 10.0 ** np.floor(np.log10((high - low) / 4.0))
@@ -316,7 +316,7 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
-    """Set camera, lights and axes triad."""
+    """Set camera and lights of the plotter, and add the triad of axes."""
     outward, upward = directions()
     extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
     focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward

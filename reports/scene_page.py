@@ -1,4 +1,4 @@
-"""One scene as a self-contained HTML page with hashes of its inputs, and the check of these hashes.
+"""Writes one scene as a self-contained HTML page with hashes of its inputs, and reads these from a page.
 
 The page contains the scene file, the results as JSON and a manifest: SHA-256 of both, of the page and of every file that
 was used. `read_page` takes them out again. The hashes show what changed, but not who wrote the page.

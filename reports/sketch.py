@@ -44,7 +44,7 @@ class _Scale:
     middle: float
 
     def x(self, station: float) -> float:
-        """Return the abscissa of a station [m]."""
+        """Return the abscissa [pixels] of a station [m]."""
         if station < self.low:
             share = (self.low - station) / max(self.low, 1e-12)
             return self.left - share * self._end(self.low)
@@ -55,7 +55,7 @@ class _Scale:
         return self.left + self.per_metre * (station - self.low)
 
     def y(self, radius: float) -> float:
-        """Return the ordinate of a height above the axis [m]."""
+        """Return the ordinate [pixels] of a height above the axis [m]."""
         return self.middle - self.per_metre * radius
 
     def _end(self, length: float) -> float:
@@ -201,7 +201,7 @@ def _acting(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
 
 
 def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
-    """Return the rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
+    """Return rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
     solid = dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
         return [], True

@@ -330,7 +330,7 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def source_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the source's model on every scene: the worst contact is reported, not gated.
+    """Check the source's model (lin) on every scene with a reference; the worst contact is reported, not gated.
 
     The contacts beyond the limit are listed in the gate's data with their cause; a row fails only if that list is wrong.
     """

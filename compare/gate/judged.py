@@ -161,7 +161,7 @@ class Whole:
 
     @cached_property
     def start(self) -> float:
-        """Axial displacement of the unloaded screw by the default model [m]; the reference has no run without loads."""
+        """Axial displacement of the unloaded screw by the default model [m]; no run of the reference gives it."""
         return unloaded_place(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:

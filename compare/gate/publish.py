@@ -131,8 +131,8 @@ def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return Markdown: a heading with the counts, notes, a table and a chart of the worst ball and its neighbours.
 
-    Rows that did not pass come first. GitHub, GitLab, Forgejo and Gitea draw the chart (Mermaid), as a comment shows no
-    image file.
+    Rows that did not pass come first. The chart is Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because a
+    comment cannot show an image file.
     """
     counts: dict[str, int] = {}
     for o in outcomes:
@@ -179,7 +179,7 @@ def _chart(o: Outcome | None) -> list[str]:
 
 
 def picture(o: Outcome) -> Figure:
-    """Draw the loads around the worst ball, with the uncertainty of the reference."""
+    """Return a figure of judged and reference loads around a row's worst ball, with the reference's uncertainty."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))

@@ -64,7 +64,7 @@ def of_whom(scene: str, case: str | None, set_: str | None) -> str:
 
 @record
 class Verdict:
-    """Verdict on one quantity of a scene, load case or set."""
+    """Verdict on one quantity of a scene, load case or set, with the error and limit that lead to it."""
 
     #: Name of the scene.
     scene: str
@@ -181,7 +181,7 @@ class Verdict:
         return f", {value:.4g} against {reference:.4g} {split_unit(key)[1]}"
 
     def compared(self) -> str:
-        """Error, uncertainty and limit as a comparison: ``1.4 % + 0.2 % <= 7 %``."""
+        """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %``."""
         error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
         if self.uncertainty is None:
             return f"{error}, uncertainty not known, limit {limit}"

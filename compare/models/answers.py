@@ -104,12 +104,12 @@ def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
 
 
 def _held(supports: tuple[Support, ...]) -> float | None:
-    """Return the axial displacement [m] at which supports fix the shaft; None if it is free."""
+    """Return the axial displacement [m] that supports prescribe for the shaft; None if it is axially free."""
     return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
 
 
 def _outer(assembly: Assembly, row: RollingSet) -> float | None:
-    """Return the axial position [m] of a row's outer ring; None if its housing can move."""
+    """Return the axial displacement [m] of a row's outer ring; None if its housing can move axially."""
     if row.housing is None:
         return row.offset
     housing = next(h for h in assembly.housings if h.name == row.housing)

@@ -47,7 +47,7 @@ PRINTED = {
 
 
 def suitable_models(scene: Scene | Assembly) -> list[Model]:
-    """Return the compared models that can describe a scene.
+    """Return the models that ``rollbench compare`` shows by default and that cover a scene.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
 
 
 def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
-    """Solve a scene with a low-order model and measure the time, in plain Python.
+    """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the run time.
 
     Elastic bodies of a geometry that was solved before are cached.
 
@@ -273,7 +273,7 @@ def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
 
 
 def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
-    """List all compared quantities of a scene: loads, angles, displacements, load ratio, largest and RMS error.
+    """Return rows for all compared quantities of a scene: loads, angles, displacements, load ratio, errors.
 
     Parameters
     ----------
@@ -310,7 +310,7 @@ def _row(
 
 
 def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
-    """Return the grid uncertainty of similar quantities (any shape) with a common order of convergence.
+    """Return the grid uncertainty of similar quantities (any shape), by `pool` with a common order of convergence.
 
     Parameters
     ----------
@@ -392,7 +392,7 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference)
 
 
 def load_ratio(load: Array) -> float:
-    """Return the ratio of largest to smallest load on the screw's left flanks; infinite if a contact is lost."""
+    """Return the ratio of largest to smallest load on the flanks SL; infinite if a contact there carries no load."""
     smallest = float(load[:, 0].min())
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
@@ -448,7 +448,7 @@ class GatePoint:
 
 
 def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
-    """Judge every contact that is loaded by the model or in the reference.
+    """Return the error of every contact loaded by the model or in the reference, and whether it exceeds the limit.
 
     Parameters
     ----------
@@ -600,7 +600,7 @@ def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, flo
 
 
 def answered(of: SetOf, model: str) -> Answered | str:
-    """Solve one of several sets by a model.
+    """Return a model's solution for one of several sets on a shaft, with and without the loads of the assembly.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: 
 def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
     """Return friction torques and efficiencies of a scene that has [friction], if no kernel must be compiled.
 
-    Results are cached on disk by scene and loads: loading the machine code would take longer than the rest of the
+    Results are cached on disk by scene and loads, as loading machine code would take longer than the rest of the
     solution.
 
     Parameters

@@ -124,7 +124,7 @@ class SolvedAxis:
 
 
 def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
-    """Solve a scene of one set or several and compute all answers.
+    """Solve a scene with one set or several by a model, and compute all answers.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ class Lives:
         "life over the duty cycle by the contact loads against that by the standard; a result, not an error",
     )
     def difference_percent(self) -> float | None:
-        """Difference of the life by the contact loads from that by the standard [%]."""
+        """Difference of the life by the contact loads from the life by the standard [%]."""
         if self.life is None or self.standard is None:
             return None
         return float(error_percent(self.life.revolutions, self.standard.revolutions))

@@ -134,7 +134,7 @@ class GivenLoads:
 
 
 def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
-    """Return the rows of a CSV file with every contact.
+    """Return the rows of a CSV file of loads, one for each contact.
 
     Parameters
     ----------
@@ -343,7 +343,7 @@ def _columns(path: Path, table: Rows) -> dict[str, Column]:
 
 
 class _Row:
-    """Row of a file, with cells by the quantities of their columns."""
+    """Row of a file of loads, with access to its cells by quantity."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
@@ -397,7 +397,7 @@ class _Row:
 
 
 class _Places:
-    """Index of the balls of a scene by azimuth and axial position."""
+    """Finds the balls of a scene by azimuth and axial position."""
 
     def __init__(self, scene: Scene) -> None:
         layout = ball_layout(scene)

@@ -51,14 +51,14 @@ if TYPE_CHECKING:
 #: File with the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
 
-#: Errors that are estimated, each separately: loads (largest and RMS, of the mean load), axial displacement and tangent
+#: Errors that are estimated, each separately: loads (largest, RMS; of the mean load), axial displacement and tangent
 #: rigidity of the section that the axial load acts on, largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 #: Share of compared scenes whose error lies within the expected one, each estimated without itself.
 SHARE = 0.92
 
-#: Least error [%] of each quantity; smaller ones are raised to it: load errors are absolute values, others change sign.
+#: Least error [%] of each quantity; smaller ones are raised to it. Load errors are absolute, others change sign.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
 
 #: Weight of the ridge penalty: of a slope of one per unit of a feature, against the misfit of one scene.
@@ -169,7 +169,7 @@ def carried_across(scene: Scene, result: StaticResult) -> tuple[float, float]:
 
 
 def features(scene: Scene, result: StaticResult) -> dict[str, float]:
-    """Compute the dimensionless features of a scene, with the loads of any model.
+    """Compute the features of a scene (`SCALES`), from its parts and a model's loads.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def held_by_flange(scene: Scene) -> bool:
 def bound(known: Array, errors: Array, here: Array, least: float) -> float:
     """Return the error [%] within which ``SHARE`` of similar scenes lie, at given features.
 
-    It is the value of the fit to the logarithms of the errors, plus the quantile ``SHARE`` of the fit's residuals. Each
+    It is the fit of the logarithms of the errors, plus the quantile ``SHARE`` of the fit's residuals. Each
     residual is that of a scene left out of its fit.
 
     Parameters

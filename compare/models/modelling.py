@@ -1,11 +1,11 @@
 """Effect of modelling choices on contact loads: idealisations of the 3D reference, and each step of the model ladder.
 
 The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that the source does not
-print. Each choice is varied separately on the coarsest level, each mesh setting refined separately on the finest level,
-and compared with the same scene on that level (``base``). Of several variants of a choice the largest change per contact
-counts; choices are independent and of unknown sign, so they add by the root of the sum of squares, contact by contact. The
-sum is an estimate of one typical variation of every choice, not a bound. Properties of the scene (where the nut is fixed)
-or of the method (modes, sockets) are listed but not included, nor are choices that cannot be varied
+print. Each choice is varied separately on the coarsest level, each mesh setting refined separately on the finest,
+and compared with the same scene on that level (``base``). If a choice has several variants, the largest change of
+each contact counts. Choices are independent and of unknown sign, so they add by the root of the sum of squares, contact
+by contact. The sum is an estimate of one typical variation of every choice, not a bound. Properties of the scene (where
+the nut is fixed) or of the method (modes, sockets) are listed but not included, nor are choices that cannot be varied
 (``compare.reference.variants.NOT_VARIED``).
 """
 
@@ -48,7 +48,7 @@ SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "
 
 @dataclass(frozen=True)
 class Effect:
-    """Effect of one variant on one scene."""
+    """Effect of one variant of the 3D reference on the contact loads of one scene."""
 
     #: Name of the scene.
     scene: str
@@ -70,7 +70,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Modelling:
-    """Modelling uncertainty of a scene, from all choices."""
+    """Modelling uncertainty of a scene's reference, combined from the effects of all choices."""
 
     #: Name of the scene.
     scene: str
@@ -235,7 +235,7 @@ class Share:
 
 
 def shares(study: Study) -> list[Share]:
-    """Compute which body's idealisation causes the error of the refined model, on every scene with stored 3D bodies."""
+    """Compute, by scene, the refined model's errors with neither body, the screw, the nut or both taken from 3D."""
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)

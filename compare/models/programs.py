@@ -152,7 +152,7 @@ def program(name: str) -> Program:
 
 @dataclass(frozen=True)
 class Program:
-    """Program of a user as a model."""
+    """Program of a user that serves as a model: command and time limit."""
 
     words: tuple[str, ...]
     """Words of the command, with placeholders for the files."""
@@ -234,7 +234,7 @@ class Program:
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
-        """Return the error of a program that failed, with the last line that it printed."""
+        """Return the error for a program that failed, with the last line that it printed."""
         line = last_line(said)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
         return ProgramError(self.label, scene.name, why + words, MEND)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options:
-    """Options of running a model."""
+    """Options for running a model."""
 
     #: Whether terms that cannot change the result are computed too.
     everything: bool = False
@@ -50,7 +50,7 @@ def _lin(scene: Scene, options: Options) -> StaticResult:
 
 
 def read_condensed(scene: Scene, options: Options) -> Condensed:
-    """Read the condensed bodies of the file in the options.
+    """Read condensed bodies from the file that the options name.
 
     Parameters
     ----------

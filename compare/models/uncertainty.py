@@ -70,7 +70,7 @@ CONTACTS = "contact loads"
 
 @dataclass(frozen=True)
 class Quantity:
-    """Quantity that is compared."""
+    """Quantity of which model and reference are compared, with the function that computes it."""
 
     #: Name of the quantity.
     name: str
@@ -104,7 +104,7 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class Input:
-    """Tolerance of an input value."""
+    """Tolerance of an input value, as a change of the scene."""
 
     #: Description, with the size of the tolerance.
     name: str
@@ -224,7 +224,7 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
 
 
 def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
-    """Compute the change of a quantity by every input tolerance of a scene, by the model lin [%]."""
+    """Return the change of a quantity [%] by each input tolerance of a scene, computed by the model lin."""
     base = study.solve(scene, SENSITIVE)
     unchanged, out = quantity.take(scene, from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))

@@ -55,7 +55,7 @@ TOO_FEW = "fewer than three levels"
 
 @dataclass(frozen=True)
 class Convergence:
-    """Grid convergence of one quantity."""
+    """Grid convergence of one quantity: order, extrapolated value and uncertainty."""
 
     #: Values, coarse to fine.
     values: tuple[float, ...]
@@ -327,7 +327,7 @@ def _squares(y: Array, h: Array, w: Array, p: Array) -> Array:
 
 
 def _box(h: Array, p: Array) -> Array:
-    """Return (h^p - 1) / p, (orders, levels): h^p up to a constant and a factor, and ln h at p = 0."""
+    """Return (h^p - 1) / p, (orders, levels), which spans the same fits as h^p and is ln h at p = 0."""
     safe = np.where(p == 0.0, 1.0, p)[:, None]
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 

@@ -60,12 +60,12 @@ class Reference:
 
     @property
     def best(self) -> Run:
-        """The finest run."""
+        """Run on the finest mesh level."""
         return self.runs[-1]
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """Relative cell sizes of the runs."""
+        """Relative cell sizes of the runs, coarse to fine."""
         return (1.0,) if self.stated else tuple(representative_size(run.settings) for run in self.runs)
 
     @property

@@ -146,7 +146,7 @@ def moving(loads: Levelled) -> Array:
 
 
 def parts(loads: Levelled, known: Experience) -> GridParts:
-    """Compute the parts of the discretisation uncertainty.
+    """Compute the parts of the discretisation uncertainty from loads on several levels and from experience.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Runs of the 3D reference as jobs: which are missing, their expected time and memory, and computing them in parallel.
+"""Planning and computing runs of the 3D reference: missing runs, expected time and memory, parallel execution.
 
 Expected seconds and memory of each stage are fitted to the stored runs of 17 screws and bearings (6 to 264 contacts, four
 levels), each in one process next to another on two cores of 2026: within a factor of two. Several processes for one run:
@@ -62,12 +62,12 @@ class Expected:
 
     @property
     def seconds(self) -> float:
-        """Seconds of all stages."""
+        """Expected time of all stages [s]."""
         return sum(self.stages.values())
 
 
 def expected_cost(task: Task) -> Expected:
-    """Estimate time and memory of a task."""
+    """Estimate run time and memory of a task from its level and number of contacts."""
     by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
     contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
@@ -82,7 +82,7 @@ def expected_cost(task: Task) -> Expected:
 
 
 def need_memory(tasks: Sequence[Task], workers: int) -> float:
-    """Estimate the peak memory of several tasks in parallel.
+    """Estimate the peak memory of tasks of which several run in parallel.
 
     Parameters
     ----------

@@ -234,7 +234,7 @@ class Run:
 
     @property
     def setup_seconds(self) -> float:
-        """Seconds of the whole set-up."""
+        """Time of all stages of the set-up [s]."""
         return sum(self.stages.values())
 
 
@@ -395,7 +395,7 @@ def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> lis
 
 
 class _Mesh(NamedTuple):
-    """Parts of a run's key other than the scene."""
+    """Parts of a run's content key other than the scene: mesh settings, flanks, program versions."""
 
     #: Number of balls of the run.
     balls: int
@@ -444,7 +444,7 @@ def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
 
 
 def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
-    """Return the run in a file, if the file is intact and named by its key; else None."""
+    """Read the run in a file; None if the file is damaged, not named by its key or of another level or variant."""
     try:
         data = unsealed(path)
         arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}

@@ -147,7 +147,7 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Return mesh settings for scenes of one geometry, on a level with a variant; errors as `set_ups`."""
+    """Return the mesh settings for scenes of one geometry on a level, with a variant; raises errors as `set_ups`."""
     return set_ups(scenes, level, variant)[0].settings
 
 
@@ -247,7 +247,7 @@ class Task:
 
     @property
     def label(self) -> str:
-        """Description for the terminal."""
+        """Description of the task for the terminal: scenes, mesh level, variant."""
         mesh = "the source's mesh" if self.level == SOURCE_LEVEL else f"level {self.level}"
         tail = f", {VARIANTS[self.variant].label}" if self.variant else ""
         return f"{', '.join(s.name for s in self.scenes)}: {mesh}{tail}"

@@ -133,7 +133,7 @@ class Record(ABC):
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        """Sentences below the table."""
+        """Sentences shown below the table."""
         return ()
 
     def __getitem__(self, path: str) -> JSON:
@@ -268,7 +268,7 @@ class Record(ABC):
 
 
 def deprecated(what: str, instead: str) -> None:
-    """Warn the caller's caller that a name is removed in the next version.
+    """Issue a DeprecationWarning, at the line of the user's code, for a name that the next version removes.
 
     Parameters
     ----------

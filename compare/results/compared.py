@@ -115,7 +115,7 @@ def model_errors(
 
 @dataclass(frozen=True)
 class Compared:
-    """Models and coarser meshes compared with the reference of a scene."""
+    """Comparison of models and coarser meshes with the reference of one set."""
 
     #: Models and coarser meshes.
     models: tuple[Beside, ...]

@@ -442,7 +442,7 @@ def comparing(
 
 
 def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
-    """Make the error for a scene without a converged run.
+    """Return the error for a scene without a converged 3D reference run.
 
     Parameters
     ----------
@@ -557,7 +557,7 @@ def named(one: Referenced) -> dict[str, str]:
 
 
 def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
-    """Return the duty cycles of load cases, each once.
+    """Return the duty cycles to which load cases belong, each once.
 
     Parameters
     ----------

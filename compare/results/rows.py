@@ -86,7 +86,7 @@ OF_SETS = (
 
 
 def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
-    """Return the rows of a solved scene.
+    """Return the table rows of a solved scene.
 
     For several sets on a shaft these are the rows of the whole, then those of the set with the worst contact.
 
@@ -116,7 +116,7 @@ def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
 
 
 def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
-    """Return the rows of a summary.
+    """Return the table rows for the quantities in a JSON summary.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def _at(table: Mapping[str, Any], key: str) -> Any:
 
 
 def _row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
-    """Return the row of one quantity; None if it has no value."""
+    """Return the table row of one quantity; None if it has no value that a row can show."""
     value = _at(table, key)
     if value in (None, ..., ""):
         return None
@@ -320,7 +320,7 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
 
 
 def together_rows(whole: Together) -> list[Row]:
-    """Return the rows on all load cases of a duty cycle together.
+    """Return the table rows with extremes and lives over all load cases of a duty cycle.
 
     Parameters
     ----------

@@ -148,7 +148,7 @@ class RollerSums:
 
 @record
 class SideSums:
-    """Loads [N] of the contacts of one flank."""
+    """Summary of the contact loads on one flank: extremes [N], ratio, numbers of contacts."""
 
     largest: float = quantity("max_N", "largest load on this flank", error="as `loads.max_N`")
     least: float = quantity("min_N", "smallest load of a loaded contact on this flank", error="as `loads.min_N`")
@@ -207,7 +207,7 @@ class Axial:
         heading="lost motion, um by 100 N",
     )
     def lost_motion(self) -> float | None:
-        """Axial displacement [um] by 100 N of friction that reverses."""
+        """Axial displacement [um] when a friction force of 100 N reverses; None without tangent."""
         return None if self.tangent is None or self.tangent <= 0.0 else 1e6 * (2.0 * LOST_BY / self.tangent)
 
 
@@ -288,7 +288,7 @@ def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
 
 
 def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
-    """Return worst contact, truncation (of balls), static safety, life and ratings; null if there is none."""
+    """Return the JSON of worst contact, truncation (balls), static safety, life and ratings; null if missing."""
     if isinstance(answers, RollerAnswers):
         safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
         data = (as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}

@@ -34,7 +34,7 @@ SHARED = (
 
 @record(kw_only=True)
 class Alternative:
-    """Answers of one of the compared scenes.
+    """Answers of one of the scenes that are compared side by side.
 
     A field is None if there is no equilibrium, or what the quantity needs is not stated in the scene.
     """
@@ -108,7 +108,7 @@ class SideBySide(Record):
         parts=".*[]",
     )
     def difference_percent(self, key: str) -> tuple[float | None, ...]:
-        """Return the differences of a number from that of the first scene [% of the first].
+        """Return, for each scene, the difference of a number from the first scene's [% of the first scene's].
 
         Parameters
         ----------

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 class Status(StrEnum):
-    """How the search for an equilibrium ended."""
+    """Outcome of the search for an equilibrium."""
 
     CONVERGED = "converged"
     """There is an equilibrium; all fields may be used."""
@@ -136,7 +136,7 @@ class ExpectedError:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Balls:
-    """Contacts of n balls, in arrays with a row for each ball.
+    """Positions of n balls and loads, angles and pressures of their contacts, in arrays with a row for each ball.
 
     Columns are the flanks SL, SR, NL, NR: screw or nut, left or right seen along +z. Fields are None for rollers; loads,
     angles and pressure also without an equilibrium.
@@ -404,7 +404,7 @@ class Result(Record, Balls):
         return Path(path)
 
     def view_page(self, stores: Sequence[Path] | None = None) -> str:
-        """Return the text of the page of `view`.
+        """Return the HTML text of the page that `view` writes.
 
         Parameters
         ----------

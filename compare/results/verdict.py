@@ -18,7 +18,7 @@ from rollbench.compare.scenes.scene_file import each_case
 
 
 class Judgement(StrEnum):
-    """Judgement of a quantity by its error e, the uncertainty u of the reference and the limit."""
+    """Judgement of a quantity from its error e, the uncertainty u of the reference and the limit."""
 
     PASS = "pass"
     """e + u is within the limit."""
@@ -196,7 +196,7 @@ class Verdict(Record):
 def verdict_of(
     described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, step: Callable[[str], None]
 ) -> Verdict:
-    """Judge scenes and their load cases.
+    """Judge scenes and their load cases, and return all judgements as one record.
 
     Parameters
     ----------
