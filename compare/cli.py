@@ -136,6 +136,7 @@ class Terminated(KeyboardInterrupt):
 
 
 def _terminated(_number: int, _frame: FrameType | None) -> None:
+    """Raise Terminated: handler of the signal TERM."""
     raise Terminated
 
 

@@ -59,6 +59,7 @@ class Evidence:
         return self._against_printed(self.reading)
 
     def _against_printed(self, value: float | None) -> float | None:
+        """Return the error of a value against the printed number [%]; None without either, and for a printed zero."""
         if value is None or self.printed.value is None:
             return None
         percent = float(error_percent(value, self.printed.value))
@@ -130,6 +131,7 @@ class Findings:
         self.table = table
 
     def _file(self, key: str, **fields: float | bool | str | None) -> None:
+        """Set fields of the entry with a key; KeyError for an unknown key."""
         if key not in self._entries:
             raise KeyError(f"{self.table}: no printed entry {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]

@@ -167,6 +167,8 @@ def last_digit(printed: str) -> float:
 
 
 def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> Printed:
+    """Return the entry in a row of a printed table's TOML; InputError if a key or value is not valid."""
+
     def refuse(key: str, allowed: str, advice: str) -> InputError:
         value = f'"{raw[key]}"' if key in raw else "nothing"
         return InputError(f"{table}.toml", f"row[{index}].{key}", value, allowed, advice)
@@ -233,6 +235,7 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
 
 
 def _check_kinds(raw: Mapping[str, Any], refuse: Any) -> None:
+    """Raise the error that ``refuse`` makes for an unknown key, or a value of the wrong type."""
     for key, value in raw.items():
         if key in _TEXTS:
             if not isinstance(value, str):

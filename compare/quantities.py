@@ -98,6 +98,7 @@ def heading_of(x: Stated) -> tuple[str, str]:
 
 
 def _column(name: str, x: Stated) -> Quantity:
+    """Return the quantity of a record's field: key, heading, unit, format and the function that takes its value."""
     unit = _unit(x.key)[1]
     factor = 1.0 if unit is None else unit.factor
 

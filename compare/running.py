@@ -205,6 +205,7 @@ def _left(spent: float, share: float) -> str:
 
 
 def _draw(text: str, share: float | None = None) -> None:
+    """Draw the line of progress on standard error, with a bar if the share of work done is given."""
     global _drawn
     full = round(BAR * (share or 0.0))
     line = text if share is None else f"[{'#' * full}{'.' * (BAR - full)}] {text}"
@@ -223,6 +224,7 @@ def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
 
 
 def _watch(label: str, limit: float | None, done: threading.Event) -> None:
+    """Show the running time on a terminal until ``done`` is set; end the process at the time limit [s]."""
     begin = monotonic()
     while True:
         spent = monotonic() - begin
@@ -240,6 +242,7 @@ def _watch(label: str, limit: float | None, done: threading.Event) -> None:
 
 
 def _say(text: str) -> None:
+    """Write a text to standard error; errors of a closed output are ignored."""
     try:
         sys.stderr.write(text)
         sys.stderr.flush()

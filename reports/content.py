@@ -59,6 +59,7 @@ class Table:
 
 
 def _quantity(named: Quantity | str) -> Quantity:
+    """Return a column; a plain text becomes the heading of a column of texts."""
     return Quantity(named, named, format="s") if isinstance(named, str) else named
 
 

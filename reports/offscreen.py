@@ -114,6 +114,7 @@ def fault() -> str:
 
 
 def _draw_sphere(path: str) -> None:
+    """Write a PNG of a sphere, as a trial whether this machine can draw."""
     import pyvista
 
     pyvista.OFF_SCREEN = True

@@ -131,10 +131,12 @@ def _places(report: Report) -> dict[str, str]:
 
 
 def _kind(item: Item) -> str:
+    """Return the kind of an item in addresses: ``table`` or ``figure``."""
     return "table" if isinstance(item, Table) else "figure"
 
 
 def _write(path: Path, text: str) -> None:
+    """Write a text as UTF-8 with line feeds."""
     path.write_text(text, encoding="utf-8", newline="\n")
 
 

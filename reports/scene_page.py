@@ -97,6 +97,7 @@ def render(page: ScenePage) -> str:
 
 
 def _block(name: str, content: str = "") -> str:
+    """Return a script element that holds JSON under an id."""
     return f'<script type="application/json" id="{name}">{content}</script>'
 
 
@@ -113,6 +114,7 @@ def _embedded(data: Any) -> Markup:
 
 
 def _drawn(item: Figure | Sketch) -> Markup:
+    """Return a figure or sketch as an SVG element of the page."""
     return Markup(inline(sketch.draw(item) if isinstance(item, Sketch) else figures.draw(item)))
 
 

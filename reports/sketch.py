@@ -59,6 +59,7 @@ class _Scale:
         return self.middle - self.per_metre * radius
 
     def _end(self, length: float) -> float:
+        """Return the drawn length [pixels] of a shaft's end, shortened to `END`."""
         return min(self.per_metre * length, END)
 
     def cut(self, length: float) -> bool:
@@ -83,6 +84,7 @@ def draw(sketch: Sketch) -> str:
 
 
 def _scale(scene: Scene) -> _Scale:
+    """Return the scale of the drawing of a scene."""
     low, high = faces(scene)
     room = BEYOND * (high - low)
     ends = max(low - room, 0.0), min(high + room, scene.screw.length)
@@ -247,11 +249,13 @@ def _across(x0: float, x1: float, y: float, words: str) -> Iterator[str]:
 
 
 def _box(x: float, y: float, width: float, height: float, fill: str) -> str:
+    """Return a rectangle as SVG; lengths in pixels."""
     place = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"'
     return f'<rect {place} fill="{fill}" stroke="{INK}" stroke-width="0.8"/>'
 
 
 def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dash: str = "", width: float = 0.8) -> str:
+    """Return a line as SVG; coordinates and width in pixels."""
     dashes = f' stroke-dasharray="{dash}"' if dash else ""
     place = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
     return f'<line {place} stroke="{colour}" stroke-width="{width:g}"{dashes}/>'
@@ -268,4 +272,5 @@ def _head(x: float, y: float, along: float, down: float) -> str:
 
 
 def _text(x: float, y: float, words: str, anchor: str = "middle", colour: str = INK) -> str:
+    """Return a text as SVG, anchored at a point [pixels]."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{escape(words)}</text>'

@@ -65,10 +65,12 @@ def block(name: str, data: Any) -> str:
 
 
 def _file(name: str) -> str:
+    """Return the text of a file of the viewer."""
     return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
 
 
 def _sight() -> dict[str, list[float]]:
+    """Return the directions to the viewer and upwards, by the names that the viewer's script uses."""
     return {"sight": scene3d.sight().tolist(), "up": scene3d.directions()[1].tolist()}
 
 
@@ -125,6 +127,7 @@ def _plain(shaft: Assembly) -> list[dict[str, Any]]:
 
 
 def _stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
+    """Return start and end [m] of the shaft's stretch that is drawn with a set."""
     half = (NUT if parts.track.lead else RING) * parts.nut.length
     return max(0.0, s.position - half), min(length, s.position + half)
 

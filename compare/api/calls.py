@@ -808,6 +808,7 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
 
 
 def _described(scene: Described | str | Path) -> Described:
+    """Return a scene as a record; a name or file is read."""
     return read(scene) if isinstance(scene, (str, Path)) else scene
 
 

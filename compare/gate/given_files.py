@@ -85,6 +85,7 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
 
 
 def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
+    """Return the value in a row of a file; InputError if quantity, number, unit or place is not valid."""
     name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
     quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
     if quantity is None:

@@ -222,4 +222,5 @@ class Whole:
 
     @cached_property
     def _lent(self) -> StaticResult:
+        """Result of the default model, in which other loads are put to compute their friction."""
         return run_model(self.scene, DEFAULT, INTERPRETED)

@@ -193,6 +193,7 @@ def picture(o: Outcome) -> Figure:
 
 
 def _line(cells: Sequence[str]) -> str:
+    """Return cells as a row of a Markdown table."""
     return f"| {' | '.join(map(_safe, cells))} |"
 
 
@@ -260,6 +261,7 @@ def publish(
 
 
 def _added(path: Path, text: str) -> Path:
+    """Append a text to a file and return its path; InputError if it cannot be written."""
     try:
         with open(path, "a", encoding="utf-8") as file:
             file.write(text)
@@ -365,10 +367,12 @@ def _row(verdict: str, error: float | None, limit: float | None, unit: str) -> R
 
 
 def _of_outcome(o: Outcome) -> tuple[Label, Row]:
+    """Return label and rounded row of a present outcome."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _row(o.word, o.error, o.limit, o.unit)
 
 
 def _read(path: Path) -> dict[Label, Row]:
+    """Return the rows of an earlier file of verdicts, CSV or JSON, by label; InputError for anything else."""
     text = read_table(path)
     try:
         return dict(map(_of_json, _listed(json.loads(text))) if text.lstrip().startswith("{") else _of_csv(text))
@@ -378,6 +382,7 @@ def _read(path: Path) -> dict[Label, Row]:
 
 
 def _of_csv(text: str) -> Iterator[tuple[Label, Row]]:
+    """Yield label and row for each line of a CSV text; ValueError for other headings."""
     headings, *rows = csv.reader(text.splitlines())
     if tuple(headings) != HEADINGS:
         raise ValueError(headings)
@@ -395,6 +400,7 @@ def _amount(cell: str) -> tuple[float | None, str]:
 
 
 def _listed(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the verdicts of scenes, or the checks of the gate, in the JSON of ``rollbench check``."""
     return list(data["verdicts"] if "verdicts" in data else data["rows"])
 
 

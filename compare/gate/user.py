@@ -409,10 +409,12 @@ def of_set(one: Referenced, word: str) -> bool:
 
 
 def _words(assembly: Assembly, k: int) -> tuple[str, str]:
+    """Return the texts that name a set in files: its number from 1, and its name."""
     return str(k + 1), assembly.sets[k].name
 
 
 def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
+    """Return the verdict "not covered" on a quantity of a scene without reference."""
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 

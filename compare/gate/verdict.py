@@ -362,6 +362,7 @@ def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit
 
 
 def _largest(given: Array, right: Array, mean: float) -> float:
+    """Return the largest absolute error of loads, in per cent of the mean load."""
     return float(np.abs(error_percent(given, right, mean)).max())
 
 

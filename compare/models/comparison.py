@@ -333,10 +333,12 @@ def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Arra
 
 
 def _bar(value: float) -> float | None:
+    """Return an uncertainty as a number; None for nan."""
     return float(value) if np.isfinite(value) else None
 
 
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+    """Yield rows of load and contact angle for each contact that is loaded in model or reference."""
     best, turns = reference.best, uncertainties_of(reference, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(reference.load[i, s])
@@ -369,6 +371,7 @@ def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[Comp
 
 
 def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+    """Yield rows of largest and RMS error and of the load ratio, with printed values if the source has them."""
     e = load_error(answer.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
@@ -587,12 +590,14 @@ def _contacts(assembly: Assembly) -> tuple[int, ...]:
 
 
 def _loaded(result: AxisResult, k: int) -> int:
+    """Return the number of loaded contacts of the k-th set; 0 for rollers, or without equilibrium."""
     balls = result.sets[k].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
 
 @lru_cache(maxsize=16)
 def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
+    """Return the results of an assembly with and without its loads, and the run time of the first [s]; cached."""
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
     seconds = perf_counter() - start

@@ -404,6 +404,7 @@ def sum_of(loads: Sequence[Load]) -> Array:
 
 
 def _supports(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[Taker, ...]:
+    """Return what each support takes of the loads; empty if the model has no reactions by support."""
     if not len(result.reactions):  # the axial models of Mei know no single support
         return ()
     idle = bare.reactions if bare.converged else np.zeros(result.reactions.shape)

@@ -106,6 +106,7 @@ def column(head: str) -> Column:
 
 
 def _with_unit(name: str, text: str, dimension: str) -> Column:
+    """Return the column of a quantity with the unit in a text; an empty column if the unit does not fit."""
     unit = tidy(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
@@ -472,6 +473,7 @@ def read_table(path: Path) -> str:
 
 
 def _whole(path: Path, load: Array) -> GivenLoads:
+    """Return loads as a record; InputError if a ball has no load on a flank that the file names."""
     given = ~np.isnan(load)
     if not given.any():
         raise InputError(str(path), "file", "no loads", "a row for every contact", EXAMPLE)

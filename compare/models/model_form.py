@@ -228,6 +228,7 @@ def _middle(values: Array) -> float:
 
 
 def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
+    """Return features as an array (k,), each divided by its unit in ``scales``; missing ones are zero."""
     return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
@@ -252,6 +253,7 @@ def surveyed_points() -> tuple[Point, ...]:
 
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
+    """Return comparison points from rows of JSON; empty if the rows cannot be read."""
     try:
         points = tuple(Point(**row) for row in rows())
         return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))

@@ -38,6 +38,7 @@ class Options:
 
 
 def _lin(scene: Scene, options: Options) -> StaticResult:
+    """Solve a scene by the source's model (lin)."""
     from rollbench.lowfi.statics.static import solve_static
 
     return solve_static(
@@ -107,6 +108,7 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
 
 
 def _source(scene: Scene, options: Options) -> StaticResult:
+    """Solve a scene by the equations and the iteration of the source; InputError for a rigid screw."""
     from rollbench.lowfi.as_source import solve_source_result
 
     if scene.ingredients.screw == "rigid":
@@ -116,24 +118,28 @@ def _source(scene: Scene, options: Options) -> StaticResult:
 
 
 def _mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
+    """Solve a scene by the model of Mei et al., with a rigid nut or an elastic one."""
     from rollbench.lowfi.statics.mei import solve_mei
 
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
 def _liu(scene: Scene, options: Options) -> StaticResult:
+    """Solve a scene by the model of Liu et al."""
     from rollbench.lowfi.statics.liu import solve_liu
 
     return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
 
 
 def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
+    """Solve several sets on one shaft by the source's model (lin)."""
     from rollbench.lowfi.statics.axis.solve import solve_assembly
 
     return solve_assembly(assembly, engine=options.engine, member=options.member)  # type: ignore[arg-type]
 
 
 def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
+    """Solve several sets on one shaft by a model with elastic bodies, given by name."""
     from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.elastic import solve_refined
 

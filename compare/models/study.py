@@ -100,6 +100,7 @@ class Study:
 
 
 def _reference(study: Study, name: str) -> Reference | None:
+    """Return the stored 3D reference of a shipped scene; None if there is none."""
     return reference(study.scene(name), study.stores)
 
 

@@ -113,16 +113,20 @@ class Input:
 
 
 def _conforming(scene: Scene) -> Scene:
+    """Return the scene with both groove radii larger by 0.005 ball diameters."""
     wider = 0.005 * 2.0 * scene.balls.radius
     screw = replace(scene.screw, groove_radius=scene.screw.groove_radius + wider)
     return replace(scene, screw=screw, nut=replace(scene.nut, groove_radius=scene.nut.groove_radius + wider))
 
 
 def _turned(scene: Scene) -> Scene:
+    """Return the scene with a contact angle larger by 1 deg."""
     return replace(scene, track=replace(scene.track, contact_angle=scene.track.contact_angle + float(np.radians(1.0))))
 
 
 def _stiffer(scene: Scene) -> Scene:
+    """Return the scene with all Young's moduli larger by 1 %."""
+
     def stiffened(material: Material) -> Material:
         return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
 
@@ -132,6 +136,7 @@ def _stiffer(scene: Scene) -> Scene:
 
 
 def _larger(scene: Scene) -> Scene | None:
+    """Return the scene with an oversize of the ball radii larger by 0.25 um; None without oversize."""
     balls = scene.errors.balls
     if balls.oversize == 0.0:
         return None

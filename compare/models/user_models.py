@@ -149,12 +149,14 @@ def load_model(name: str) -> UserModel:
 
 
 def _answer_of(program: programs.Program, scene: Scene) -> ModelAnswer:
+    """Run a user's program for a scene and return its answer."""
     given, moved = program(scene)
     pressure = given.further.get("pressure")
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
 def _broken(point: EntryPoint, reason: str) -> ArgumentError:
+    """Return the error for an installed model that cannot be used."""
     advice = "mend the package that adds the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 

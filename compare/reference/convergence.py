@@ -84,6 +84,7 @@ class Convergence:
 
 
 def _shown(p: float) -> str:
+    """Return an order as text; at an end of ``SEARCH`` as "below" or "above" it."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 

@@ -13,6 +13,7 @@ _TABLES = files.shipped_table("reference/levels.toml")
 
 
 def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings from TOML with lists as tuples."""
     return {name: tuple(value) if isinstance(value, list) else value for name, value in keys.items()}
 
 

@@ -230,14 +230,17 @@ def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
 
 
 def _no_cluster(place: str, reason: str, advice: str) -> InputError:
+    """Return the error for a scheduler that cannot be used."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost(reason: str) -> InputError:
+    """Return the error for a cluster that was lost while jobs ran."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
 def _died(error: BaseException) -> InputError:
+    """Return the error for a worker that died."""
     allowed, advice = "as many as there is memory for", "use fewer workers, those whose memory runs out are killed"
     return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
@@ -317,6 +320,7 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _other_version(value: str, version: str) -> InputError:
+    """Return the error for workers with another version of this program."""
     advice = f"install version {version} where the workers run"
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
@@ -340,4 +344,5 @@ async def _greet(scheduler: str) -> None:
 
 
 def _version() -> str:
+    """Return this program's version; run on the workers of a cluster."""
     return __version__

@@ -73,6 +73,7 @@ def checksum(data: Mapping[str, Any]) -> str:
 
 
 def _parsed(path: Path) -> dict[str, Any]:
+    """Return the JSON object in a run's file; ValueError if it is too large, too deeply nested or no object."""
     if not path.is_file():
         raise ValueError("no regular file")
     with open(path, "rb") as file:
@@ -245,6 +246,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def _version(name: str) -> str:
+    """Return the installed version of a package; empty if it is not installed."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -326,6 +328,7 @@ def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
 
 
 def _stem(name: str, level: int, variant: str) -> str:
+    """Return the beginning of a run's file name, before its key."""
     return f"{name}-level{level}-{variant}-" if variant else f"{name}-level{level}-"
 
 
@@ -426,7 +429,7 @@ def _mesh_of(path: Path) -> _Mesh | None:
 
 @lru_cache(maxsize=100_000)
 def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
-
+    """Return the mesh data in a run's file, cached until the file changes; None if it is damaged."""
     try:
         run = unsealed(path)
         settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])
@@ -460,4 +463,5 @@ def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | Non
 
 
 def _array(rows: list[list[float | None]]) -> Array:
+    """Return rows from JSON as an array; None becomes nan."""
     return np.array([[np.nan if x is None else x for x in row] for row in rows], dtype=float)

@@ -169,6 +169,7 @@ def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str
 
 
 def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
+    """Return whether the mesh of a stored run can be used where another mesh is wanted."""
     from rollbench.hifi.meshing.settings import Settings
 
     def others(mesh: Mapping[str, Any]) -> str:

@@ -299,6 +299,7 @@ def _flat(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON,
 
 
 def _text(value: JSON) -> str:
+    """Return a JSON value as the text of a table cell."""
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, list):

@@ -246,6 +246,7 @@ def comparison_of(described: Described, pairs: Pairs, warnings: Sequence[str]) -
 
 
 def _of_sets(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+    """Make the comparison of a scene from those of its sets."""
     first, whole = pairs[0]
     if first.of is None:
         return _of_set(name, first, whole, described, warnings)
@@ -262,6 +263,7 @@ def _of_sets(name: str, described: Described | None, pairs: Pairs, warnings: Seq
 def _of_set(
     name: str, one: Referenced, whole: Compared, described: Described | None, warnings: Sequence[str]
 ) -> Comparison:
+    """Make the comparison of one set."""
     found, t = one.found, whole.total
     return Comparison(
         scene=name,
@@ -282,6 +284,7 @@ def _of_set(
 
 
 def _loads(b: Beside) -> dict[str, Any]:
+    """Return the fields of `Loads` for a model or the reference."""
     life = b.found.life
     return {
         "name": b.label,
@@ -296,6 +299,7 @@ def _loads(b: Beside) -> dict[str, Any]:
 
 
 def _model(b: Beside, one: Referenced) -> ModelLoads:
+    """Return the loads of a model with their errors against the reference."""
     assert b.error is not None, "a model has errors"
     errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
     e = b.error
@@ -610,6 +614,7 @@ def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
 
 
 def _summary(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
+    """Return the JSON summary of a comparison over all load cases, for one set."""
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
     errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
     error, worst = max(errors, default=(None, None))

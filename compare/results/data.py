@@ -490,6 +490,7 @@ def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
 
 
 def _outputs(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
+    """Return the statistics of outputs by name from JSON; None without statistics."""
     return {name: None if x is None else _statistics(x) for name, x in each.items()}
 
 
@@ -581,6 +582,7 @@ def survey_of(data: Mapping[str, Any]) -> Survey:
 
 
 def _statistics(x: Mapping[str, Any]) -> Statistics:
+    """Convert the JSON statistics of one output to a record."""
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
     quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
     return Statistics(**(from_json(Statistics, x) | {"quantiles": quantiles}))

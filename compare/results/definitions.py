@@ -194,10 +194,12 @@ TABLES = (
 
 @cache
 def _known() -> tuple[tuple[re.Pattern[str], Stated], ...]:
+    """Return pattern and definition of every path in `TABLES`, in their order."""
     return tuple((_pattern(path), one) for table in TABLES for path, one in table.paths())
 
 
 def _pattern(path: str) -> re.Pattern[str]:
+    """Return the pattern of full JSON paths that end with a path of `TABLES`."""
     named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
     return re.compile(rf"(.*\.)?{named}")
 

@@ -104,6 +104,7 @@ def read_course(text: str) -> Course:
 
 
 def _place(word: str) -> float:
+    """Return a station [m] from its text; ArgumentError for anything else."""
     try:
         return units.parse(word, "length")
     except ValueError as error:
@@ -342,6 +343,7 @@ def _loading(
 
 
 def _asked(assembly: Assembly) -> float | str:
+    """Return the station [m] or housing of interest of an assembly."""
     from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     return asked(assembly)
@@ -355,6 +357,7 @@ def _motion(scene: Scene | Assembly, result: StaticResult | AxisResult, at: floa
 
 
 def _largest(loads: Any) -> float:
+    """Return the largest of some loads [N]; zero if there are none."""
     return float(np.max(loads, initial=0.0))
 
 

@@ -541,4 +541,5 @@ def together_json(whole: Together) -> dict[str, Any]:
 
 
 def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
+    """Return the JSON of one set's lives over a duty cycle."""
     return {"life": life_json(lives.life, speed), **(as_json(lives) or {})}

@@ -149,6 +149,7 @@ class SideBySide(Record):
 
 
 def _middle(value: Any) -> float | None:
+    """Return the middle of a range, or a single number unchanged; None for None."""
     return None if value is None else float(np.mean(value))
 
 
@@ -176,6 +177,7 @@ def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySi
 
 
 def _alternative(whole: Result, name: str) -> Alternative:
+    """Return the answers of one scene for the comparison, under a name."""
     first = next(iter(whole.cases.values()), whole)
     K, worst, life, system = first.stiffness, first.worst, whole.life, whole.axis_life
     running, starting, inertia = _torques(first)

@@ -520,6 +520,7 @@ def result_of(
 
 
 def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+    """Make the result of one load case."""
     found = one.result
     head = Result(
         scene=one.scene.name,
@@ -537,6 +538,7 @@ def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent |
 
 
 def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+    """Return a result with the answers of a scene with one set filled in."""
     answers = one.answers
     balls = _balls(one.scene, one.result, solved=answers is not None)
     if answers is None:
@@ -563,6 +565,7 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
 
 
 def _of_axis(head: Result, one: SolvedAxis) -> Result:
+    """Return a result with the answers of several sets on one shaft filled in."""
     found, answers = one.result, one.answers
     speed = None if one.scene.motion is None else one.scene.motion.speed
     each = [None] * len(found.sets) if answers is None else [*answers.sets]
@@ -593,6 +596,7 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
 
 
 def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
+    """Make the result of one of several sets on a shaft."""
     known = answers is not None
     balls = (
         _balls(answers.parts, s.balls, solved=True) if answers and s.balls and isinstance(answers.parts, Scene) else None
@@ -618,6 +622,7 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
 
 
 def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
+    """Return positions, loads, angles and pressures of the balls of a set; only positions unless ``solved``."""
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
@@ -626,6 +631,7 @@ def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
 
 
 def _worst(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
+    """Return the contact with the highest pressure, under the name of its set; None without load."""
     w, safety = answers.worst, answers.safety
     if w is None or safety is None:
         return None
@@ -635,6 +641,7 @@ def _worst(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | No
 
 
 def _life(known: rating.Life | None, speed: float | None) -> Life | None:
+    """Convert a rated life to the record of the library; None without one."""
     if known is None:
         return None
     seconds = 3600.0 * known.hours(speed) if speed else None
@@ -642,6 +649,7 @@ def _life(known: rating.Life | None, speed: float | None) -> Life | None:
 
 
 def _preload(known: loading.Preload | None) -> Preload | None:
+    """Convert a preload to the record of the library; None without one."""
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
 

@@ -206,6 +206,7 @@ class Table(Data):
 
 
 def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield keys and values of a row's JSON with inner tables flattened; the stiffness as 36 terms."""
     for key, value in row.items():
         if key == "stiffness":
             matrix = [[None] * 6] * 6 if value is None else value

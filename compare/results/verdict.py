@@ -228,6 +228,7 @@ def verdict_of(
 
 
 def _row(v: gate.Verdict) -> VerdictRow:
+    """Convert a verdict of the gate to a row of the library."""
     return VerdictRow(
         scene=v.scene,
         case=v.case,

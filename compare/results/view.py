@@ -66,6 +66,7 @@ def view_of(
 
 
 def _case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
+    """Return the data of a load case for the 3D view."""
     if isinstance(one, Solved):
         known = given or reference(one.scene, stores)
         expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
