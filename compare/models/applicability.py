@@ -67,8 +67,8 @@ def _poisson(scene: Scene) -> float:
 
 #: Descriptors of a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
 #: Young's moduli have no such step, as all parts of the compared scenes are of one steel. The nut's compliance causes
-#: most of lin's error, which grows by a quarter at the margin; the balls' changes only Hertz constants, so that
-#: silicon nitride lies within its margin.
+#: most of lin's error, which grows by a quarter at the margin of the nut's modulus. The modulus of the balls changes
+#: only Hertz constants: its margin includes silicon nitride.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
     Descriptor(

@@ -1,7 +1,7 @@
 """Uncertainty of a comparison with the 3D reference, in parts that add by squares.
 
-As ASME V&V 20 has it, the comparison error of a quantity is E = model - reference. The model's own error is separated from
-reference and inputs by the validation uncertainty
+By ASME V&V 20, the comparison error of a quantity is E = model - reference. The error of the model is distinguished from
+the errors of reference and inputs by the validation uncertainty
 
     u_val = sqrt(u_grid^2 + u_model^2 + u_input^2),
 

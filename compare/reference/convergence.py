@@ -6,9 +6,8 @@ loads do not converge with an order (`compare.reference.grid_parts`).
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
 the smaller standard deviation counts. If its order p lies outside ``ORDERS``, the best of these fits replaces it:
 phi_0 + alpha h, phi_0 + alpha h^2 and (order below the range, four levels or more) phi_0 + alpha_1 h + alpha_2 h^2. With
-delta = phi_1 - phi_0 the error of the finest level by the fit, sigma the fit's standard deviation, r_1 the residual of
-the finest level and
-Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
+delta = phi_1 - phi_0 the error of the finest level by the fit, sigma the fit's standard deviation, r_1 the residual
+of the finest level and Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
 
     U = F |delta| + sigma + |r_1|                        where sigma < Delta,
     U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,

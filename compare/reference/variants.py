@@ -18,7 +18,7 @@ from rollbench.meshes.solid import Dimensions, dimensions, groove_depths
 
 Change = Callable[[Scene], Scene]
 #: "modelling": an idealisation, or a dimension that the source does not print; "numerical": a choice of method or
-#: the mesh; "scene": another boundary condition, which the scene has to state.
+#: mesh; "scene": another boundary condition, which the scene has to state.
 Kind = Literal["modelling", "numerical", "scene"]
 #: Bound on the axial-torsional coupling of a grooved shaft (twist by an axial force over the geometric mean of both
 #: flexibilities, `hifi.shaft.section.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
