@@ -81,7 +81,7 @@ class AxisDrive:
 
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
-    """Return the friction torques and efficiencies of every nut, or why they are not known (kernels not compiled).
+    """Return the friction torques and efficiencies of every nut, or why they are not known.
 
     Parameters
     ----------

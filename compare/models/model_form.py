@@ -409,7 +409,7 @@ Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 @dataclass(frozen=True)
 class SectionAnswer:
-    """Axial displacement and force at the section of the screw that carries the largest axial load."""
+    """Axial displacement of the screw's section with the largest axial load, and axial force of the screw on the nut."""
 
     #: Axial displacement of the section [m].
     moved: float
@@ -418,7 +418,7 @@ class SectionAnswer:
 
 
 def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
-    """Return axial motion and force of the loaded section, from the loads of a low-order model or a 3D reference run.
+    """Return the axial displacement of the loaded section and the force on the nut, by a model or a 3D reference run.
 
     The loaded section is where the largest axial load acts; the nut's centre if the scene has no loads.
 

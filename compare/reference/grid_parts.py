@@ -190,7 +190,7 @@ def _sizes(level: int) -> Array:
 
 
 def _added(level: int, other: int) -> Array:
-    """Return the factors (contact, bodies) by which unit variances enter the variance of two levels' difference."""
+    """Return the variances of the difference between two levels, for contact and bodies, if their amounts are one."""
     return np.asarray(_sizes(level) ** (2 * ORDER) + _sizes(other) ** (2 * ORDER))
 
 
