@@ -358,7 +358,7 @@ def move(given: Rows, state: RowState, workspace: RowWorkspace, t: float) -> Non
 
 
 @kernel
-def finish(given: Rows, state: RowState, workspace: RowWorkspace) -> None:
+def finish(given: Rows, state: RowState, options: Options, workspace: RowWorkspace) -> None:
     """Do nothing: there is nothing to compute again."""
 
 

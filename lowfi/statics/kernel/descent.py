@@ -121,7 +121,7 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
         progress, ends = got_on(progress, residual, energy, used)
         if ends:
             break
-    finish(given, state, workspace)
+    finish(given, state, options, workspace)
     loose = unbalanced(state, scale)
     if loose > BALANCED:
         residual = max(residual, loose)
