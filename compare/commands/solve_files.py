@@ -57,7 +57,7 @@ def dmig(matrix: Array, comment: str) -> str:
 
 
 def write_curve(path: Path, curve: LoadCurve) -> list[str]:
-    """Write the points of a curve as CSV and its figure as SVG; return a line that names them. Raises InputError."""
+    """Write a load curve as CSV and its figure as SVG; return a line naming both files. Raises InputError."""
     rows = [as_json(point) or {} for point in curve.points]
     write_csv(path, rows)
     picture = write_figure(path.with_suffix(".svg"), curve_figure(curve, rows))
@@ -65,7 +65,7 @@ def write_curve(path: Path, curve: LoadCurve) -> list[str]:
 
 
 def curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
-    """Return a figure with one panel over the load for each column that has values."""
+    """Return the figure of a load curve: one panel over the load for each column that has values."""
     labels = {
         "displacement_um": "displacement / µm",
         "stiffness_N_per_um": "tangent stiffness / (N/µm)",

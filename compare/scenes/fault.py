@@ -34,7 +34,7 @@ ALIASES = {
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault."""
+    """Fault of a scene: keys that may cause it, allowed values, advice."""
 
     #: Keys that may cause it; the first that the file has is named.
     keys: tuple[str, ...]
@@ -52,7 +52,7 @@ def mm(length: float) -> str:
 
 
 class Said(NamedTuple):
-    """One fault in words."""
+    """Fault as text: key, value found, allowed values, advice."""
 
     #: The key.
     key: str
@@ -65,7 +65,7 @@ class Said(NamedTuple):
 
 
 def refusal(origin: str, said: Sequence[Said]) -> SceneError:
-    """Return all faults of a file as one error: the first, with the others."""
+    """Return one error for all faults of a file: it shows the first and carries the others."""
     errors = [SceneError(origin, *one) for one in said]
     return SceneError(origin, *said[0], len(said) - 1, tuple(errors[1:]))
 
@@ -77,7 +77,7 @@ def refuse(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None
 
 
 def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
-    """Return faults in words, each for the first of its keys that the file has, with its name there."""
+    """Return faults as text; each names the first of its keys (or aliases) that the file has."""
     out = []
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
@@ -90,13 +90,14 @@ def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
 
 
 def _aliases(key: str) -> Iterator[str]:
-    """Yield keys that a file may have instead of a key."""
+    """Yield the aliases of a key, which a file may have instead."""
     for suffix, others in ALIASES.items():
         if key.endswith(suffix):
             yield from (key.removesuffix(suffix) + other for other in others)
 
 
 def _find(raw: Any, path: str) -> Any:
+    """Return the value at a path such as ``sets[0].balls`` in a file's tables; None if it is missing."""
     for key in re.findall(r"[^.\[\]]+", path):
         if isinstance(raw, list):
             raw = raw[int(key)] if int(key) < len(raw) else None
@@ -121,7 +122,7 @@ WORDS: dict[str, str] = files.shipped_table("words.toml")
 
 @dataclass(frozen=True)
 class Broken:
-    """Faults of the keys of a file, and the tables (or keys outside tables) that were replaced to read on."""
+    """Faults of a file's keys, and the top-level tables or keys that were replaced so that reading could continue."""
 
     #: The faults.
     said: tuple[Said, ...] = ()
@@ -134,7 +135,7 @@ class Broken:
         return self.mended <= APART
 
     def leaves(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of these keys is the file's: no replaced table is involved."""
+        """Return whether a fault of these keys stems from the file: none of them lies in a replaced table."""
         return not any(key.split(".")[0].split("[")[0] in self.mended for key in keys)
 
 
@@ -147,7 +148,7 @@ def validated_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) ->
 
 
 def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Broken]:
-    """Return the keys of a file, and its faults; faulty values are replaced by examples, unknown keys left out.
+    """Return a file's keys and faults; faulty values become examples, unknown keys are left out.
 
     None for the keys if that does not make the file readable, such as if a whole table is missing.
     """
@@ -212,11 +213,12 @@ def _only_faulty(fault: Any) -> bool:
 
 
 def _path(where: Sequence[int | str]) -> str:
+    """Return the location of a key as text, such as ``sets[0].balls``; "file" for the whole file."""
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
 
 
 def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
-    """Return an unknown key in words, and the known key of its table that it is taken for (may be empty)."""
+    """Return the fault of an unknown key as text, and the known key that is probably meant (may be empty)."""
     where = fault["loc"]
     known, word = list(node_at(schema, where[:-1]).get("properties", {})), hint(str(where[-1]))
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
@@ -230,7 +232,7 @@ def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
 
 
 def _wrong(schema: dict[str, Any], fault: Any) -> Said:
-    """Return a missing key, or a value that is not allowed, in words."""
+    """Return the fault of a missing key or a refused value as text."""
     where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
     node = node_at(schema, where)
     allowed = str(context.get("allowed") or _allowed(node))
@@ -258,6 +260,7 @@ def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any
 
 
 def _allowed(node: Mapping[str, Any]) -> str:
+    """Return the allowed values of a key as text, from its part of the JSON Schema."""
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:
@@ -275,6 +278,7 @@ def _allowed(node: Mapping[str, Any]) -> str:
 
 
 def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
+    """Return what to write for a faulty or missing key, from its part of the JSON Schema."""
     if "enum" in node and isinstance(given, str):
         near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
         if near:
@@ -289,5 +293,5 @@ def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str
 
 
 def hint(name: str) -> str:
-    """Return the scene's name for an unknown key, or an empty text."""
+    """Return the scene's key for a frequent unknown key (``WORDS``), or an empty text."""
     return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

@@ -31,7 +31,7 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 @dataclass(frozen=True)
 class Case:
-    """One hard scene."""
+    """Hard scene, with its group in the table and the status that a solver should report."""
 
     #: Name of the case.
     name: str
@@ -47,15 +47,19 @@ class Case:
 
 
 def _load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
+    """Return a copy with one load as its only one: force [N] and moment [N m] about x, at a station [m]."""
     return replace(base, loads=(Load(at, force, (moment, 0.0, 0.0)),))
 
 
 def _balls(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
+    """Return a copy with ball errors only: an oversize and a uniform scatter of +-``half_width`` [m]."""
     drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
     return replace(base, errors=Errors(balls=drawn, seed=seed))
 
 
 def _materials(base: Scene, screw: float, nut: float, balls: float) -> Scene:
+    """Return a copy with the Young's moduli of screw, nut and balls times a factor each."""
+
     def scaled(m: Material, factor: float) -> Material:
         return replace(m, youngs_modulus=m.youngs_modulus * factor)
 
@@ -101,16 +105,18 @@ def with_lead(base: Scene, lead: float) -> Scene:
 
 
 def _free(base: Scene) -> Scene:
-    """Return a copy fixed only along and about the axis, so that the balls carry all lateral loads and moments."""
+    """Return a copy supported only along and about z, so that the balls carry all lateral loads and moments."""
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 
 
 def _offset(base: Scene, offset: float, oversize: float) -> Scene:
+    """Return a copy with an oversize [m] and a further support that displaces the screw's right end along x [m]."""
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
     return replace(_balls(base, oversize), supports=(*base.supports, moved))
 
 
 def _load_cases(base: Scene) -> Iterator[Case]:
+    """Yield cases of axial and lateral loads, moments, and an offset end of the screw."""
     for k in range(-2, 7):
         yield Case(f"axial {10.0**k:g} N", "axial load", _load(base, (0.0, 0.0, 10.0**k)))
     yield Case("axial -5000 N", "axial load", _load(base, (0.0, 0.0, -5000.0)))
@@ -130,6 +136,7 @@ def _load_cases(base: Scene) -> Iterator[Case]:
 
 
 def _fit_cases(base: Scene) -> Iterator[Case]:
+    """Yield cases of clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
             scene = _load(_balls(base, -gap), (0.0, 0.0, force))
@@ -146,6 +153,7 @@ def _fit_cases(base: Scene) -> Iterator[Case]:
 
 
 def _stiffness_cases(base: Scene) -> Iterator[Case]:
+    """Yield cases of a softer or stiffer shaft, and of other moduli."""
     factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
     for f in factors:
         yield Case(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", shaft_scaled(base, f))
@@ -157,6 +165,7 @@ def _stiffness_cases(base: Scene) -> Iterator[Case]:
 
 
 def _geometry_cases(base: Scene) -> Iterator[Case]:
+    """Yield cases of other conformities, ball counts, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
         close = conforming(base, ratio)
         yield Case(f"r_G/r_B {ratio:g}, axial", "conformity", close)
@@ -175,6 +184,7 @@ def _geometry_cases(base: Scene) -> Iterator[Case]:
 
 
 def _mechanism_cases(base: Scene) -> Iterator[Case]:
+    """Yield cases of one or two balls and of missing supports, with the mechanism expected where there is one."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
         yield Case(f"one ball, {force:g} N", "one ball", _load(one, (0.0, 0.0, force)))
@@ -210,6 +220,7 @@ PULLED = (
 
 
 def _part_cases(base: Scene) -> Iterator[Case]:
+    """Yield cases of other materials, one large ball, four balls and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
@@ -253,7 +264,7 @@ def _fixed() -> Assembly:
 
 
 def _pushed(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
-    """Return an axis with forces [N] and a moment [N m]: axial on its carriage or shaft, others at a third of the shaft."""
+    """Return an axis with other forces [N] and moment [N m]: axial on the carriage (else shaft), others on the shaft."""
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
     side = Load(at, (across, 0.5 * across, 0.0 if carriage else along), (moment, 0.0, 0.0))
@@ -262,16 +273,17 @@ def _pushed(axis: Assembly, along: float, across: float = 0.0, moment: float = 0
 
 
 def _each_set(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
+    """Return an axis with each rolling set replaced by ``change(set)``."""
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
 def _balls_of(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return an axis with changed sets of balls."""
+    """Return an axis with each set of balls' parts replaced by ``change(parts)``."""
     return _each_set(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
 def _rows_of(axis: Assembly, **changes: Any) -> Assembly:
-    """Return an axis with rows of rollers as its bearings."""
+    """Return an axis with the fields ``changes`` of every row of rollers replaced."""
     return _each_set(axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s)
 
 
@@ -282,7 +294,7 @@ def _unloaded(axis: Assembly) -> Assembly:
 
 
 def _ball_count(scene: Scene, count: int) -> Scene:
-    """Return a nut with so many neighbouring balls; a bearing has them evenly spaced."""
+    """Return a nut with its first ``count`` balls, or a bearing with ``count`` evenly spaced balls."""
     ring = tuple(2.0 * math.pi * i / count for i in range(count))
     azimuths = ring if scene.track.lead == 0.0 else scene.balls.azimuths[:count]
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
@@ -311,6 +323,7 @@ def _longer(axis: Assembly, length: float) -> Assembly:
 
 
 def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
+    """Yield names and axes with other loads, without preload, and warmed or cooled."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
         yield f"axial {force:g} N", _pushed(axis, force)
     for force in (1.0, 1e3, 1e5):
@@ -326,6 +339,8 @@ def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
+    """Yield names and axes with other materials, conformity, balls, and a long shaft."""
+
     def nut_of(p: Scene) -> bool:
         return p.track.lead > 0.0
 
@@ -344,6 +359,7 @@ def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
+    """Yield names and axes with other slices, crown, count, angles and material of the rollers."""
     crossed = _pushed(axis, 2000.0, 2000.0)
     yield "1 slice, across", _rows_of(crossed, slices=1)
     yield "101 slices, across", _rows_of(crossed, slices=101)

@@ -111,7 +111,7 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
 
 
 def enough(reference: Reference, k: int) -> float:
-    """Return the uncertainty of the contact loads of run ``k`` with the runs before it [% of the mean load].
+    """Return the uncertainty of the contact loads by run ``k`` and the coarser runs [% of the mean load].
 
     RMS over the contacts; that of the first run alone is from experience with other scenes.
     """
@@ -187,7 +187,7 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
 
 
 def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
-    """Return the table of `study_table` of a reference.
+    """Return the table that `study_table` describes, from a reference and its runs.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank of the contact whose load on the finest level a quantity is.
+    """Return ball and flank of the contact whose load the quantity gives on the finest level.
 
     None if it is not a contact load.
     """
@@ -241,14 +241,14 @@ def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
 
 
 def _percent(value: float | None, of: float) -> float | None:
-    """Return a number in per cent of another; None if there is none, or the other is zero."""
+    """Return ``value`` in per cent of ``of``; None without a value, or if only ``of`` is zero."""
     if value is None or (of == 0.0 and value != 0.0):
         return None
     return float(error_percent(value, 0.0, of))
 
 
 def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Return the root of squares over modelling choices, each by the larger of its variants; None without any."""
+    """Return the root of summed squares over modelling choices, by the largest variant of each; None without any."""
     by_choice: dict[str, float] = {}
     for name, move in moves.items():
         variant = VARIANTS[name]
@@ -258,7 +258,7 @@ def _root_of_squares(moves: Mapping[str, float]) -> float | None:
 
 
 def levels_of(count: int | None) -> tuple[int, ...]:
-    """Return the levels of a mesh study: `ADVISED`, or 1 to ``count``; InputError if there are fewer."""
+    """Return the levels of a mesh study: `ADVISED`, or 1 to ``count``; InputError if ``count`` is out of range."""
     if count is None:
         return ADVISED
     if not 1 <= count <= len(LEVELS):
@@ -282,7 +282,7 @@ def compute_study(
     source: bool = False,
     fresh: bool = False,
 ) -> list[Referenced]:
-    """Compute the references of scenes by all runs on some levels; runs that no store holds are stored in the first.
+    """Compute references of scenes from runs on ``levels``; new runs are stored in the first store.
 
     Parameters
     ----------
@@ -339,7 +339,7 @@ def compute_study(
 
 
 def extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return rows and columns for the terminal: no single balls, uncertainty only in the unit of the quantity."""
+    """Return the table for the terminal: without rows of single balls and uncertainty in per cent."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table

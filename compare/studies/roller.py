@@ -118,6 +118,7 @@ def rollers_of(assembly: Assembly) -> list[Roller]:
 
 
 def _plain(row: RollerRow) -> RollerRow:
+    """Return the row without the fields that do not affect the 3D roller, such as phase and rib."""
     return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
@@ -128,7 +129,7 @@ def file_of(roller: Roller, level: int) -> str:
 
 
 def stored(roller: Roller, level: int, stores: Sequence[Path]) -> RollerRun | None:
-    """Return the run of a roller on a mesh level in the first store that has it; None without one."""
+    """Return the stored run of a roller on a mesh level, from the first store that has it; None without one."""
     for store in stores:
         try:
             return RollerRun(**unsealed(store / file_of(roller, level)))
@@ -138,7 +139,7 @@ def stored(roller: Roller, level: int, stores: Sequence[Path]) -> RollerRun | No
 
 
 def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
-    """Return the run of a roller on a mesh level: that of a store, or a new one, kept in the first store.
+    """Return the run of a roller on a mesh level: a stored one, else a new one, saved in the first store.
 
     Raises
     ------
@@ -185,7 +186,7 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
 
 @dataclass(frozen=True)
 class LowOrder:
-    """What low-order laws say of a roller under a load; SI."""
+    """Approach and stiffness of a roller under a load by low-order laws; SI."""
 
     #: Approach and stiffness of the slices' law, which every solve uses.
     approach: float
@@ -196,7 +197,7 @@ class LowOrder:
 
 
 def low_order(row: RollerRow, load: float) -> LowOrder:
-    """Return what low-order laws say of a roller under a load of its races [N]."""
+    """Return approach and stiffness by low-order laws of a roller that its races press with a load [N]."""
     roller = sliced(tapered(row), row.slices, circular_crown(row.crown))
     approach = approach_of(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
@@ -204,7 +205,7 @@ def low_order(row: RollerRow, load: float) -> LowOrder:
 
 
 def line_contact(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
-    """Return Hertz's largest pressures [Pa] of outer and inner contact in the middle, of loads per length [N/m]."""
+    """Return Hertz's largest pressure [Pa] in mid-roller at outer and inner contact, from loads per length [N/m]."""
     bearing = tapered(row)
     roller, cone, cup = (float(r) for r in bearing.radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
@@ -213,10 +214,12 @@ def line_contact(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
 
 
 def _of_load(name: str, k: int, run: RollerRun) -> float:
+    """Return a field's value at load number ``k`` of a run."""
     return float(getattr(run, name)[k])
 
 
 def _of_race(name: str, race: int, run: RollerRun) -> float:
+    """Return a field's value at one race under the first load of a run."""
     return float(getattr(run, name)[0][race])
 
 
@@ -259,7 +262,7 @@ def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, A
 
 
 def shown(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return rows for the terminal: without order and limit, and of other laws only their errors."""
+    """Return `quantity_rows` for the terminal, without the columns ``HIDDEN``."""
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
@@ -269,7 +272,7 @@ def convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergen
 
 
 def enough(runs: Sequence[RollerRun]) -> float | None:
-    """Return the uncertainty of the approach by the last of some runs [%]; None with one."""
+    """Return the grid uncertainty of the finest run's approach [%]; None with a single run."""
     bar = convergence([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 

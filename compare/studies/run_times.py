@@ -77,13 +77,13 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
 
 
 def as_a_users(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the environment for a timed process: that of a user who set no number of threads, with further variables."""
+    """Return the environment for a timed process: no variables that set thread counts, ``extra`` added."""
     return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
 @dataclass(frozen=True)
 class Launched:
-    """Process that ended."""
+    """Finished process: times, exit code and output."""
 
     #: Wall clock to its end [s].
     seconds: float
@@ -98,7 +98,7 @@ class Launched:
 
 
 def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
-    """Run a Python process as a user would on a terminal; it is ended after `PATIENCE`.
+    """Run a Python process as a user would on a terminal; it is killed after `PATIENCE` seconds.
 
     It imports nothing from its working folder.
     """
@@ -125,7 +125,7 @@ def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: st
 
 
 def _cpu(before: os.times_result, after: os.times_result) -> float:
-    """Return the CPU time of processes that ended in between [s]."""
+    """Return the CPU time of child processes that ended between two calls of ``os.times`` [s]."""
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
 
@@ -262,7 +262,7 @@ def measure(
 
 
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
-    """Measure a call in a new process with empty caches, and further ones there; RuntimeError if the process fails."""
+    """Measure a call and its repetitions in a new process with empty caches; RuntimeError if the process fails."""
     begin, printed = _alone(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
@@ -281,7 +281,7 @@ def measure_level(scene: str, level: int) -> ColdLevel:
 
 
 def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
-    """Run a new process with empty caches; return when it began, and its output."""
+    """Run a program in a new process with empty caches; return its start time [s] and its JSON output."""
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in caches.values():
@@ -368,7 +368,7 @@ class SetUp:
 
 @dataclass(frozen=True)
 class Way:
-    """Cheaper variant of a set-up on level 1."""
+    """Cheaper variant of a set-up on level 1: time saved and change of the loads."""
 
     #: Name of the scene.
     scene: str
@@ -392,12 +392,12 @@ class Costs:
 
 
 def today() -> str:
-    """Return the date in words."""
+    """Return today's date in UTC as YYYY-MM-DD."""
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
 
 def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
-    """Return the value made from the first valid file of a name in some stores; None without any."""
+    """Return ``made`` of the JSON file in the first store where it is valid; None without a valid file."""
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
             return made(json.loads((store / file).read_text(encoding="utf-8")))
@@ -405,7 +405,7 @@ def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T
 
 
 def save_rows(store: Path, file: str, records: Sequence[Any]) -> None:
-    """Write records to a file of a store, a line for each; InputError if it cannot be written."""
+    """Write records to a JSON file in a store, one per line; InputError if it cannot be written."""
     replace_file(store / file, f"[{_lines([asdict(one) for one in records])}]\n")
 
 
@@ -419,12 +419,12 @@ TYPED = "typed"
 
 
 def file_of(source: str) -> str:
-    """Return the name of the file with the times of a case's page, of commands (`TYPED`), or of all compared scenes."""
+    """Return the file name of run times: of a case's page, commands (`TYPED`), or (empty) all compared scenes."""
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
 def save_times(store: Path, kept: Kept, source: str = "") -> None:
-    """Write times to a store; ``source``: those of a case's page. InputError if it cannot be written."""
+    """Write run times to a store; ``source`` as in `file_of`. InputError if the file cannot be written."""
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
@@ -443,7 +443,7 @@ def times_of(study: Study, source: str) -> Kept | None:
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Return the times of the first store that has a valid file; ``source``: those of a case's page."""
+    """Return the run times from the first store with a valid file, else None; ``source`` as in `file_of`."""
 
     def made(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
@@ -457,7 +457,7 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
 
 
 def load_costs(stores: Sequence[Path]) -> Costs | None:
-    """Return the costs of the first store that has a valid file; None without any."""
+    """Return the set-up costs from the first store with a valid file; None without one."""
 
     def made(data: dict[str, Any]) -> Costs:
         jobs, ways = [SetUp(**row) for row in data["jobs"]], [Way(**row) for row in data["ways"]]
@@ -526,7 +526,7 @@ class Typed:
 
 
 def typed(command: str) -> Typed:
-    """Measure a command as typed, with a note if it fails."""
+    """Measure a command in an empty home, again, and next to a busy process; only a note if it fails."""
     found = _in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
     try:
@@ -544,7 +544,7 @@ def typed(command: str) -> Typed:
 
 
 def _in_empty_home(command: str, times: int) -> list[Launched]:
-    """Run a command several times in a home that is empty at first, except for a new scene that the command names."""
+    """Run a command several times in one new home directory, with ``my.toml`` if the command names it."""
     with tempfile.TemporaryDirectory() as home:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}

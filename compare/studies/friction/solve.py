@@ -186,7 +186,7 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
 
 
 def _drag(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
-    """Return the friction torque of each set without the loads on shaft and housings, where it is known [N m]."""
+    """Return friction torques [N m] with all loads on shaft and housings removed, by set; unsolved sets left out."""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
     result = run_model(bare, loaded.model, Options(member=loaded.member))
@@ -196,6 +196,7 @@ def _drag(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Mo
 
 
 def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
+    """Return the row of a set: torques and loss."""
     return {"set": i + 1, "name": s.of.name} | sums(state.torque, drag) | {"loss_W": number(state.torque.power)}
 
 
@@ -261,11 +262,12 @@ def _answer(
 
 
 def _lead(s: SetResult) -> float:
+    """Return the lead of a set of balls [m]; zero for rollers."""
     return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
 def _energy(solved: Solved) -> dict[str, Any]:
-    """Return powers [W] of all sets together: taken in and lost by contacts, put in by the torque and by the axial loads.
+    """Return powers [W] summed over all sets: contact input and loss, power of driving torque and of axial loads.
 
     Also the efficiency, if one of the latter two drives the other.
     """
@@ -282,7 +284,7 @@ def _energy(solved: Solved) -> dict[str, Any]:
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
-    """Return torques of all sets together [N mm]."""
+    """Return friction, drag and driving torque summed over all sets [N mm]; drag None unless known for every set."""
     known = len(drag) == len(solved)
     return {
         "friction_torque_Nmm": number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),

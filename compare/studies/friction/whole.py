@@ -60,7 +60,7 @@ def kept_state(scene: Scene, result: StaticResult, friction: Friction, motion: M
 
 @dataclass(frozen=True)
 class Solved:
-    """Statically solved scene, with what friction needs."""
+    """Statically solved scene, with the model, coefficients and motion that friction needs."""
 
     #: The scene.
     scene: Scene
@@ -76,7 +76,7 @@ class Solved:
     bare: StaticResult
 
     def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
-        """Return the friction torque at the loads of a result [N m]; nan if there is none."""
+        """Return the friction torque at a result's contact loads [N m]; nan if loads or friction did not converge."""
         if not result.converged:
             return float("nan")
         state = kept_state(scene or self.scene, result, friction, self.motion, self.options.member)
@@ -102,7 +102,7 @@ def makers_torque(scene: Scene, force: float) -> float:
 
 
 def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
-    """Return torques at the smallest and largest measured coefficient, with and without the loads.
+    """Return friction torques at both coefficients of ``MEASURED``, with and without the scene's loads.
 
     Also the drag torque by the makers' formula (null without preload).
     """
@@ -120,7 +120,7 @@ def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
 
 
 def drag_lines(data: dict[str, Any]) -> list[Line]:
-    """Return the drag torque of a preloaded screw over the coefficients, and by the makers' formula."""
+    """Return the line on the drag torque over the coefficients and by the makers' formula; empty without preload."""
     if data["makers_formula_Nmm"] is None:
         return []
     text = (
@@ -132,6 +132,7 @@ def drag_lines(data: dict[str, Any]) -> list[Line]:
 
 
 def _range(values: list[float | None]) -> str:
+    """Return torques [N mm] as text, joined by "to"."""
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
 
@@ -141,7 +142,7 @@ def states_no_play(scene: Scene) -> bool:
 
 
 def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
-    """Return the torque with balls smaller by ``SMALLER``, of a screw without preload that states no play; else None."""
+    """Return a screw's torque with balls smaller by ``SMALLER``; None if the file states play or preload."""
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
         return None
@@ -157,7 +158,7 @@ def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
 
 
 def play_warning(data: dict[str, Any]) -> Warned:
-    """Return a warning that neither play nor preload is stated."""
+    """Return a warning that the file states neither play nor preload, with the torques with and without play."""
     value = data["friction_torque_Nmm"]
     other = "none found" if value is None else f"{value:.4g} N mm"
     text = (
@@ -228,7 +229,7 @@ def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
 
 
 def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
-    """Return the line on this; ``turns``: the part that turns; ``errors``: whether the scene has any."""
+    """Return the line on touching neighbours; ``turns``: turning part; ``errors``: whether the scene has errors."""
 
     def angle(value: float | None) -> str:
         return "never" if value is None else f"after {three(np.degrees(value))} deg of the {turns}"
@@ -254,7 +255,7 @@ def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
-    """Return a warning if friction that moves the balls raises the torque much."""
+    """Return a warning if friction that moves the balls raises the torque more than ``FED_BACK`` times; else none."""
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
         return []

@@ -197,6 +197,7 @@ def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: i
 
 
 def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
+    """Solve a scene on one grid with all variants of its bodies, and return the run."""
     begin, sizes = process_time(), BODIES[bodies]
     case = case_of(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
     shape = shape_of(case, level)
@@ -231,6 +232,7 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
 
 
 def _both(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
+    """Solve a case with balls apart and touching; one solution serves both where they are the same system."""
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
@@ -238,7 +240,7 @@ def _both(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, ball
 def measures(
     case: Case, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
-    """Return the quantities of a solved case by name, which ends with the unit."""
+    """Return forces, speeds, losses and torque of a solved case by names that end with the unit."""
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
     for k, force in enumerate(touching.force):
@@ -261,10 +263,12 @@ def measures(
 
 
 def _loaded(scene: Rolling) -> list[int]:
+    """Return the contacts of the first ball that carry load, by their index."""
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
 def _losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
+    """Return the loss at each contact [W]."""
     if isinstance(result, balls.RollingResult):
         return [c.loss for c in result.contacts]
     return [float(v) for v in np.asarray(result.contact_loss)]
@@ -282,7 +286,7 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 @dataclass(frozen=True)
 class Variant:
-    """Values with one choice of the bodies changed."""
+    """Forces and losses with one modelling choice of the bodies changed."""
 
     #: Description of the choice; half spaces for none.
     choice: str
@@ -291,7 +295,7 @@ class Variant:
 
 
 def variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return scenes and choices by name, the shipped ones first, half spaces last."""
+    """Return scene and body sizes of each variant by its description; None for half spaces."""
     sizes = BODIES[FINITE]
     assert sizes is not None
     return {
@@ -311,7 +315,7 @@ def variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def variant(choice: str) -> Variant:
-    """Compute one variant."""
+    """Compute the forces and losses of the variant with this description."""
     name, sizes = variants()[choice]
     scene = shipped_case(name, KindScene)
     case = case_of(scene, Choices(SHAPE))
@@ -325,7 +329,7 @@ def variant(choice: str) -> Variant:
 
 @lru_cache(maxsize=1)
 def body_sizes() -> tuple[Variant, ...]:
-    """Compute all variants."""
+    """Compute all variants of the bodies; cached."""
     return tuple(variant(choice) for choice in variants())
 
 
@@ -341,7 +345,7 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 @dataclass(frozen=True)
 class KeptSizes:
-    """All variants, with their origin."""
+    """Variants of the bodies, and whether they were stored or computed."""
 
     #: The variants.
     variants: tuple[Variant, ...]
@@ -350,12 +354,12 @@ class KeptSizes:
 
 
 def key() -> str:
-    """Return the digest of sources and scenes."""
+    """Return the digest of source code and scenes, which validates stored variants."""
     return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
 def sizes(stores: Sequence[Path], *, fresh: bool) -> KeptSizes:
-    """Return the stored variants if their key is valid; ``fresh``: computed and stored in the first store."""
+    """Return the stored variants if their key is valid, else compute them; ``fresh``: compute and store them."""
     kept = None if fresh else _load(stores)
     if kept is None:
         found = body_sizes()
@@ -381,6 +385,7 @@ def choices_share(straight: bool) -> float:
 
 
 def _load(stores: Sequence[Path]) -> tuple[Variant, ...] | None:
+    """Return the variants of the first store whose key is valid; None without one."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))

@@ -72,7 +72,7 @@ Makers = dict[str, Callable[[], Any]]
 def outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of a converged result, and ``at``, ball and flank of the largest load.
+    """Return the wanted `OUTPUTS` of a converged result, and ``at``: ball and flank with the largest load.
 
     Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed only for
     them; the torque needs [friction] of the scene. None if there is no such quantity.
@@ -101,7 +101,7 @@ def cycle_outputs(
     *,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return `OUTPUTS` of load cases.
+    """Return the outputs of a duty cycle from results and outputs of its load cases.
 
     They are those of the load case with the largest contact load, which ``at`` names, except: life over the duty cycle of
     the set with the shortest life; mean torque over the revolutions; growth, the largest load of each set over all load
@@ -188,7 +188,7 @@ def _of_sets(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return `OUTPUTS` and ``at`` of the sets of a scene together.
+    """Return the wanted `OUTPUTS` over all sets of a scene, and ``at``: place of the largest load.
 
     Parameters
     ----------
@@ -243,6 +243,7 @@ def _displacement(scene: Scene, result: StaticResult) -> float | None:
 
 
 def _approach(balls: StaticResult) -> float:
+    """Return the largest Hertz approach of a contact [um]."""
     return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
 
 
