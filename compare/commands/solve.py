@@ -88,7 +88,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
 
 
 def _of_case(choices: Choices, name: str) -> Choices:
-    """Return the choices for one load case, whose name is added to the names of its files."""
+    """Return the options for one load case, with its name added to the name of the matrix file."""
 
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
@@ -97,7 +97,7 @@ def _of_case(choices: Choices, name: str) -> Choices:
 
 
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
-    """Write all contact loads of converged cases, with name of the case and number of the set; return a line on it."""
+    """Write the ball contact loads of converged load cases as CSV, by case and set; return a line naming the file."""
     from rollbench.compare.files import write_csv
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.models.loads_file import loads_csv
@@ -143,14 +143,14 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
-    """Return the exit code: 1 where one did not converge, or, if ``strict``, where a warning precedes the answers."""
+    """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning above its answers."""
     from rollbench.lowfi.warned import above
 
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 
 def _checked(choices: Choices) -> tuple[str, float]:
-    """Return the model (empty: the default) and the station [m] of the choices.
+    """Check the options; return the model's name (empty: the default) and the station of the stiffness [m].
 
     Raises InputError for options that exclude each other, and for a file that cannot be written.
     """

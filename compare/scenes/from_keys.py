@@ -218,7 +218,7 @@ def oversize_for(scene: parts.Scene, force: float) -> float:
 
 
 def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
-    """Return the preload [N], and its origin in words."""
+    """Return the preload [N], and a text on its share of the load rating (empty if given as a force)."""
     if not isinstance(given, ShareOfRating):
         return given, ""
     from rollbench.lowfi.rating.life import rating
@@ -229,7 +229,7 @@ def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, s
 
 
 def preloaded(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
-    """Return the scene with its preload as an oversize, and the idealisation among its assumptions."""
+    """Return the scene with its preload as a ball oversize, and an assumption on a force converted to it."""
     if keys is None or keys.lead_offset is not None:
         return scene
     size, assumed = keys.oversize or 0.0, scene.assumed
@@ -253,7 +253,7 @@ ROUNDED = 1e-6
 def in_cases(
     parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
 ) -> Parts | DutyCycle:
-    """Return the parts, or the duty cycle of their load cases; SceneError for faults of the parts in a load case."""
+    """Return the parts if no load cases are given, else their duty cycle; SceneError for faults in a load case."""
     if not keys:
         return parts
     cycle = duty_cycle(parts, keys)
@@ -262,7 +262,7 @@ def in_cases(
 
 
 def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
-    """Return the record of validated load cases.
+    """Return the duty cycle of a scene from validated keys of its load cases.
 
     Shares follow from times and speeds: revolutions of a load case over those of the cycle, in either direction.
     """
@@ -298,11 +298,13 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
 
 
 def _errors(scene: Scene, keys: CaseKeys) -> Errors:
+    """Return the errors of a scene with the load case's oversize, if it gives one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
 def _displaced(support: Support, keys: CaseKeys) -> Support:
+    """Return a support with the displacements that a load case gives at its station."""
     moved: dict[str, float] = {}
     for other in keys.supports:
         if abs(other.at - support.at) <= MERGE:

@@ -264,7 +264,7 @@ def _fixed() -> Assembly:
 
 
 def _pushed(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
-    """Return an axis with other forces [N] and moment [N m]: axial on the carriage (else shaft), others on the shaft."""
+    """Return an axis with other loads [N, N m]: axial on the carriage (else shaft), others on the shaft."""
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
     side = Load(at, (across, 0.5 * across, 0.0 if carriage else along), (moment, 0.0, 0.0))
@@ -278,7 +278,7 @@ def _each_set(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Ass
 
 
 def _balls_of(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return an axis with each set of balls' parts replaced by ``change(parts)``."""
+    """Return an axis with ``change`` applied to the parts of its sets of balls."""
     return _each_set(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 

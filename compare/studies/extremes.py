@@ -145,6 +145,7 @@ def _load_kernels() -> None:
 
 
 def _energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
+    """Solve a scene by the energy solver, with compiled kernels."""
     _load_kernels()
     if isinstance(scene, Assembly):
         return solve_assembly(scene, engine="compiled")
@@ -152,6 +153,7 @@ def _energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
 
 
 def _ours(case: Case, result: StaticResult | AxisResult | None = None) -> Attempt:
+    """Return the row of a case by the energy solver; ``result``: its result if known."""
     begin = perf_counter()
     row = _row_of(case, ENERGY, result or _energy(case.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
@@ -188,7 +190,7 @@ def _loads(result: StaticResult | AxisResult) -> Array:
 
 
 def _row_of(case: Case, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
-    """Return the row of a solver's result since ``begin``, without difference from the energy solver."""
+    """Return the row of a solver's result, with the time since ``begin`` and no difference from the energy solver."""
     status, s = _fault(result) or result.status, result.solver
     return _attempt(
         case,
@@ -204,12 +206,12 @@ def _row_of(case: Case, formulation: str, result: StaticResult | AxisResult, beg
 
 
 def _attempt(case: Case, formulation: str, status: str, **found: Any) -> Attempt:
-    """Return a row with fields of the solution."""
+    """Return the row of a case and formulation, with fields of the solution."""
     return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
 def _fault(result: StaticResult | AxisResult) -> str:
-    """Return the reason why a claimed convergence is wrong; empty if it is right."""
+    """Return why a result that claims convergence is wrong; empty if it is right or claims none."""
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
@@ -299,6 +301,7 @@ def _source(case: Case, formulation: str, ours: StaticResult | None = None) -> A
 
 
 def _apart(difference: float | None) -> str:
+    """Return a clause on loads that differ from the energy solver's [%]; empty if they are the same."""
     if difference is None or difference <= SAME:
         return ""
     root = "another root of the contact conditions (beyond the arc)"
@@ -306,22 +309,25 @@ def _apart(difference: float | None) -> str:
 
 
 def _finite(value: float) -> float | None:
+    """Return the value, or None if it is not finite."""
     return float(value) if math.isfinite(value) else None
 
 
 def _difference(load: Array, ours: Array) -> float:
+    """Return the largest difference of a load from the energy solver's, in per cent of the largest load."""
     top = float(ours.max(initial=0.0))
     change = float(np.abs(load - ours).max())
     return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
 
 
 def _short(status: str) -> str:
-    """Return the first clause of a status; also the second if the first only says that the screw is not held."""
+    """Return the first clause of a status; the first two if it begins with "not held"."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
 
 def _rows_of(case: Case) -> list[Attempt]:
+    """Solve a case by every formulation and return the rows."""
     found, ours = _energy(case.scene), None
     if isinstance(case.scene, Scene):
         scene = _on_source_partition(case.scene)

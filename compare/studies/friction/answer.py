@@ -172,18 +172,18 @@ def three(value: float) -> str:
 
 
 def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Return values (n,) or vectors (n, k) by the names of their contacts."""
+    """Return the JSON of values (n,) or vectors (n, k) at a ball's contacts, by contact name."""
     return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
 def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
-    """Return contact loads [N] and angles [rad], (n,), of a ball by contact; no angle without load."""
+    """Return the JSON of a ball's contact loads [N] and angles, (n,) [rad], by contact; no angle without load."""
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
     return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
 
 
 def motion_row(q: Array) -> dict[str, Any]:
-    """Return the motion of a ball (4,) [rad/s]: orbit, then rotation."""
+    """Return the JSON of a ball's motion (4,) [rad/s]: orbit, then rotation."""
     return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
 
 
@@ -219,12 +219,12 @@ def balance(power: float, loss: float) -> dict[str, Any]:
 
 
 def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Return `balance`, also in per cent of the dissipation; not if that is below ``NOTHING`` times full sliding."""
+    """Return `balance`, with the imbalance in per cent unless the loss is below ``NOTHING`` times full sliding."""
     return balance(power, loss) | {"balance_percent": increase(power, loss, bound)}
 
 
 def increase(loss: float, before: float, bound: float) -> float | None:
-    """Return the increase of losses [%], zero if it is round-off; None if next to nothing was lost before."""
+    """Return the increase of losses [%], zero if it is round-off; None if the loss before was negligible."""
     if not before > NOTHING * bound:
         return None
     return number(float(error_percent(before + without_round_off(loss - before, before), before)))
@@ -245,7 +245,7 @@ def by_contact(power: float, loss: float, apart: float, balls: float, bound: flo
 
 
 def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
-    """Return the line on the unbalanced loads and friction [N]."""
+    """Return the line on how far loads and friction are out of balance [N]."""
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 

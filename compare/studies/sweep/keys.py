@@ -132,10 +132,12 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
 
 
 def _refused(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
+    """Return the error for a refused text or value of `vary`."""
     return ArgumentError("vary", show(value), allowed, advice)
 
 
 def _read(text: str) -> Vary:
+    """Read one varied key with its list or range of values."""
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
         advice = 'e.g. `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
@@ -151,6 +153,7 @@ def _read(text: str) -> Vary:
 
 
 def _range(key: str, text: str, values: str) -> Vary:
+    """Read a range ``A:B`` or ``A:B:N`` of a key."""
     if any(map(has_comma, values.split(":"))):
         raise _refused(text, "numbers with a point", COMMA)
     try:
@@ -170,7 +173,7 @@ def _range(key: str, text: str, values: str) -> Vary:
 
 
 def _steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
-    """Equally many values from low to high, both among them, as a scene file holds them."""
+    """Return equally spaced values from low to high, both included, as a scene file holds them."""
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
         raise _refused(text, f"A:B:N with N from 2 to {MOST_VALUES}", "e.g. nut.position=100:900:9 mm")
     numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
@@ -180,7 +183,7 @@ def _steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) 
 
 
 def _split(text: str) -> tuple[str, str]:
-    """Return number and unit as written; ValueError if the text is no quantity."""
+    """Return number and unit of a quantity as written; ValueError for another text."""
     found = number_and_unit(text)
     if found is None:
         raise ValueError(text)
@@ -188,7 +191,7 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _scalar(text: str) -> Any:
-    """Return a value as TOML reads it, or the text if it is no TOML."""
+    """Return a text's value as TOML, or the text if it is not valid TOML."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -196,7 +199,7 @@ def _scalar(text: str) -> Any:
 
 
 def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
-    """Return a copy of a scene's tables with other values of the keys, which replace keys for the same quantity.
+    """Return a copy of a scene's tables with varied keys set, and other keys for the same quantities removed.
 
     InputError for an entry that a list does not have.
     """
@@ -211,13 +214,13 @@ def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) ->
 
 
 def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
-    """Return the varied paths, each with the key of the scene that it replaces."""
+    """Return pairs of a varied path and the scene's key that it replaces."""
     pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _synonyms(path))
     return [(path, other) for path, other in pairs if _take_out(copy.deepcopy(raw), other)]
 
 
 def _synonyms(path: str) -> Iterator[str]:
-    """Yield other keys of the set that give the quantity of ``path``."""
+    """Yield the other keys that give the same quantity as ``path``, in the same set."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -225,7 +228,7 @@ def _synonyms(path: str) -> Iterator[str]:
 
 
 def _take_out(raw: dict[str, Any], key: str) -> bool:
-    """Remove a key, and the table if that is then empty; return whether it was there."""
+    """Remove a key, and its table if that becomes empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
     for step in _parts(above):
@@ -242,6 +245,7 @@ def _take_out(raw: dict[str, Any], key: str) -> bool:
 
 
 def _parts(key: str) -> list[str | int]:
+    """Return the steps of a key's path: names of tables and indices of lists."""
     return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
 
 
