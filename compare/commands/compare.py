@@ -27,7 +27,7 @@ NOT_SETTLED = 5
 
 
 def code_of(references: Iterable[Reference]) -> int:
-    """Return the exit code for references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
+    """Return the exit code: `NOT_SETTLED` if the loads of a reference did not settle over its levels, else 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
@@ -132,6 +132,7 @@ def run_compare(
 
 
 def _contacts(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
+    """Return the table of contact loads of one scene for the terminal."""
     from rollbench.compare.commands.compare_output import contact_rows
 
     listed = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
@@ -146,6 +147,7 @@ def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
 
 
 def _line(data: dict[str, Any]) -> str:
+    """Return a sentence on a model's largest error and its life over a duty cycle."""
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
     life = "no life over the duty cycle"
     if off is not None:

@@ -51,6 +51,7 @@ def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) 
 
 
 def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
+    """Raise ArgumentError for the first given name that is not known."""
     from rollbench.compare.files import alike, question
 
     for word in given:
@@ -73,7 +74,7 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 
 def entry_json(e: Evidence) -> dict[str, Any]:
-    """Return JSON values of one entry."""
+    """Return JSON values of one printed entry: values, error, verdict and reason."""
     from rollbench.compare.evidence import source
 
     p = e.printed

@@ -143,7 +143,7 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
-    """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning above its answers."""
+    """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning; else 0."""
     from rollbench.lowfi.warned import above
 
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))

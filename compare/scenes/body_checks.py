@@ -180,6 +180,7 @@ def _beam_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _station_faults(scene: Scene) -> Iterator[Fault]:
+    """Yield faults of a nut, supports or loads beyond the screw's ends."""
     length, nut = scene.screw.length, scene.nut
     ends = (nut.position - nut.length / 2.0, nut.position + nut.length / 2.0)
     if ends[0] < -TOLERANCE or ends[1] > length + TOLERANCE:
@@ -199,7 +200,7 @@ def _station_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _rigid_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield faults of supports that no motion of a rigid screw can satisfy together."""
+    """Yield a fault of contradictory supports: no motion of the rigid screw satisfies them all."""
     if scene.ingredients.screw != "rigid":
         return
     clash = contradiction(scene)
@@ -214,7 +215,7 @@ def _rigid_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _solid_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield faults of dimensions that only the 3D reference uses, if the scene gives them."""
+    """Yield faults of the table ``[solid]``, whose dimensions only the 3D reference uses."""
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = groove_depths(scene)
     if solid.nut_inner_diameter is not None:

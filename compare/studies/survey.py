@@ -381,7 +381,7 @@ def _rounded(value: float | None, factor: float = 1.0) -> float | None:
 
 
 def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Return the errors of a model in per cent, and those expected from the other compared scenes."""
+    """Return a model's errors [%] on a drawn screw, and the errors expected from the other compared scenes."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
     return {
@@ -403,7 +403,7 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 
 
 def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
-    """Solve a scene and append its record, as long as the folder belongs to this run."""
+    """Solve a drawn screw and append its record; None, without solving, if the folder belongs to a later run."""
     if not sample.current(folder, token):
         return None
     with sample.working(folder):
@@ -458,7 +458,7 @@ def run_survey(
 
 
 def _answers(path: Path | None, seed: int) -> list[Record]:
-    """Return the scenes of a stored record; empty if there is none or it is of another version or level."""
+    """Return the stored records of this seed, level and version of rollbench; empty without any."""
     if path is None or not path.exists():
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -472,7 +472,7 @@ def unanswered(records: Sequence[Record]) -> list[Record]:
 
 
 def text(seed: int, records: Sequence[Record]) -> str:
-    """Return the text of the record: JSON with a scene per line; its head has the number asked for and the number there."""
+    """Return the survey's JSON text, one scene per line, with the numbers of scenes requested and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -480,7 +480,7 @@ def text(seed: int, records: Sequence[Record]) -> str:
 
 
 def shipped() -> dict[str, Any]:
-    """Return the shipped record; without scenes if there is none."""
+    """Return the shipped record of the survey; one without scenes if the file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
@@ -491,7 +491,7 @@ WORST_AIM, RMS_AIM = 1.5, 0.5
 
 
 class Accuracy(NamedTuple):
-    """How the refined model does on drawn screws."""
+    """Accuracy of a model on drawn screws."""
 
     #: Number of screws.
     screws: int
@@ -504,7 +504,7 @@ class Accuracy(NamedTuple):
 
 
 def accuracy(records: Sequence[Record], model: str = "refined") -> Accuracy:
-    """Return how a model does on drawn screws that have an answer."""
+    """Return a model's accuracy on the drawn screws with recorded errors."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))

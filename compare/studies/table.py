@@ -138,7 +138,7 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
 
 
 def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the station of the stiffness, and a description of the body."""
+    """Return the station [m] or set whose stiffness is asked for, and a text on the body that it belongs to."""
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
         return given, f"set {given}, its inner part moved and its outer one held"
@@ -169,13 +169,13 @@ def axial_key(raw: dict[str, Any], origin: str) -> str:
 
 
 def _number(text: Any) -> float:
-    """Return the number of a quantity; zero if there is none."""
+    """Return the number in a text such as "5 kN", without its unit; zero for another text."""
     found = number_and_unit(str(text))
     return 0.0 if found is None else float(found[0])
 
 
 def _over(vary: Vary) -> Over:
-    """Return the column of a key: numbers in the common unit of its values; other values as text."""
+    """Return the table column of a varied key: numbers if all its values share one unit, else the values as given."""
     split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
     spelt = {x[1] for x in split if x is not None}
     if None in split or len(spelt) > 1:
@@ -185,7 +185,7 @@ def _over(vary: Vary) -> Over:
 
 
 def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
-    """Solve one combination of values; what scene or model refuse is the status of the row."""
+    """Solve one combination of the keys' values; a refusal by scene or model becomes the status of the row."""
     try:
         raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
         scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
@@ -197,6 +197,7 @@ def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
 
 
 def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
+    """Solve a scene and return its row with the requested quantities."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     result, found = sample.solve_case(scene, asked.model, engine, names)
     if not result.converged:
@@ -251,7 +252,7 @@ def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> It
 
 
 def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return the errors to expect of a row, by its fields."""
+    """Return the expected errors of a scene's result, by the fields of the row."""
     form = estimate(scene, result)
     return {
         "load_error": form.percent,
@@ -264,7 +265,7 @@ def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
 
 
 def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Table:
-    """Solve all rows, in parallel if asked for.
+    """Solve all rows of a table where ``engine`` computes.
 
     Parameters
     ----------
@@ -298,7 +299,7 @@ def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Ta
 
 
 def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
-    """Return the JSON of the command; quantities that were not asked for have no key."""
+    """Return the JSON of ``rollbench table``; quantities that were not requested have no key."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names
     places = product(*(x.values for x in asked.over))

@@ -66,7 +66,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """Return the table on its grid: a dimension for every key, two more for the stiffness."""
+    """Return the table as an xarray Dataset: one dimension per varied key, two more for the stiffness."""
     import xarray
 
     dims = [x.column for x in table.over]
@@ -84,7 +84,7 @@ def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 
 
 def figure(table: Table) -> Figure | None:
-    """Draw each quantity over the numeric key with most values, with a curve for each value of the others.
+    """Draw each quantity over the numeric key with most values; one curve per combination of the other keys' values.
 
     Error bars are the errors to expect, if they are of that quantity. None without such a key.
     """
@@ -118,7 +118,7 @@ def figure(table: Table) -> Figure | None:
 
 
 def _bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
-    """Return the ends of the error bars of a quantity in some rows; None if its error is not known."""
+    """Return lower and upper ends of a quantity's error bars in the rows ``at``; None without known errors."""
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
         return None
@@ -174,11 +174,12 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _left_out(table: Table) -> list[str]:
-    """Return sentences on the rows that are left out."""
+    """Return a line for each reason why rows have no answer, with their places."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
 def _comments(lines: Iterable[str]) -> str:
+    """Return lines as comments of Python or Modelica's table file."""
     return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
 
 

@@ -344,14 +344,14 @@ def relative_life(load: Array, nominal: Array) -> Array:
 
 
 def columns(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a member."""
+    """Return the names of the outputs of a member (specimen), in the order of its values."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
 
 
 def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
-    """Return the range of each set's balls among those of all sets; None for rollers."""
+    """Return, for each set, the slice of its balls in an array over all sets' balls; None for rollers."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
     slices: list[slice | None] = []
@@ -364,7 +364,7 @@ def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
 
 
 def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
-    """Return the scene with changed parts of each set of balls; ``change`` takes parts and number of the set."""
+    """Return the scene with each set of balls replaced by ``change(parts, number of the set from 0)``."""
     if isinstance(scene, Scene):
         return change(scene, 0)
     sets = (replace(s, parts=change(s.parts, i)) if isinstance(s.parts, Scene) else s for i, s in enumerate(scene.sets))
@@ -372,7 +372,7 @@ def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) 
 
 
 def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
-    """Return the scene with another seed of its random errors; of several sets with consecutive seeds."""
+    """Return the scene with another seed of its random errors; several sets get consecutive seeds."""
     return _with_parts(scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i)))
 
 
@@ -384,7 +384,7 @@ def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
 def _solved(
     scene: Scene, model: str, engine: str, first: int, count: int, factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
-    """Return loads, statuses, residuals and works of members under the loads times a factor.
+    """Return contact loads, statuses, residuals and works of members under the scene's loads times a factor.
 
     With a factor other than 1 the members are first solved under the loads themselves.
     """
@@ -457,7 +457,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
 
 def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
-    """Solve a block of several sets, as `solve_block`."""
+    """Solve a block of members of a scene with several sets; parameters as `solve_block`."""
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = places(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
@@ -472,7 +472,7 @@ def contact_loads(result: Solved) -> Array:
 
 
 def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
-    """Return the outputs of a member."""
+    """Return the outputs of a member of several sets, in the order of `columns`."""
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)

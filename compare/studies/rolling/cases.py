@@ -86,14 +86,17 @@ def case_of(scene: KindScene, choices: Choices) -> Case:
 
 
 def _refuse(scene: KindScene, key: str, reason: str, advice: str) -> None:
+    """Raise Refusal for a key of the scene."""
     raise Refusal(scene.name, key, reason, advice)
 
 
 def _directions(angles: Array, senses: Array) -> Array:
+    """Return unit vectors (..., 2) of contacts at their angles, with the signs ``senses``."""
     return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
 def _linear(scene: LinearScene) -> Case:
+    """Return the balls of a linear bearing for the 3D model; Refusal for too many balls or no motion."""
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
         _refuse(scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls")
@@ -114,7 +117,7 @@ def _linear(scene: LinearScene) -> Case:
 
 
 def _given(scene: LinearScene, normals: Array, rho: float) -> Array:
-    """Return the loads of a ball in balance at its angles, or equal on each diagonal, (4,) [N]."""
+    """Return contact loads (4,) [N] that balance a ball at its angles, or (diagonal) at the nominal angle."""
     if scene.distribution == "diagonal":
         normals = _directions(np.full(4, scene.bearing.contact_angle), LINEAR)
     carriage = scene.vertical * np.array([rho, -1.0])

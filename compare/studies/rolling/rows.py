@@ -57,6 +57,7 @@ def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
 
 
 def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
+    """Solve the balls of a linear bearing; return values by name, and the status."""
     angles, force, _ = linear_loads(scene)
     apart, near = (
         solve_linear_chain(prepare(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
@@ -70,6 +71,7 @@ def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
 
 
 def _screw(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
+    """Solve two balls of a screw; return values by name, and the status."""
     found = solve_pair(scene.pair)
     apart, near = found.free.motion, found.touching.motion
     out = {"force 1-2 N": found.force}
@@ -80,6 +82,7 @@ def _screw(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
 
 def _ring(scene: BearingBallScene) -> tuple[dict[str, float], str]:
+    """Solve one ball of a rotary bearing; return values by name, and the status."""
     found = solve_ball(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
@@ -122,7 +125,7 @@ KNOWN = {
 
 @dataclass(frozen=True)
 class RollingRow:
-    """One quantity of one scene by all models."""
+    """One quantity of one scene: low-order value, 3D reference with uncertainty, printed values."""
 
     scene: str
     quantity: str
@@ -342,7 +345,7 @@ FORCE = "force 1-2"
 
 @dataclass(frozen=True)
 class Change:
-    """Effect of one numerical choice on the force."""
+    """Effect of one numerical choice of the 3D model on the ball-to-ball force."""
 
     #: Name of the scene.
     scene: str
@@ -362,7 +365,7 @@ class Change:
 
 
 def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> tuple[Change, ...]:
-    """Return the effects of numerical choices, for the scenes of `studies.rolling.runs.SCENES` with stored runs.
+    """Return the effects of numerical choices on the force, for scenes of `studies.rolling.runs.SCENES` with stored runs.
 
     Parameters
     ----------
@@ -377,6 +380,7 @@ def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Va
 
 
 def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> Iterator[Change]:
+    """Yield the effects of grid, finite bodies, time step and regularisation on the force in one scene."""
     scene = shipped_case(name, KindScene)
     half, finite = (_uncertainty(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load_run(scene, max(LEVELS), stores)
@@ -399,12 +403,13 @@ def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes:
 
 
 def _force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
-    """Return the force of the first two balls [N]; nan if the search ends without solution."""
+    """Return the force between the first two balls [N]; nan if the solver does not converge."""
     found = solve_rolling(scene, choices, path=path)
     return float(found.force[0]) if found.converged else np.nan
 
 
 def _largest(values: Sequence[float], reference: float) -> float:
+    """Return the largest error of some values against a reference value [%]."""
     return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
 
 
