@@ -136,6 +136,7 @@ def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
 
 
 def _housing(h: HousingKeys) -> Housing:
+    """Return the record of a housing."""
     return Housing(h.name, h.at, support_of(h).fixed, _stiffness(h), h.force, h.moment)
 
 
@@ -155,7 +156,7 @@ def kind_of_set(one: SetKeys) -> str:
 
 
 def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Yield faults of names and missing tables of sets and housings, and friction without coefficient."""
+    """Yield faults of sets, housings, joints and their names, of the drive, and of friction without coefficient."""
     yield from friction_choice_faults(keys.friction)
     yield from motion_faults(keys.motion)
     yield from _drive_faults(keys)
@@ -211,6 +212,7 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
+    """Yield faults of keys of set number ``i`` that exclude or need each other."""
     at = f"sets[{i}]"
     yield from arrangement_faults(at, one)
     balls = {n: getattr(one, n) for n in ("track", "nut", "balls")}
@@ -281,6 +283,7 @@ def _end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
+    """Yield faults of a stiffness given twice, or with a matrix that is none."""
     if keys.springs is not None and keys.matrix is not None:
         yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one out", "both")
     if keys.matrix is not None:
@@ -291,13 +294,14 @@ def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
 
 
 def _stiffness(keys: StiffKeys) -> Stiffness | None:
+    """Return the stiffness of a housing or joint in six freedoms; None without springs or matrix."""
     if keys.matrix is not None:
         return full_stiffness(np.array(keys.matrix))
     return None if keys.springs is None else diagonal_stiffness(tuple(keys.springs.model_dump().values()))
 
 
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
-    """Return the keys of one set as a scene: the shaft with this set's inner groove."""
+    """Return the keys of a scene with one set: the shaft carries this set's inner groove."""
     shaft = keys.screw
     fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
     if one.screw is not None:

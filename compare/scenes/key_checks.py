@@ -18,7 +18,7 @@ SAME = 1e-9
 
 
 def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield faults of keys that exclude or need each other, of counts and supports."""
+    """Yield faults of keys that exclude or need each other, and of invalid counts and supports."""
     for part in ("screw", "nut", "balls"):
         yield from _material_faults(keys, part)
     yield from _kind_faults(keys)
@@ -48,6 +48,7 @@ def motion_faults(motion: Motion | None) -> Iterator[Fault]:
 
 
 def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield faults of the tables ``[circulation]`` and ``[time]``."""
     circulation = keys.circulation
     if circulation is not None:
         if keys.track.lead == 0.0:
@@ -61,7 +62,7 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def time_faults(time: Time) -> Iterator[Fault]:
-    """Yield a fault for a run with two lengths or none."""
+    """Yield a fault unless a run in time has either an angle or a duration."""
     if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both"
         advice = 'write angle = "360 deg", or duration = "1 s"'
@@ -69,7 +70,7 @@ def time_faults(time: Time) -> Iterator[Fault]:
 
 
 def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
-    """Yield a fault unless both grooves have a coefficient, shared or separate."""
+    """Yield faults of a groove without coefficient of friction, and of the former key ``coupling`` with its new ones."""
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "0 to 2", advice, "nothing")
@@ -79,6 +80,7 @@ def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
 
 
 def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield a fault if ``kind`` contradicts the lead."""
     kind = "bearing" if keys.track.lead == 0.0 else "ball screw"
     if keys.kind not in (None, kind):
         advice = f"a lead {'of zero' if keys.track.lead == 0.0 else 'above zero'} is a {kind}: mend kind or track.lead"
@@ -141,6 +143,7 @@ def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
+    """Yield faults of a part without Young's modulus or Poisson's ratio."""
     material = getattr(keys, part).material
     for name, unit in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
         if getattr(material, name, None) is None and getattr(keys.material, name) is None:
@@ -150,6 +153,7 @@ def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
 
 
 def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield faults of the balls' number and arrangement."""
     balls, starts, ring = keys.balls, keys.track.starts, keys.track.lead == 0.0
     if ring and starts > 1:
         advice = "a bearing has one row: set starts = 1, or give a lead"
@@ -191,6 +195,7 @@ def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
 
 
 def _listed_faults(keys: SceneKeys, total: int) -> Iterator[Fault]:
+    """Yield faults of too many balls, and of ball errors listed for unknown balls or twice."""
     if total > MAX_BALLS:
         allowed = f"at most {MAX_BALLS} balls"
         yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{total} balls")
@@ -209,6 +214,7 @@ def _listed_faults(keys: SceneKeys, total: int) -> Iterator[Fault]:
 
 
 def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield faults of supports without freedoms, or that hold a freedom twice at one station."""
     taken: list[tuple[float, str, str]] = []
     for i, support in enumerate(keys.supports):
         given: list[tuple[str, str]] = [(name, f"supports[{i}].fix") for name in support.fix]
@@ -228,7 +234,7 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _said_twice(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield faults of a radius and a diameter that differ, and a count together with a filling."""
+    """Yield faults of a diameter that is not twice the given radius, and of a count given with a filling."""
     pairs = (
         ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
         ("balls.diameter", keys.balls.diameter, keys.balls.radius),
@@ -241,6 +247,7 @@ def _said_twice(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circuits(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield faults of the balls' circuits and the gap between them."""
     balls, circuits = keys.balls, keys.balls.circuits
     listed = next((name for name in ("azimuths", "arcs") if getattr(balls, name) is not None), "")
     remedy = f"the {listed} say where the balls are: leave it out"
@@ -266,6 +273,7 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _operation(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield a fault if only one of viscosity ratio and contamination is given."""
     of = keys.operation
     if (of.viscosity_ratio is None) != (of.contamination is None):
         given, lacking = ("viscosity_ratio", "contamination")[:: 1 if of.contamination is None else -1]
@@ -274,7 +282,7 @@ def _operation(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circulating(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
-    """Yield faults of circuits of [circulation] that differ from those of [balls]: balls would run across a gap."""
+    """Yield faults of [circulation] with another number of circuits than [balls], or with unequal arcs."""
     if keys.circulation is None and keys.time is None:
         return
     stated = 1 if keys.circulation is None else keys.circulation.circuits
@@ -288,6 +296,7 @@ def _circulating(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
 
 
 def _preload(keys: SceneKeys) -> Iterator[Fault]:
+    """Yield faults of a preload given in several forms or none, for a bearing by lead, or besides an oversize."""
     preload = keys.preload
     if preload is None:
         return

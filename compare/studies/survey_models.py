@@ -223,7 +223,7 @@ def run_models(
 
 
 def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]) -> list[Row]:
-    """Return the rows of a model by the number of the screw; raises its error if it fails on each of the first screws."""
+    """Return a model's rows in the order of ``numbers``; raise its error if it fails on all of the first screws."""
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
     first = [judged(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
@@ -240,7 +240,7 @@ def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float,
 
 
 def summary(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Return median, 95th percentile and maximum of every error over the solved screws."""
+    """Return a row for each error of a model: median, 95th percentile and maximum over the solved screws."""
     out = []
     for error, words in ERRORS.items():
         sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
@@ -263,7 +263,7 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def where(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Return the median of the worst load error of each model [% of the mean load], by kind of screw."""
+    """Return a row for each kind of screw: every model's median of the largest load error [% of the mean load]."""
     known = {r["number"]: r for r in survey.shipped()["scenes"]}
     out = []
     for words, fits in WHERE.items():

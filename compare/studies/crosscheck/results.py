@@ -186,7 +186,7 @@ COVERED, LEAST = 2.0, 0.1
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Loads of a series of runs extrapolated to zero element size and rigid contact."""
+    """Contact loads by CalculiX, extrapolated to zero element size and rigid contact."""
 
     #: Extrapolated contact loads, (n, 4) [N].
     load: Array
@@ -239,7 +239,7 @@ def softness(runs: Sequence[CrossRun]) -> Array | None:
 
 
 def mesh_of(run: CrossRun) -> tuple[float, float, bool, bool]:
-    """Return the identity of a run's mesh: elements across, growth, half, equal balls."""
+    """Return what identifies a run's mesh: elements across, growth, whether half, whether balls are equal."""
     return run.b_over_h, run.growth, run.half, run.alike
 
 
@@ -308,14 +308,14 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
 
 
 def _errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
-    """Return e of every mesh and contact, (meshes, contacts)."""
+    """Return the relative element error e of every mesh and contact, (meshes, contacts)."""
     size = h[:, None] / (length * half)
     return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """Weighted least-squares fit with one order and length."""
+    """Weighted least-squares fit of all contact loads for one order and length."""
 
     order: float
     length: float
@@ -327,7 +327,7 @@ class _Fit:
 
 
 def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> _Fit:
-    """Fit a straight line over e for every contact; residuals are weighted, with 1 for the finest mesh."""
+    """Fit each contact's load by a straight line over e; weights of residuals are relative to the finest mesh."""
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
     wide = (w * (e - middle) ** 2).sum(axis=0)
@@ -361,7 +361,7 @@ COLUMNS = (*PLACE, *COMPARED)
 
 @dataclass(frozen=True)
 class ContactRow:
-    """One contact by both programs."""
+    """One contact's loads by the 3D reference and by CalculiX, and their difference."""
 
     #: Ball, from 1.
     ball: int
@@ -400,7 +400,7 @@ def deck_label(run: CrossRun) -> str:
 
 
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
-    """Return rows of all contacts that carry load in either program."""
+    """Return a row for each contact that carries load in the 3D reference or CalculiX."""
     limit = limit or extrapolate(data.runs)
     best, mean, rows = ours.load, ours.mean, []
     meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in series(data)}
@@ -422,7 +422,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
 
 
 def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
-    """Return the columns of the loads on every mesh of both programs."""
+    """Return the table's columns: contact, then its load on every mesh of the 3D reference and CalculiX."""
     return [
         *PLACE,
         *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),

@@ -96,13 +96,13 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 
 def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
-    """Compute a run at several sizes of time steps, with a progress bar on the terminal."""
+    """Compute a run with several step sizes, with a progress bar; return the history and its step error."""
     with bar(f"{name}, run in time") as progress:
         return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def judged(history: History, error: StepError | None, time: Time) -> Run:
-    """Return the run with its status: not converged if a step failed or an error of the steps is above the goal."""
+    """Return the run with its status: not converged if a step failed, or the step error is unknown or above the goal."""
     status = history.status
     if history.good and error is None:
         status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
@@ -197,7 +197,7 @@ def no_error(run: Run) -> str | None:
 
 
 def energy_data(h: History) -> dict[str, Any]:
-    """Return work over the run [J] of the torque on the screw and of its axial load, losses, and imbalances.
+    """Return energies over the run [J]: work of torque and axial load on the screw, losses; and imbalances.
 
     The latter are the largest of a step over its losses: of the power that contacts take in, and of torque and load against
     losses.
@@ -216,7 +216,7 @@ def energy_data(h: History) -> dict[str, Any]:
 
 
 def torque_data(h: History) -> dict[str, Any]:
-    """Return mean, extremes and parts of the friction torque."""
+    """Return mean, extremes and parts (grooves, ball to ball) of the friction torque over the run [N mm]."""
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),
@@ -246,11 +246,12 @@ def ball_data(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
 
 
 def _list(values: Array) -> list[float | None]:
+    """Return values as a JSON list."""
     return [number(float(v)) for v in values]
 
 
 def run_rows(h: History) -> list[dict[str, object]]:
-    """Return some rows of the torque over the angle for the terminal."""
+    """Return up to ``ROWS`` rows of the torque over the angle, evenly spread over the run."""
     which = np.unique(np.linspace(0, h.time.size - 1, min(ROWS, h.time.size)).round().astype(int))
     return [
         {
@@ -266,7 +267,7 @@ def run_rows(h: History) -> list[dict[str, object]]:
 
 
 def run_lines(run: Run) -> list[Line]:
-    """Return the run in a few lines."""
+    """Return lines for the terminal: torque, error of the time steps, status."""
     h, e = run.history, run.error
     if not h.begun:
         return [("run", run.status)]
@@ -305,5 +306,5 @@ def significant(error: float | None) -> int:
 
 
 def run_table(run: Run) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
-    """Return the table of the run, if there is one."""
+    """Return the table of the torque over the angle; empty if no step was begun."""
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -365,7 +365,7 @@ class Change:
 
 
 def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> tuple[Change, ...]:
-    """Return the effects of numerical choices on the force, for scenes of `studies.rolling.runs.SCENES` with stored runs.
+    """Return the effects of numerical choices on the force in each scene of `studies.rolling.runs.SCENES`.
 
     Parameters
     ----------
