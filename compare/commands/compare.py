@@ -27,7 +27,7 @@ NOT_SETTLED = 5
 
 
 def code_of(references: Iterable[Reference]) -> int:
-    """Return the exit code: `NOT_SETTLED` if the loads of a reference did not settle over its levels, else 0."""
+    """Return the exit code: `NOT_SETTLED` if the loads of any reference did not settle, else 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 

@@ -283,7 +283,7 @@ def _end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
-    """Yield faults of a stiffness given twice, or with a matrix that is none."""
+    """Yield faults of a stiffness given by both springs and matrix, or by an invalid matrix."""
     if keys.springs is not None and keys.matrix is not None:
         yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one out", "both")
     if keys.matrix is not None:

@@ -70,7 +70,7 @@ def time_faults(time: Time) -> Iterator[Fault]:
 
 
 def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
-    """Yield faults of a groove without coefficient of friction, and of the former key ``coupling`` with its new ones."""
+    """Yield faults of a groove without coefficient, and of the former key ``coupling`` next to its new ones."""
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "0 to 2", advice, "nothing")

@@ -265,7 +265,7 @@ def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
 
 
 def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Table:
-    """Solve all rows of a table where ``engine`` computes.
+    """Solve all rows of a table, in parallel if ``engine`` does so.
 
     Parameters
     ----------

@@ -102,7 +102,7 @@ def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[Histor
 
 
 def judged(history: History, error: StepError | None, time: Time) -> Run:
-    """Return the run with its status: not converged if a step failed, or the step error is unknown or above the goal."""
+    """Return the run with its status: not converged if a step failed or its error is unknown or above the goal."""
     status = history.status
     if history.good and error is None:
         status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"

@@ -142,7 +142,7 @@ def states_no_play(scene: Scene) -> bool:
 
 
 def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's torque with balls smaller by ``SMALLER``; None if the file states play or preload."""
+    """Return a screw's torque with balls smaller by ``SMALLER``; None if play is stated, or with preload or no load."""
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
         return None

@@ -365,7 +365,7 @@ class Change:
 
 
 def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> tuple[Change, ...]:
-    """Return the effects of numerical choices on the force in each scene of `studies.rolling.runs.SCENES`.
+    """Return the effects of numerical choices on the force, for each scene of `SCENES` with stored runs.
 
     Parameters
     ----------
