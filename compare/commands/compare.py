@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.compared import Beside
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.meshes.parts import Scene
 
 
@@ -211,8 +212,8 @@ def compare(
     command = model_of(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
     means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
-    if all_rolling(scenes, bodies, means_nothing):
-        answer = run_rolling_compare(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
+    if rolling := rolling_scenes(scenes, bodies, means_nothing):
+        answer = run_rolling_compare(rolling, wanted, store, engine(where), fresh=fresh, bodies=bodies)
     else:
         models = [*(model or ()), *filter(None, [command])]
         how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
@@ -221,20 +222,20 @@ def compare(
 
 
 def run_rolling_compare(
-    names: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
+    scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
     """Compare low-order models with the 3D model of rolling. levels: all by default."""
     from rollbench.compare.commands.compare_output import rolling_table
     from rollbench.compare.studies.rolling.study import finite, rolling_comparison
 
-    rows = rolling_comparison(names, levels, store, engine, fresh=fresh, bodies=bodies)
+    rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)
     tables = (rolling_table(name, [row for row in rows if row.scene == name]) for name in shown)
     return Answer({"rows": [finite(row.as_json()) for row in rows]}, tables)
 
 
-def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> bool:
-    """Return whether all scenes are of kinds that only friction solves; False for whole screws and bearings.
+def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> list[KindScene]:
+    """Return the scenes if all are of kinds that only friction solves; none for whole screws and bearings.
 
     means_nothing: arguments that do not apply to rolling balls, and whether each was given. Raises InputError for a mix
     of both, for an unknown name of bodies, for finite bodies with whole screws, and for such an argument.
@@ -243,19 +244,20 @@ def all_rolling(names: Sequence[str], bodies: str, means_nothing: Mapping[str, b
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.friction_kinds.common import KindScene
 
-    kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
-    if any(kinds) and not all(kinds):
+    scenes = [catalogue.any_scene(name) for name in names]
+    rolling = [scene for scene in scenes if isinstance(scene, KindScene)]
+    if rolling and len(rolling) < len(scenes):
         allowed = "whole screws and bearings, or scenes of friction"
         raise ArgumentError("scenes", " ".join(names), allowed, "compare them in separate runs")
     if bodies not in (HALF_SPACE, FINITE):
         raise ArgumentError("bodies", bodies, f"{HALF_SPACE} or {FINITE}", "half spaces are the faster ones")
-    if not any(kinds):
+    if not rolling:
         if bodies != HALF_SPACE:
             advice = "the static reference is of finite bodies"
             raise ArgumentError("bodies", bodies, "scenes of friction", advice)
-        return False
+        return []
     need_packages("scikit-fem")
     for argument in (name for name, given in means_nothing.items() if given):
         advice = "leave it out: it would change nothing"
         raise ArgumentError(argument, "scenes of friction", "whole screws and bearings", advice)
-    return True
+    return rolling

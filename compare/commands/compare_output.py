@@ -13,7 +13,7 @@ from rollbench.compare.models.registry import is_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.compared import OURS, Beside, Compared
 from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.text.printing import plain, ruled
+from rollbench.compare.text.printing import cell, plain, ruled
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
@@ -113,18 +113,17 @@ ROLLING_COLUMNS = (
 )
 
 
-def _number(value: float | None, form: str) -> str:
-    return "–" if value is None or abs(value) == float("inf") else format(value, form)
-
-
 def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
     """Return the table of a scene of rolling balls: low-order model, 3D, what is printed."""
     from rollbench.compare.studies.rolling.rows import UNSTATED
+    from rollbench.compare.studies.rolling.study import finite
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
+    known = [finite({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
     cells = (
-        [f"{r.quantity} [{r.unit}]", *(_number(getattr(r, key), form) for key, _, form in ROLLING_COLUMNS)] for r in rows
+        [f"{r.quantity} [{r.unit}]", *(cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
+        for r, x in zip(rows, known, strict=True)
     )
     table = ruled(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
     table.caption = f"low-order: {1e3 * rows[0].low_seconds:.2f} ms now; 3D on the finest grid: {rows[0].seconds:.2f} s, "

@@ -13,6 +13,7 @@ from rollbench.compare.text.printing import Answer, aligned, print_answer
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.tasks import Solvable
+    from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 
 @app.command(name="mesh-study")
@@ -54,24 +55,24 @@ def mesh_study(
     bodies
         For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
-    from rollbench.compare.commands.compare import all_rolling
+    from rollbench.compare.commands.compare import rolling_scenes
 
     if all_rollers(scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where):
         answer = run_roller_study(scenes, levels, store, fresh=fresh)
-    elif all_rolling(scenes, bodies, {"spread": spread}):
-        answer = run_rolling_study(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
+    elif rolling := rolling_scenes(scenes, bodies, {"spread": spread}):
+        answer = run_rolling_study(rolling, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
     else:
         answer = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
     return print_answer(answer, as_json)
 
 
 def run_rolling_study(
-    names: Sequence[str], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+    scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> Answer:
     """Compute missing runs of scenes of rolling balls (fresh: all) and return a table of each scene."""
     from rollbench.compare.studies.rolling.study import rolling_study
 
-    rows = rolling_study(names, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
+    rows = rolling_study(scenes, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
     parts: list[Any] = []
     for name in dict.fromkeys(row["scene"] for row in rows):
         of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]

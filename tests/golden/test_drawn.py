@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.campaign import draw as extreme
+from tests.campaign.check_axes import HELD
 from tests.campaign.draw_axes import axis_text
 from tests.golden.means import leaves
 
@@ -154,7 +155,7 @@ def solved(text: str, model: str) -> Any:
     described = scene_file.parse_scene(text, "drawn.toml")
     if isinstance(described, Assembly):
         several = run_model(described, model, COMPILED)
-        loose = next((text for text in several.left_out if "held where it is" in text), "")
+        loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
         return (several, gather_axis(described, several)) if several.converged else several

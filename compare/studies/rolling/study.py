@@ -12,7 +12,6 @@ from rollbench.compare.reference.levels import HALF_SPACE
 from rollbench.compare.reference.parallel import as_done
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.running import on_terminal
-from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling import runs
 from rollbench.compare.studies.rolling.rows import RollingRow, load_state, scene_rows, uncertainty
@@ -51,36 +50,33 @@ def known_levels(levels: Sequence[int]) -> list[int]:
 
 
 def rolling_comparison(
-    names: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
+    scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> list[RollingRow]:
-    """Compare low-order models with the 3D model of rolling. levels: all by default."""
+    """Compare low-order models with the 3D model of rolling; missing runs are computed and kept in the store.
+
+    levels: all by default. Raises InputError for an unknown level, Refusal where a run did not converge.
+    """
     wanted = known_levels(levels or tuple(runs.LEVELS))
     out: list[RollingRow] = []
-    for scene in kind_scenes(names):
+    for scene in scenes:
         found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         half_space = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
         out += scene_rows(scene, found, half_space)
     return out
 
 
-def kind_scenes(names: Sequence[str]) -> list[KindScene]:
-    """Return scenes of rolling balls by their names, which `all_rolling` has checked."""
-    scenes = [catalogue.any_scene(name) for name in names]
-    return [scene for scene in scenes if isinstance(scene, KindScene)]
-
-
 def rolling_study(
-    names: Sequence[str], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+    scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> list[dict[str, Any]]:
     """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.
 
-    levels: all by default; source: the grid of the source's size too.
+    levels: 1 to this one, all by default; source: the grid of the source's size too. Raises as `rolling_comparison`.
     """
     levels = len(runs.LEVELS) if levels is None else levels
     if not 1 <= levels <= len(runs.LEVELS):
         raise ArgumentError("levels", str(levels), f"1 to {len(runs.LEVELS)}", "three levels give a scatter")
     out: list[dict[str, Any]] = []
-    for scene in kind_scenes(names):
+    for scene in scenes:
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
         found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         grids = [run for run in found if run.level != SOURCE_LEVEL]

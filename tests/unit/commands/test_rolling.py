@@ -4,7 +4,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.compare.commands.compare import all_rolling
+from rollbench.compare.commands.compare import rolling_scenes
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import Engine
@@ -91,4 +91,4 @@ def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="compare them in separate runs"):
-        all_rolling(["lin-case1", "lin-pair-a"], "half-space", {})
+        rolling_scenes(["lin-case1", "lin-pair-a"], "half-space", {})

@@ -117,6 +117,5 @@ def test_other_loads_than_the_law_of_a_slice_or_than_the_other_formulation_s_are
 def test_what_is_cut_away_of_elastic_bodies_leaves_rollers_on_the_same_shaft_in_balance():
     axis = CASES[MIXED + "axial 3000 N"].scene
     found = solve_refined(axis, engine="compiled")
-    assert any("cut away" in text for text in found.assumed)
     assert found.status == "converged"
     assert max(found.equilibrium.force_residual, found.equilibrium.moment_residual) < 1e-9
