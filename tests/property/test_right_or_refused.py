@@ -137,3 +137,16 @@ def test_what_one_model_solves_all_engines_and_models_solve(name):
     if name == "bearing-refined-stalls-2":
         # moments alone: 2e-12 of the contact loads was an axial force, and the rigidity 8e-14 N/um
         assert axial_force(refined) == 0.0, "an axial force of round-off has no rigidity"
+
+
+@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
+def test_a_twisted_shaft_carries_a_load_ten_billion_times_smaller(engine):
+    """The residual over the twist's force looked like a solution before one contact carried the load of 4 mN.
+
+    The shaft's shear stiffness times the last digit of its motion of 10 um is 1e-8 N.
+    """
+    scene = load(SCENES / "twisted-without-load.toml")
+    result = solve_static(scene, engine=engine)
+    assert result.converged
+    applied = np.array(scene.loads[0].force)
+    assert result.equilibrium.contact_force == pytest.approx(-applied, abs=1e-7)

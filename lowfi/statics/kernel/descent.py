@@ -118,7 +118,8 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
             status = NOT_HELD
             break
         fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.best
-        progress, ends = got_on(progress, residual, energy, used)
+        near = residual * scale / options.floor if options.floor > 0.0 else residual
+        progress, ends = got_on(progress, residual, near, energy, used)
         if ends:
             break
     finish(given, state, options, workspace)

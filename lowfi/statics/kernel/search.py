@@ -19,7 +19,8 @@ WHOLE_STEPS, GROWN = 1e-7, 10.0
 #: Relative residual of a solution: it is the last one where a step from it, whole and searched along, makes that grow so.
 SOLVED = 1e-10
 #: Iterations in which the residual was not halved once, after which the iteration ends: at any residual, near the
-#: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only.
+#: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only. Near means
+#: near by the applied loads: a shaft that fixed ends twist has forces beside which an unbalanced load is nothing.
 PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
 NEAR, LAST = 1e-9, 1e-12
 #: Share of the energy by which it has to fall for an iteration to have got on.
@@ -58,11 +59,14 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
 
 
 @kernel
-def got_on(progress: Progress, residual: float, energy: float, tried: int) -> tuple[Progress, bool]:
-    """Return the progress after an iteration that searched ``tried`` times, and whether it is the last one."""
+def got_on(progress: Progress, residual: float, unbalanced: float, energy: float, tried: int) -> tuple[Progress, bool]:
+    """Return the progress after an iteration that searched ``tried`` times, and whether it is the last one.
+
+    unbalanced: the residual over the applied loads in place of the largest force met.
+    """
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
     stuck = progress.stuck + (1 if tried >= TRIALS else 0)
-    patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if residual <= NEAR else PATIENCE
+    patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if unbalanced <= NEAR else PATIENCE
     lowest = energy if falls else progress.lowest
     return Progress(min(progress.best, residual), lowest, stalled, stuck), stalled >= patience or stuck >= 2
