@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -29,6 +30,7 @@ def bench(
     *,
     long: Flag = False,
     source: str | None = None,
+    drawn: Flag = False,
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
@@ -43,10 +45,19 @@ def bench(
         Also time every mesh level of the 3D reference, about an hour on idle cores; threads are not timed.
     source
         Measure only the times that the page of this case shows (such as lin), minutes on idle cores.
+    drawn
+        Instead: solve 24 of the drawn screws on levels 1 and 2 of the 3D reference, one and a half hours of processor
+        time; needs --store. An interrupted run goes on.
     store
-        Folder of stored runs in which the times are kept for the report; without --long and --source, the times of
-        commands typed in an empty home.
+        Folder of stored runs in which the times are kept for the report; without --long, --source and --drawn, the times
+        of commands typed in an empty home.
     """
+    if drawn:
+        if names or long or source is not None:
+            raise ArgumentError("drawn", "names, `long` or `source`", "`store` only", "leave them out")
+        if store is None:
+            raise ArgumentError("drawn", "no folder for the runs", "together with `store`", "name the folder")
+        return print_answer(run_drawn(store), as_json)
     if source is not None and (names or long):
         raise ArgumentError("source", source, "without names and --long", "leave them out")
     if store is not None and names:
@@ -77,6 +88,28 @@ def run_source(source: str, store: Path | None) -> Answer:
     for one in kept.levels:
         further = note.format(one.load_case or 0.0)
         jobs.append(Job(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
+    return Answer([asdict(job) for job in jobs], _tables(jobs))
+
+
+def run_drawn(store: Path) -> Answer:
+    """Solve drawn screws on two levels of the 3D reference, and show the errors and times of levels and models.
+
+    Raises InputError if a file cannot be written.
+    """
+    from rollbench.compare.studies import survey
+    from rollbench.compare.studies.run_times import Job
+    from rollbench.compare.studies.survey_levels import measure_levels, standings_of
+
+    runs = measure_levels(store, on_terminal).runs
+    jobs = [
+        Job(
+            f"{s.name} on {s.seconds.size} drawn screws" + (f", errors by {s.judged_by}" if s.judged_by else ""),
+            float(median(s.seconds)),
+            error_percent=float(median(s.errors)) if s.errors.size else None,
+            note=f"medians, processor time of one core; a further load case {median(s.further):.3g} s",
+        )
+        for s in standings_of(runs, survey.known_screws())
+    ]
     return Answer([asdict(job) for job in jobs], _tables(jobs))
 
 

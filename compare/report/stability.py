@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.cases.lin.extremes import table_section_items
+from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.models.applicability import KNOWN_SCREWS
+from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.study import Study
+from rollbench.compare.printed import value_of
+from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.overview import passed_text
 from rollbench.compare.sections.fit import WORDS
 from rollbench.compare.studies import survey as survey
@@ -24,6 +28,7 @@ from rollbench.compare.studies.extremes import (
     wide_rows,
 )
 from rollbench.compare.studies.survey import MODELS
+from rollbench.compare.studies.survey_levels import Standing, load_levels, standings_of
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -33,11 +38,11 @@ SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expect
 BINS, NEAR = 24, 2.0
 
 
-def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section on drawn catalogue screws: error histogram, errors near a face, status, each screw."""
     step("stored survey")
     every = survey.shipped()["scenes"]
-    scenes = [r for r in every if r["number"] < KNOWN_SCREWS]
+    scenes = survey.known_screws()
     title = "Screws drawn at random"
     if not scenes:
         return Section("survey", title, (Text(("No survey is stored.",)),))
@@ -70,6 +75,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
         ),
+        *levels_items(study, scenes),
         *_unseen(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
@@ -83,6 +89,95 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
         ),
     )
     return Section("survey", title, items, conclusion=f"{passed}.")
+
+
+def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | Table | Figure, ...]:
+    """Return text, figure and table of the errors and times of models and mesh levels on drawn screws."""
+    kept = load_levels((*(study.stores or ()), shipped_store()))
+    if kept is None:
+        return (
+            Text(("The times of mesh levels on drawn screws are not stored: `rollbench bench --drawn` measures them.",)),
+        )
+    found = standings_of(kept.runs, scenes)
+    timed = [s for s in found if s.errors.size]
+    about = (
+        f"Level 2 was solved on {len({run.number for run in kept.runs})} screws that a seed chose. The error of level 1 is "
+        "against it; the error of level 2 itself is not known from these runs. Times are processor times of one core: of a "
+        "new screw, from its geometry to its loads (interpreter and imports are not counted, the mesh cache is empty), and "
+        f"of a further load case. Those of the 3D reference are measured with {kept.measured}, {kept.date}; those of the "
+        "models are of the survey's run."
+    )
+    rows: list[Row] = [
+        {
+            "model or mesh": s.name,
+            "screws": s.seconds.size,
+            "errors against": s.judged_by or "not known",
+            Quantity("median", "largest error by the gate's rule, median", "%", ".2f"): _at(s.errors, 50),
+            Quantity("p95", "95th percentile", "%", ".2f"): _at(s.errors, 95),
+            Quantity("mean_median", "largest error, median", "% of mean", ".2f"): _at(s.of_mean, 50),
+            Quantity("mean_p95", "95th percentile of that", "% of mean", ".2f"): _at(s.of_mean, 95),
+            Quantity("seconds", "new screw, median", "s", "g3"): _at(s.seconds, 50),
+            Quantity("slowest", "new screw, 95th percentile", "s", "g3"): _at(s.seconds, 95),
+            Quantity("further", "further load case, median", "s", "g3"): _at(s.further, 50),
+        }
+        for s in found
+    ]
+    lin = [
+        (value_of("lin-2.2", f"time_proposed_{case}"), value_of("lin-2.4.1", f"case{case}_max_error")) for case in (1, 2)
+    ]
+    panels = tuple(_levels_panel(timed, name, lin) for name in ("new screw", "further load case"))
+    coarse = next((s for s in timed if s.name.startswith("3D")), None)
+    title = (
+        "Errors of models and mesh levels over processor time on drawn screws"
+        if coarse is None
+        else f"Level 1 of the 3D reference differs from level 2 by {_at(coarse.errors, 50):.2f} % in the median of drawn "
+        f"screws, and takes {_at(coarse.seconds, 50):.0f} s"
+    )
+    caption = (
+        f"Markers: medians of the largest error by the gate's rule, {RULE}; bars: up to the 95th percentile. The line is "
+        "the gate's limit. Lin's thesis: its printed errors against ANSYS at its printed times, of another machine."
+    )
+    return (
+        Figure("survey-levels", title, panels, caption, columns=2),
+        Text((about,)),
+        Table.of("stability-levels", "Errors and times of models and mesh levels on drawn screws", rows),
+    )
+
+
+def _at(values: Array, percent: float) -> float | None:
+    """Return a percentile of values; None without values."""
+    return float(np.percentile(values, percent)) if values.size else None
+
+
+def _levels_panel(found: Sequence[Standing], time: str, lin: Sequence[tuple[float, float]]) -> Panel:
+    """Return the panel of errors over the processor time of a new screw, or of a further load case."""
+    new = time == "new screw"
+    places = [(float(np.median(s.seconds if new else s.further)), float(np.median(s.errors)), s) for s in found]
+    series = []
+    for by in dict.fromkeys(s.judged_by for s in found):
+        shown = [(x, y, s) for x, y, s in places if s.judged_by == by]
+        series.append(
+            Series(
+                f"{shown[0][2].seconds.size} screws, against {by}",
+                [x for x, *_ in shown],
+                [y for _, y, _ in shown],
+                "markers",
+                emphasis=True,
+                bars=([y for _, y, _ in shown], [float(np.percentile(s.errors, 95)) for *_, s in shown]),
+                texts=[s.name for *_, s in shown],
+            )
+        )
+    edge: list[tuple[float, float]] = []
+    for x, y, _ in sorted(places, key=lambda place: place[:2]):
+        if not edge or y < edge[-1][1]:
+            edge.append((x, y))
+    series.append(Series("Pareto front", [x for x, _ in edge], [y for _, y in edge], "line"))
+    if new:
+        series.append(Series("Lin's thesis, printed", [x for x, _ in lin], [y for _, y in lin], "markers", light=True))
+    ends = [x for x, *_ in places]
+    series.append(Series(f"{LIMIT:g} %", [min(ends), max(ends)], [LIMIT, LIMIT], "line"))
+    label = f"processor time of a {time} / s"
+    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
 
 
 def _unseen(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
-from rollbench.compare.models.applicability import DESCRIPTORS, SURVEY
+from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, loaded_section, point, rigidity, shipped_points
 from rollbench.compare.models.registry import Options, run_model
@@ -277,9 +277,8 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
     record: Record = {"number": number, "version": __version__}
     try:
-        scene = scene_file.loads(text, f"{name}.toml")
+        scene, raised = load_cases(text, name)
         record |= described(scene)
-        raised = replace(scene, name=f"{name}-raised", loads=tuple(_raised(x) for x in scene.loads))
         found = [run for one in (scene, raised) if (run := kept(runs, one)) is not None]
         if len(found) < 2:
             task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
@@ -292,6 +291,12 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
     except Exception as error:  # a traceback is what the survey looks for
         record["status"] = one_line(f"{type(error).__name__}: {error}", 400)
     return record | {"seconds": round(process_time() - begin, 1)}
+
+
+def load_cases(text: str, name: str) -> tuple[Scene, Scene]:
+    """Return the screw of a text under its loads, and under loads raised for the tangent rigidity."""
+    scene = scene_file.loads(text, f"{name}.toml")
+    return scene, replace(scene, name=f"{name}-raised", loads=tuple(_raised(x) for x in scene.loads))
 
 
 def kept(runs: Path | None, scene: Scene) -> Run | None:
@@ -484,6 +489,11 @@ def shipped() -> dict[str, Any]:
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
+
+
+def known_screws() -> list[Record]:
+    """Return the records of the screws that the models' errors are summed up on, without those that were judged once."""
+    return [record for record in shipped()["scenes"] if record["number"] < KNOWN_SCREWS]
 
 
 #: Aims for the refined model on drawn screws: worst contact and root mean square [% of the mean load].
