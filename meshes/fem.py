@@ -358,16 +358,24 @@ class Quality:
     where: tuple[float, float, float]
 
 
-def node_slopes(element: Element) -> Array:
-    """Gradients of an element's shape functions at its nodes, in the reference cell.
+def node_slopes(element: Element, at: Array | None = None) -> Array:
+    """Gradients of an element's shape functions at its nodes, or at other places, in the reference cell.
+
+    Parameters
+    ----------
+    element : Element
+        The element.
+    at : (3, q) Array or None, default None
+        The places; None: the nodes.
 
     Returns
     -------
     (q, n, 3) Array
-        At node q, of shape function n.
+        At place q, of shape function n.
     """
-    at = element.doflocs.T
-    return np.stack([element.lbasis(at, k)[1] for k in range(at.shape[1])], axis=1).transpose(2, 1, 0)
+    nodes = element.doflocs.T
+    at = nodes if at is None else at
+    return np.stack([element.lbasis(at, k)[1] for k in range(nodes.shape[1])], axis=1).transpose(2, 1, 0)
 
 
 def scaled_jacobians(mesh: Mesh) -> Array:
@@ -395,9 +403,9 @@ def scaled_jacobians(mesh: Mesh) -> Array:
     return _of_cells(mesh, mesh.dofs.element_dofs.T)
 
 
-def _of_cells(mesh: Mesh, cells: Index) -> Array:
-    """Smallest scaled Jacobian ``(c,)`` of some cells ``(c, nodes)`` of a mesh, in scikit-fem's order."""
-    points, table = mesh.doflocs.T, node_slopes(mesh.elem())
+def _of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
+    """Smallest scaled Jacobian ``(c,)`` of some cells ``(c, nodes)`` of a mesh at their nodes, or ``at`` other places."""
+    points, table = mesh.doflocs.T, node_slopes(mesh.elem(), at)
     result = np.empty(len(cells))
     for k in range(0, len(cells), CHUNK):
         result[k : k + CHUNK] = _smallest(points[cells[k : k + CHUNK]], table).min(axis=1)
@@ -464,12 +472,18 @@ def refuse_bad(quality: Quality, name: str) -> None:
     )
 
 
+#: Places inside a tetrahedron, in reference coordinates ``(3, 8)``: a curved cell that is good at its nodes may be turned
+#: inside out there, where stiffnesses are integrated (`hifi.elements.forms.rule`).
+INSIDE = np.hstack(
+    [np.hstack([np.full((3, 1), a), a + (1.0 - 4.0 * a) * np.eye(3)]) for a in (0.1080472498984286, 0.3281633025163817)]
+)
+
 #: Scaled Jacobian below which a curved cell is untangled, and below which its edges are straightened, though the surface
 #: becomes less exact.
 BENT, STRAIGHTENED = 0.05, 0.01
 
 
-def untangle(mesh: Mesh, surface: Index) -> Mesh:
+def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
     """Move inner mid-edge nodes of badly curved P2 tetrahedra until the cells are better.
 
     A curved edge of the surface may cut into its cell; the inner edges of that cell are then curved too. One node after
@@ -481,6 +495,8 @@ def untangle(mesh: Mesh, surface: Index) -> Mesh:
         Second-order tetrahedra.
     surface : Index
         Nodes that stay.
+    at : (3, q) Array or None, default None
+        Places of a cell, in reference coordinates, where it is judged; None: its nodes.
 
     Returns
     -------
@@ -492,12 +508,12 @@ def untangle(mesh: Mesh, surface: Index) -> Mesh:
     free = np.zeros(len(points), dtype=bool)
     free[cells[:, 4:]] = True
     free[surface] = False
-    table = node_slopes(mesh.elem())
+    table = node_slopes(mesh.elem(), at)
     steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
     size = 0.2
     near = cells
     for _ in range(12):
-        bad = near[_of_cells(moved(mesh, points), near) < BENT]
+        bad = near[_of_cells(moved(mesh, points), near, at) < BENT]
         node = np.unique(bad[:, 4:])
         node = node[free[node]]
         if not len(node):
@@ -516,7 +532,7 @@ def untangle(mesh: Mesh, surface: Index) -> Mesh:
     return moved(mesh, points)
 
 
-def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
+def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, int]:
     """Straighten the edges of badly curved P2 tetrahedra.
 
     Parameters
@@ -525,6 +541,8 @@ def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
         Second-order tetrahedra.
     keep : Index
         Nodes that stay.
+    at : (3, q) Array or None, default None
+        Places of a cell, in reference coordinates, where it is judged; None: its nodes.
 
     Returns
     -------
@@ -540,7 +558,7 @@ def straighten(mesh: Mesh, keep: Index) -> tuple[Mesh, int]:
     changed = np.zeros_like(free)
     near = cells
     for _ in range(8):
-        bad = near[_of_cells(moved(mesh, points), near) < STRAIGHTENED]
+        bad = near[_of_cells(moved(mesh, points), near, at) < STRAIGHTENED]
         before = int(changed.sum())
         for k, (i, j) in enumerate(mesh.refdom.edges):
             middle = 0.5 * (points[bad[:, i]] + points[bad[:, j]])
@@ -582,8 +600,11 @@ def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[M
     ValueError
         A cell remains turned inside out.
     """
-    mesh, straight = straighten(untangle(mesh, surface), keep)
-    quality = measure(mesh)
+    found, straight = straighten(untangle(mesh, surface), keep)
+    if (_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
+        everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
+        found, straight = straighten(untangle(mesh, surface, everywhere), keep, everywhere)
+    mesh, quality = found, measure(found)
     refuse_bad(quality, name)
     return mesh, straight, quality
 

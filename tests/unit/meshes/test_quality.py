@@ -7,6 +7,7 @@ import pytest
 from skfem import MeshTet2
 from tests.fe_meshes import KINDS, LOCAL, jacobians
 
+from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.meshes import fem
 from rollbench.meshes.fem import mesh_of, moved, points_of
 
@@ -104,3 +105,19 @@ def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
     assert fem.scaled_jacobians(after).min() > 0.02
     np.testing.assert_array_equal(after.doflocs[:, surface], mesh.doflocs[:, surface])
     np.testing.assert_array_equal(after.doflocs[:, :5], mesh.doflocs[:, :5])  # corners stay
+
+
+def test_a_cell_that_is_turned_inside_out_between_its_nodes_is_straightened():
+    """Its Jacobians at the nodes are positive; the stiffness is integrated at places between them."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    straight = MeshTet2.from_mesh(mesh_of(corners, np.arange(4)[None], "P1")[0])
+    points = points_of(straight).copy()
+    points[straight.dofs.element_dofs[4:, 0]] += np.random.default_rng(703).uniform(-0.3, 0.3, (6, 3))
+    mesh = moved(straight, points)
+    assert fem.scaled_jacobians(mesh).min() > 0.0
+    with pytest.raises(ValueError, match="inside out"):
+        assemble(elasticity(1.0, 0.3), mesh)
+    everything, vertices = np.arange(10), mesh.dofs.element_dofs[:4, 0]
+    better, straightened, _ = fem.improve_cells(mesh, "body", everything, vertices)
+    assert straightened > 0
+    assemble(elasticity(1.0, 0.3), better)
