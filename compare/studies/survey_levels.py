@@ -86,9 +86,9 @@ class Standing:
 
 
 def chosen_screws() -> list[int]:
-    """Return the numbers of the screws that level 2 is solved on."""
+    """Return the numbers of the screws that level 2 is solved on, in the order in which they are solved."""
     chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
-    return sorted(int(number) for number in chosen)
+    return [int(number) for number in chosen]
 
 
 def drawn_screw(number: int) -> tuple[Scene, Scene]:
