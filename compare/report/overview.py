@@ -194,7 +194,13 @@ def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
     """Draw the error over the time of a further solution."""
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=True)
-    return Figure("error-time-further", "Error against the time of a further solve", (panel,), TIMED, columns=1)
+    return Figure(
+        "error-time-further",
+        "Largest error of each model and mesh level over the time of a further load case",
+        (panel,),
+        TIMED,
+        columns=1,
+    )
 
 
 def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
@@ -352,7 +358,7 @@ LIMITS = (
     (
         "The reference is linear elastic, frictionless, and nominal in shape apart from the errors of a scene. "
         "Its uncertainty is that of its mesh; the effect of unprinted dimensions and idealisations is stated "
-        'separately (page "How good the reference is").'
+        'separately (page "Uncertainty of the 3D reference").'
     ),
     ("For a screw outside this range the models still answer, and the result says that its error is not covered."),
     (
@@ -407,7 +413,7 @@ def standing_table(found: Sequence[Standing]) -> Table:
         "together within the limit. The error of the finest level itself is its grid uncertainty, and its RMS error is "
         "zero by definition."
     )
-    table = Table.of("overview-models", "Models and meshes over the shipped scenes", rows, note)
+    table = Table.of("overview-models", "Errors of each model and mesh level on the shipped scenes", rows, note)
     return replace(table, csv_only=("label", "rms", "worst_rms"))
 
 
@@ -415,7 +421,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section with the first screen of the report."""
     step("error against run time, every model and mesh on every scene")
     points = study.once(all_points, step)
-    title = "Models and meshes over the shipped scenes"
+    title = "Errors of each model and mesh level on the shipped scenes"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
     found = study.references(tuple(points))
@@ -517,4 +523,11 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
     caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %."
-    return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))
+    return Figure(
+        "contacts",
+        "Contact load by the models over that of the 3D reference, for each contact",
+        (panel,),
+        caption,
+        columns=1,
+        size=(7.0, 5.0),
+    )

@@ -29,13 +29,13 @@ from rollbench.reports.offscreen import fault as drawing_fault
 PAGES = {
     "reading": "How to read this report",
     **{case.name: case.title[:1].upper() + case.title[1:] for case in every_case() if case.page},
-    "cases": "Sheets of the cases",
-    "accuracy": "How far off the models are",
-    "reference": "How good the reference is",
+    "cases": "Each compared scene",
+    "accuracy": "Errors of the models",
+    "reference": "Uncertainty of the 3D reference",
     "robustness": "Stability and run time",
-    "tolerances": "What errors of manufacture do",
-    "trust": "Fit for, not fit for",
-    "entries": "Every printed entry",
+    "tolerances": "Effect of manufacturing tolerances",
+    "trust": "Quantities for which each model is accurate enough",
+    "entries": "All printed values and their verdicts",
 }
 
 #: Sections of what all others used and found: they are made last.

@@ -43,7 +43,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     step("stored survey")
     every = survey.shipped()["scenes"]
     scenes = survey.known_screws()
-    title = "Screws drawn at random"
+    title = "Errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No survey is stored.",)),))
     good = len(scenes) - len(survey.unanswered(scenes))
@@ -79,7 +79,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
         *_unseen(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
-            "Every drawn screw",
+            "Errors of two low-order models on each randomly drawn screw",
             (
                 *(Quantity(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
                 *(Quantity(name, name, "% of mean", ".2f") for name in errors),
@@ -274,7 +274,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                 )
             ),
             Table.of("stability-summary", "Cases solved", summary),
-            Table("stability-cases", "Every stiff or extreme scene", columns, wide_rows(rows)),
+            Table("stability-cases", "Status of each formulation on each stiff or extreme scene", columns, wide_rows(rows)),
             *table_section_items(),
             Text(
                 (

@@ -129,8 +129,15 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         f"gate's limit, {LIMIT:g} % of contact loads {RULE}, and of other quantities what loads off by that much make of "
         "them. No error of the mean load has a limit. Of the gate's rule there are the scenes whose record has it."
     )
-    table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.table_row for x in found], note)
-    return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))
+    table = Table.of(
+        "fit-for", "Errors of each model over all compared scenes, by quantity", [x.table_row for x in found], note
+    )
+    return Section(
+        "fit",
+        "Quantities for which each model is accurate enough",
+        (table, Text(NOT_FIT, bullets=True)),
+        conclusion=conclusion(found),
+    )
 
 
 def range_table(scene: Scene | None = None) -> Table:
@@ -157,7 +164,9 @@ def range_table(scene: Scene | None = None) -> Table:
         f"Of {len(values)} {kind}, shipped or drawn, that were compared with the 3D reference. Beyond a range by less "
         "than its margin a scene still counts as covered; further out, a result says that its error is not covered."
     )
-    return Table.of("applicability", "What was compared with the 3D reference", rows, note)
+    return Table.of(
+        "applicability", "Range of screw sizes and features that were compared with the 3D reference", rows, note
+    )
 
 
 def range_figure(scene: Scene | None = None) -> Figure:
@@ -170,7 +179,9 @@ def range_figure(scene: Scene | None = None) -> Figure:
         if scene is not None:
             series.append(Series(scene.name, [a.value(scene)], [b.value(scene)], "markers", emphasis=True))
         panels.append(Panel("", _label(a), _label(b), tuple(series)))
-    return Figure("applicability", "What was compared with the 3D reference", tuple(panels))
+    return Figure(
+        "applicability", "Range of screw sizes and features that were compared with the 3D reference", tuple(panels)
+    )
 
 
 def _label(d: Descriptor) -> str:

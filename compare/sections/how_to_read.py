@@ -123,12 +123,16 @@ def notes_section(study: Study, step: Callable[[str], None]) -> Section:
     step("assumptions and misprints")
     return Section(
         "notes",
-        "Assumptions, misprints, and what does not reproduce",
+        "Assumptions, misprints, and printed numbers that are not reproduced",
         (
-            Table.of("not-reproduced", "Contradicted, or not identifiable", not_reproduced(evidence(study))),
+            Table.of(
+                "not-reproduced",
+                "Printed numbers that are contradicted, or that the text does not determine",
+                not_reproduced(evidence(study)),
+            ),
             Table(
                 "assumptions",
-                "What the scenes assume where the source is silent",
+                "Inputs that a publication leaves open, and what its scene assumes",
                 (Quantity("assumed", "assumed", "", "s"), Quantity("scenes", "scenes", "", "s")),
                 assumptions(study),
             ),

@@ -89,7 +89,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         "three times their difference as uncertainty. Seconds are those of a new geometry in a running "
         "process; the table of run times has new processes."
     )
-    return Table.of("ladder", "The ladder", rows, note)
+    return Table.of("ladder", "Errors of the models on each scene, from the simplest model to the refined one", rows, note)
 
 
 def ladder_figure(rungs: Sequence[Rung]) -> Figure:
@@ -111,7 +111,13 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
         panel("RMS error", lambda r: float(r.error.rms_percent)),
     )
     caption = f"Pale: each of the {len(scenes)} scenes."
-    return Figure("ladder-rungs", "Error against the 3D reference, rung by rung", panels, caption, same_y=True)
+    return Figure(
+        "ladder-rungs",
+        "Error of each model against the 3D reference, from the simplest to the refined one",
+        panels,
+        caption,
+        same_y=True,
+    )
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
@@ -135,7 +141,9 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
         "anything finer; nut grooves as a layer that is softer along the axis than around it, because lands "
         "are rings supported only from below; as many harmonics as a patch can excite."
     )
-    return Table.of("ladder-choices", "Choices of the refined model, varied", rows, note)
+    return Table.of(
+        "ladder-choices", "Change of the refined model's errors when one of its modelling choices is varied", rows, note
+    )
 
 
 def shares_table(study: Study) -> Table:
@@ -202,7 +210,14 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
     ]
     if panels:
         caption = "On or above the line the error was no larger than expected."
-        out.append(Figure("ladder-estimate-figure", "Expected against measured errors", tuple(panels), caption))
+        out.append(
+            Figure(
+                "ladder-estimate-figure",
+                "Measured over expected error of the models, for each compared screw",
+                tuple(panels),
+                caption,
+            )
+        )
     return out
 
 

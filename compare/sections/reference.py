@@ -84,7 +84,7 @@ def error_table(study: Study, found: References) -> Table:
         "idealisations and unprinted dimensions, is stated separately (section reference-mesh) and deducted "
         "nowhere; section u-val combines both with the input tolerances."
     )
-    return Table.of("reference-errors", "Models against the 3D reference", rows, note)
+    return Table.of("reference-errors", "Errors of the low-order models against the 3D reference on each scene", rows, note)
 
 
 LABELS = {
@@ -164,7 +164,7 @@ def line_table(study: Study, found: References) -> Table:
                 cells[Quantity(f"l{axis}", f"u{axis}, refined model", "µm", ".2f")] = 1e6 * beam
             rows.append(cells)
     note = "Mean motion of the meshed screw's hole inside the nut's reach, of the beam's nodes outside."
-    return Table.of("reference-centreline", "Centreline of the screw", rows, note)
+    return Table.of("reference-centreline", "Displacement of the screw's centreline by each model", rows, note)
 
 
 def load_figures(study: Study, found: References) -> list[Figure]:
@@ -197,7 +197,7 @@ def line_figure(study: Study, found: References) -> Figure:
         solid = lateral(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "station / mm", "displacement / µm", tuple(series)))
-    return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
+    return Figure("reference-centreline", "Lateral displacement of the screw's centreline over its length", tuple(panels))
 
 
 def gate_text(found: References, study: Study) -> str:
@@ -248,14 +248,16 @@ def exceedance_table(found: References, study: Study) -> Table:
                     }
                 )
     note = f"The gate's rule: {RULE}."
-    return Table.of("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", rows, note)
+    return Table.of(
+        "reference-exceedances", f"Contacts whose load by Lin's model is off by more than {LIMIT:g} %", rows, note
+    )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report, from stored runs."""
     step("low-order models against the 3D reference")
     found = case_studies(study)
-    title = "Low-order models against the 3D reference"
+    title = "Contact loads by the low-order models and by the 3D reference"
     if not found:
         return Section("reference", title, (Text(("No run of the 3D reference was found.",)),))
     runs: list[Run] = [run for ref in found.values() for run in ref.runs]

@@ -82,7 +82,9 @@ def level_table(study: Study, found: References) -> Table:
         "the geometry. Balances are relative to the largest contact load. Seconds and peak memory are each "
         f"run's own; scenes of one geometry share set-up and memory. {_only(common)}"
     )
-    return Table.of("reference-levels", "Mesh levels of the 3D reference", rows, note)
+    return Table.of(
+        "reference-levels", "Contact loads, unknowns and times on each mesh level of the 3D reference", rows, note
+    )
 
 
 def convergence_table(found: References) -> Table:
@@ -149,7 +151,13 @@ def coverage_table(study: Study) -> Table | None:
         "that share its parts; rows for several scenes give medians. Errors common to all meshes are not "
         "covered here."
     )
-    return Table("reference-coverage", "Bars of 95 % against a finer level", tuple(columns), rows, note)
+    return Table(
+        "reference-coverage",
+        "Stated uncertainty (95 %) of a mesh level, and the change of loads on a finer level",
+        tuple(columns),
+        rows,
+        note,
+    )
 
 
 def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
@@ -262,7 +270,7 @@ def spread_table(study: Study) -> Table | None:
         "screw's groove ends are choices of the scene. The coupling that beams neglect is bounded here and "
         "included in the refined model."
     )
-    title = "What moves the reference besides its mesh (level 1)"
+    title = "Change of the 3D reference's loads with its idealisations and unprinted dimensions (level 1)"
     return Table.of("reference-spread", title, rows, note) if rows else None
 
 
@@ -426,4 +434,4 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     cause, ablation = ablation_text(study), ablation_table(study)
     items += [Text((cause,)) if cause and ablation else None, ablation]
     shown = tuple(item for item in items if item is not None)
-    return Section("reference-mesh", "How good the reference is", shown, conclusion=conclusion(everything))
+    return Section("reference-mesh", "Uncertainty of the 3D reference", shown, conclusion=conclusion(everything))

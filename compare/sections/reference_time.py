@@ -286,7 +286,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
         "processes: the sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of "
         "the monolithic mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
     )
-    return Table.of("reference-time", "Error against run time", rows, note)
+    return Table.of("reference-time", "Largest error of each model and mesh level over its run time", rows, note)
 
 
 def compile_table(kept: Kept) -> Table:
@@ -470,7 +470,12 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
         "-unseen": [n for n in UNSEEN if n in points][:PANELS],
     }
     return [
-        Figure(f"reference-time{tail}", "Error against run time", tuple(time_panel(n, points[n]) for n in names), caption)
+        Figure(
+            f"reference-time{tail}",
+            "Largest error of each model and mesh level over its run time",
+            tuple(time_panel(n, points[n]) for n in names),
+            caption,
+        )
         for tail, names in groups.items()
         if names
     ]

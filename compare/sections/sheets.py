@@ -64,7 +64,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report, the source's cases first."""
     step("a sheet for every scene with a 3D reference")
     found = study.references((*REFERENCED, *UNSEEN))
-    title = "A sheet for every case"
+    title = "Geometry, loads and errors of each compared scene"
     if not found:
         return Section("sheets", title, (Text(("No run of the 3D reference was found.",)),))
     judged = {name: judge(study, name) for name in found}

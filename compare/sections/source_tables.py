@@ -329,7 +329,13 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
         "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
         "printed has every entry."
     )
-    return Table.of(name, "Printed values by table and section, and how many come out", rows, note, unfolded=unfolded)
+    return Table.of(
+        name,
+        "Printed values by table and section of the thesis, and how many are reproduced",
+        rows,
+        note,
+        unfolded=unfolded,
+    )
 
 
 def _counted(place: str, found: Sequence[Evidence]) -> Row:

@@ -233,7 +233,9 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
         "ASME V&V 20, the parts are combined by the root of the sum of squares; nothing is deducted from an "
         "error."
     )
-    return Table.of("u-val", "Error and validation uncertainty by scene and quantity", cells, note)
+    return Table.of(
+        "u-val", "Error of the models and uncertainty of the 3D reference, for each scene and quantity", cells, note
+    )
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
@@ -256,7 +258,7 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
         "standard deviation of the model without that of the grid. All scenes with a reference, contacts "
         "above a tenth of the mean load."
     )
-    return Table.of("bias-scatter", "Bias and scatter of every model", cells, note)
+    return Table.of("bias-scatter", "Mean error (bias) and its scatter for each model", cells, note)
 
 
 def scatter_figure(found: Sequence[Scatter]) -> Figure:
@@ -272,7 +274,7 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
             Series("none", [min(x), max(x)], [0.0, 0.0], "line"),
         )
         panels.append(Panel(quantity, "", "relative deviation from the reference / %", series, names=order))
-    return Figure("bias-scatter", "Bias and scatter of every model", tuple(panels))
+    return Figure("bias-scatter", "Mean error (bias) and its scatter for each model", tuple(panels))
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:

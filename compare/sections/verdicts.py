@@ -162,7 +162,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ]
     return Section(
         "verdicts",
-        "Printed entries and their verdicts",
+        "Numbers and claims that the publications print, and whether they are reproduced",
         (
             Text(
                 (
@@ -174,7 +174,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             Table.of("verdicts", "Printed entries of all sources by class and verdict of the audit", rows),
             kinds_table(audited),
-            printed_table("printed", "Every printed entry", audited, place=True),
+            printed_table(
+                "printed",
+                "Each number and claim that a publication prints, with the computed value and the verdict",
+                audited,
+                place=True,
+            ),
         ),
         conclusion=total_text(audited),
     )
@@ -204,7 +209,12 @@ def misprints_table(case: str = "") -> Table:
         ("test", "test"),
     )
     rows = [row for row in misprints() if row["source"] == case or not case]
-    return Table(f"{case or 'audit'}-misprints", "Misprints, each with a command that shows it and a test", columns, rows)
+    return Table(
+        f"{case or 'audit'}-misprints",
+        "Misprints in the publications, each with a command that shows it and a test that checks it",
+        columns,
+        rows,
+    )
 
 
 def audit_section(study: Study, step: Callable[[str], None]) -> Section:
@@ -223,4 +233,4 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
         misprints_table(),
         Table("audit-left-out", "Printed numbers that are no entries, and why", missing, left_out()),
     )
-    return Section("audit", "Audit: how much of each source can be trusted", items)
+    return Section("audit", "Misprints and contradictions found in each publication", items)

@@ -212,7 +212,7 @@ def times_table(found: Sequence[Level]) -> Table:
     """Return the table of seconds by stage for every run."""
     stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
     rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
-    return Table.of("verification-times", "Where the time goes [s]", rows)
+    return Table.of("verification-times", "Hertz contact in 3D: time of each stage of the computation", rows)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
@@ -240,7 +240,11 @@ def drawn(found: Sequence[Level]) -> Section:
         Text(text),
         Text(verdict(found), bullets=True),
         Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),
-        Table.of("verification-errors", "Errors, unknowns and seconds of all meshes", map(error_row, found)),
+        Table.of(
+            "verification-errors",
+            "Hertz contact in 3D: error, unknowns and time for each element type and mesh",
+            map(error_row, found),
+        ),
         *(figure(found, job) for job in JOBS),
         times_table(found),
     )

@@ -265,5 +265,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         "to a rigid housing all over the annulus: assumed, as no catalogue quoted here prints them. Rigidity is load over "
         "displacement of the screw's section at the nut's centre. Model and 3D are each held against their own left face."
     )
-    table = Table("nut-holding", "Catalogue sizes, held in several ways", COLUMNS, rows, note)
+    table = Table(
+        "nut-holding",
+        "Largest load, life and rigidity of catalogue screws by the face at which the nut is fixed",
+        COLUMNS,
+        rows,
+        note,
+    )
     return Section("holding", "How the nut is held", (Text(text), table), conclusion=conclusion)

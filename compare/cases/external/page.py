@@ -29,12 +29,12 @@ TITLES = {
     "external-nsk": "One ball of a screw-support bearing by NSK's programs",
     "external-harris": "The 218 bearing of the textbooks, recomputed",
     "external-sjovall": "Load zone of half the circumference",
-    "external-contact": "Contact with creepage and spin by CONTACT",
+    "external-contact": "Rolling contact with creepage and spin: computed values and those of the program CONTACT",
     "external-vm63": "Sphere on a rigid plane, Ansys's verification case 63",
     "external-snfa": "A catalogue of SNFA that holds its contact angles",
-    "external-gmn": "Preloaded pairs of a series of GMN",
+    "external-gmn": "Preloaded bearing pairs from GMN's catalogue: printed and computed stiffness",
     "external-thk": "Ball nuts of THK and HIWIN",
-    "external-equivalent": "Equivalent loads of preloaded nuts and of bearings",
+    "external-equivalent": "Equivalent loads of preloaded nuts and of bearings: published and computed",
 }
 #: Names of their sources in the figure.
 SOURCES = {
@@ -77,7 +77,9 @@ def assumed_table(study: Study) -> Table:
     for name, texts in assumptions().items():
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
     columns = (Quantity("case", "case or scene", "", "s"), Quantity("assumed", "inferred or chosen to run it", "", "s"))
-    return Table("external-assumed", "What was inferred to run the external cases", columns, rows)
+    return Table(
+        "external-assumed", "Inputs that the publications leave open, and the values assumed for them", columns, rows
+    )
 
 
 def agreement_figure(found: Sequence[Evidence]) -> Figure:
@@ -90,7 +92,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     panel = Panel("computed against published", "", "error / %", series, names=list(errors))
     caption = "Numbers of class hard and band; claims and open entries are in the tables."
-    return Figure("external-errors", "Error against published values", (panel,), caption, columns=1)
+    return Figure("external-errors", "Difference between computed and published values", (panel,), caption, columns=1)
 
 
 def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
@@ -211,4 +213,4 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         rigid,
         assumed_table(study),
     )
-    return Section("external", "External evidence: other programs, catalogues, textbooks", items, conclusion=summary(found))
+    return Section("external", "Comparison with other programs, catalogues and textbooks", items, conclusion=summary(found))

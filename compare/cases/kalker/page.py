@@ -118,13 +118,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Text(_words(found, proof)),
         Table.of(
             "rolling-verification",
-            "Contacts with known answers on three grids",
+            "Rolling contacts with a closed-form answer: error on three grids",
             [_proof(p) for p in proof],
             "No order where an error is no smaller than on the grid before: it follows where cells lie.",
         ),
         Table.of(
             "rolling-pairs",
-            "Two balls: Tables 3.5 and 3.7, low-order against 3D",
+            "Force between two touching balls (Lin's Tables 3.5 and 3.7): low-order and 3D model",
             [_compared(row) for name in PAIRS for row in found[name]],
             (
                 "3D: elastic half spaces, with the scatter of three grids as uncertainty. Table 3.7 does not "
@@ -135,12 +135,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         ),
         Table.of(
             "rolling-ring",
-            "One ball of a rotary bearing: low-order against 3D",
+            "Friction of one ball of a rotary bearing: low-order and 3D model",
             [_compared(row) for name in RINGS for row in found[name]],
         ),
         *_finite(stores, sizes, proof),
         *_maps(patches),
-        Table.of("rolling-grids", "What the grids do", _grid_rows(stores)),
+        Table.of("rolling-grids", "Change of the rolling contacts' forces with the grid", _grid_rows(stores)),
         Table.of("rolling-from-rest", "Linear bearing, case (a), from rest", [_rest(s) for s in series]),
         _figure(series),
         Table.of(
@@ -186,7 +186,7 @@ def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) ->
         ),
         Table.of(
             "rolling-bodies",
-            "What finite bodies change",
+            "Change of the rolling contacts' forces by bodies of finite size instead of half-spaces",
             [_beside(row) for row in shown],
             "Uncertainty: scatter of three grids, and the largest change of a force or loss by a choice in the next table."
             + (f" No stored runs: {', '.join(missing)}." if missing else ""),
@@ -241,7 +241,7 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
     return [
         PressureMap(
             "rolling-slip",
-            "Slip in the contacts",
+            "Slip velocity in the contact areas of rolling balls",
             [
                 panel(p, p.slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False)
                 for p, most in zip(patches, fastest, strict=True)
@@ -253,7 +253,7 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
         ),
         PressureMap(
             "rolling-traction",
-            "Tangential traction and stick zones",
+            "Tangential traction and stick zones in the contact areas of rolling balls",
             [panel(p, p.traction, 1e6, note, marked=True) for p, note in zip(patches, sticking, strict=True)],
             *axes,
             "tangential traction on the ball [MPa]",
@@ -432,4 +432,4 @@ def _times(stores: Sequence[Path]) -> Figure | None:
     if not curves:
         return None
     panel = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log="xy")
-    return Figure("rolling-times", "Error against run time of the 3D model of rolling", [panel], f"Measured with {common}.")
+    return Figure("rolling-times", "Error of the 3D rolling model over its run time", [panel], f"Measured with {common}.")

@@ -593,4 +593,4 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
         "a ball of a screw that carries almost no load in clearance may also float or be wedged by its own friction, and "
         "where the search begins decides: there the restarts keep the loads that were found."
     )
-    return (Text(text), Table("friction-extremes", "Friction and ball motion: extreme cases", COLUMNS, shown, note))
+    return (Text(text), Table("friction-extremes", "Status of the friction solver on extreme cases", COLUMNS, shown, note))

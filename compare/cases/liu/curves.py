@@ -95,7 +95,7 @@ def deformation() -> Figure:
         "Printed: no ball unloaded at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; the table gives their "
         f"places among {liu.MEMBERS} draws. {DRAWN}"
     )
-    title = "The source's Figure 11: normal deformation of the balls, errors of ±2 µm"
+    title = "Liu (2025), Figure 11: normal deformation of the balls with random errors of ±2 µm"
     return Figure("liu-figure-11", title, panels, caption, columns=3, same_y=True)
 
 
@@ -123,7 +123,12 @@ def test_curve() -> Figure:
         f"9.22 %, so none can be held against ours. Whether the {1e3 * FREE_LENGTH:g} mm of screw outside the nut stretch "
         f"within what is measured is not said: both readings are drawn. {SPREAD}"
     )
-    return Figure("liu-figure-13", "The source's Figure 13: the test, errors of ±3 µm", panels, caption)
+    return Figure(
+        "liu-figure-13",
+        "Liu (2025), Figure 13: displacement in the test, predicted for random errors of ±3 µm",
+        panels,
+        caption,
+    )
 
 
 def test_table() -> Table:
@@ -164,7 +169,9 @@ def against_mei() -> Figure:
             series.append(_printed([liu.balls()] * 2, ends, "printed Q78/Q1 times our Q1"))
         panels.append(Panel(title, BALLS, "normal load / N", series))
     caption = f"No load of this figure is printed, only the ratios of the last to the first. {DRAWN}"
-    return Figure("liu-figure-14", "The source's Figure 14: against Mei's model, 5000 N", panels, caption)
+    return Figure(
+        "liu-figure-14", "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model under 5000 N", panels, caption
+    )
 
 
 def one_ball() -> Figure:
@@ -183,7 +190,9 @@ def one_ball() -> Figure:
         "Printed: Q33, and Q78 as the printed ratio times our Q1. The lighter load of panel a is not printed; 1000 N as in "
         "b. 124.55 N at 5000 N in b is 142.55 N with two digits exchanged."
     )
-    return Figure("liu-figure-15", "The source's Figure 15: one ball too small or too large", panels, caption)
+    return Figure(
+        "liu-figure-15", "Liu (2025), Figure 15: contact loads with one ball too small or too large", panels, caption
+    )
 
 
 def _ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
@@ -202,7 +211,7 @@ def loads_2() -> Figure:
     panel = Panel("±2 µm", BALLS, "normal load / N", _ranges(2, (500.0, 1000.0, 5000.0)), zero=True)
     caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
     return Figure(
-        "liu-figure-16", "The source's Figure 16: loads of the balls, errors of ±2 µm", (panel,), caption, columns=1
+        "liu-figure-16", "Liu (2025), Figure 16: contact loads with random errors of ±2 µm", (panel,), caption, columns=1
     )
 
 
@@ -213,7 +222,7 @@ def loads_by_range() -> Figure:
         title = f"{letter}: " + (f"±{half_range} µm" if half_range else "no errors")
         panels.append(Panel(title, BALLS, "normal load / N", _ranges(half_range, (1000.0, 5000.0)), zero=True))
     caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
-    title = "The source's Figure 17: loads of the balls by range of the errors"
+    title = "Liu (2025), Figure 17: contact loads for several ranges of the random errors"
     return Figure("liu-figure-17", title, panels, caption)
 
 
@@ -227,7 +236,7 @@ def loaded_balls(found: dict[str, float], words: str) -> Figure:
         series = (*_spread(h, "loaded", 1.0, LOADS[:-2]), _printed(at, counts))
         panels.append(Panel(f"±{h} µm", "axial load / N", "loaded balls", series, zero=True))
     caption = f"Printed: the counts of the text; where it counts unloaded balls, 78 less them: {words} {SPREAD}"
-    title = "The source's Figure 18: loaded balls over the load"
+    title = "Liu (2025), Figure 18: number of loaded balls over the axial load"
     return Figure("liu-figure-18", title, panels, caption, columns=3, same_y=True)
 
 
@@ -244,7 +253,7 @@ def displacement() -> Figure:
         )
         for h in liu.RANGES
     ]
-    title = "The source's Figure 19: displacement of the nut over the load"
+    title = "Liu (2025), Figure 19: displacement of the nut over the axial load"
     return Figure("liu-figure-19", title, panels, f"{NO_VALUES} {SPREAD}", columns=3)
 
 
@@ -265,7 +274,7 @@ def stiffness(found: dict[str, float], words: str) -> Figure:
         "Ours is the tangent; the step of load of (22) is not printed, and a secant lies above the tangent. "
         f"{words} {SPREAD}"
     )
-    title = "The source's Figure 20: axial stiffness over the load"
+    title = "Liu (2025), Figure 20: axial stiffness over the axial load"
     return Figure("liu-figure-20", title, panels, caption, columns=3, same_y=True)
 
 
@@ -287,4 +296,6 @@ def three_sets(found: dict[str, float]) -> Figure:
         Panel("three draws of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, zero=True),
         Panel("greatest less least of three", "axial load / N", "stiffness / 10⁸ N/m", differ, zero=True),
     )
-    return Figure("liu-figure-21", "The source's Figure 21: three draws of the errors", panels, DRAWN)
+    return Figure(
+        "liu-figure-21", "Liu (2025), Figure 21: contact loads for three draws of the random errors", panels, DRAWN
+    )

@@ -149,12 +149,17 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     study.uses(bodies.SOLID)
     beyond = [bodies_table(study), *([solid_table(study)] if study.references(bodies.SOLID) else ())]
     return (
-        Section("liu", "Random errors of a ball screw", (Text(ABOUT, bullets=True),), conclusion=trust(counts(found)[0])),
+        Section(
+            "liu",
+            "Liu et al. (2025): contact loads of a ball screw with random geometric errors",
+            (Text(ABOUT, bullets=True),),
+            conclusion=trust(counts(found)[0]),
+        ),
         *chapters,
         Section("liu-beyond", "The same screw by a beam, the refined model and in 3D", beyond),
         Section(
             "liu-audit",
-            "Misprints, and how the numbers are computed",
+            "Misprints of the publication, and how each number is computed here",
             (misprints_table("liu"), *computation_tables(PRINTED)),
         ),
     )

@@ -189,7 +189,9 @@ def summary(found: Sequence[Outside]) -> Table:
         "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
         f"advise to take of a computed rigidity of a nut. Not judged at all: {'; '.join(without)}."
     )
-    return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note)
+    return Table.of(
+        "outside-summary", "Difference between computed and published values, by quantity and publisher", rows, note
+    )
 
 
 def all_values(found: Sequence[Outside]) -> Table:
@@ -216,7 +218,7 @@ def all_values(found: Sequence[Outside]) -> Table:
         "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
-    return Table.of("outside", "Outside values beside the computed ones", rows, note)
+    return Table.of("outside", "Each value that others print or measure, with the computed one", rows, note)
 
 
 #: Tables of the external sources that are judged here: who, and of which class. Those of THK stand among the nuts.

@@ -198,7 +198,13 @@ def figure(found: Sequence[outside.Outside]) -> Figure:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
     panel = Panel("", "share of the values", "error of the computed value / %", tuple(series))
-    return Figure("outside-errors", "Errors against outside values", (panel,), "Each quantity's values in rising order.", 1)
+    return Figure(
+        "outside-errors",
+        "Difference between computed values and those that others print or measure",
+        (panel,),
+        "Each quantity's values in rising order.",
+        1,
+    )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:

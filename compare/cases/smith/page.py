@@ -126,7 +126,7 @@ def figure(found: Sequence[Evidence]) -> Figure:
         f"with both ends in parallel the axis is stiffer by {min(stiffer):.0f} to {max(stiffer):.0f} % than the "
         "sum in series, which an end-to-end test with hammer and accelerometer seemed to confirm."
     )
-    title = "Stiffness of the support bearings and of the axis"
+    title = "Deflection of support bearings and axis under load: measured by Smith and computed"
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
 
 
@@ -147,7 +147,7 @@ def loads_figure(found: Sequence[Evidence]) -> Figure:
         "After the preload, after the stretch, and with 1000 lbf on the carriage towards the left end. The source gives "
         "each end half of the stretch, and takes the whole of a load from one side and adds it to the other."
     )
-    return Figure("smith-loads", "Loads of the rows at both ends, section 4.2", panels, caption)
+    return Figure("smith-loads", "Loads of the bearing rows at both ends of the axis (Smith 4.2)", panels, caption)
 
 
 LAYOUT_NOTE = (
@@ -236,7 +236,9 @@ def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
     )
     caption = f"A roller under {roller.load:.4g} N: even but for the ends, where the rounding makes the pressure finite."
     table = Table.of("smith-roller-3d", "A roller between its races in 3D", rows, note)
-    return table, Figure("smith-roller-along", "Load and pressure along the roller in 3D", panels, caption)
+    return table, Figure(
+        "smith-roller-along", "Line load and contact pressure along a tapered roller in 3D", panels, caption
+    )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
@@ -255,11 +257,16 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         for name, (title, printed) in CHAPTERS.items()
     ]
     return (
-        Section("smith", "Support bearings and the axis", (Text(ABOUT, bullets=True),), conclusion=trust(counts(found)[0])),
+        Section(
+            "smith",
+            "Smith (1994): support bearings of a ball-screw axis, and the axis",
+            (Text(ABOUT, bullets=True),),
+            conclusion=trust(counts(found)[0]),
+        ),
         *chapters,
         Section(
             "smith-audit",
-            "Misprints, and how the numbers are computed",
+            "Misprints of the publication, and how each number is computed here",
             (misprints_table("smith"), *computation_tables(PRINTED)),
         ),
     )

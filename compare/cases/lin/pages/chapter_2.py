@@ -129,7 +129,9 @@ def summary_table(study: Study) -> Table:
                     }
                 )
     note = "Relative to the largest force; the balances sum loads, reactions and forces at the contact points."
-    return Table.of("cases-summary", "Case studies: extremes and balance", rows, note)
+    return Table.of(
+        "cases-summary", "Smallest and largest contact loads of Lin's case studies, and the balance of forces", rows, note
+    )
 
 
 def pairs_apart(study: Study) -> float:
@@ -172,14 +174,14 @@ def figures(study: Study) -> tuple[Figure, ...]:
     three = study.solve("lin-case3-offset")
     bend = Panel("case 3 with offset", *axes, lateral(three.centreline_z, three.centreline))
     return (
-        Figure("cases-12", "Load distribution, case studies 1 and 2", (first, second)),
+        Figure("cases-12", "Contact load over the ball's number, Lin's case studies 1 and 2", (first, second)),
         Figure(
             "cases-3",
-            "Load distribution, case study 3, all readings of the right end",
+            "Contact load over the ball's number, Lin's case study 3, for each interpretation of the right end's support",
             tuple(panels),
             f"NR follows SL and NL follows SR to within {pairs_apart(study):.2f} N.",
         ),
-        Figure("cases-centreline", "Centreline of the screw", (line, bend)),
+        Figure("cases-centreline", "Displacement of the screw's centreline by each model", (line, bend)),
     )
 
 
@@ -313,7 +315,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Figure(
                 "errors-loads",
-                "Load distribution with geometric errors",
+                "Contact load over the ball's number with random geometric errors (Lin 2.4.2)",
                 (left, right),
                 f"Bands: 5th to 95th percentile per ball, {len(random.loads)} and {len(combined.loads)} drawn screws.",
             ),
@@ -423,10 +425,16 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         "manufacturing",
         "Steering gear (4.2), pitch against roundness errors (4.3.2)",
         (
-            Figure("manufacturing-loads", "Errors and load distribution", tuple(panels), "", 3),
+            Figure(
+                "manufacturing-loads",
+                "Geometric errors of a steering gear and the contact loads they cause (Lin 4.3.2)",
+                tuple(panels),
+                "",
+                3,
+            ),
             Table.of(
                 "manufacturing-readings",
-                "How the findings depend on what is not printed",
+                "Change of the steering gear's results with the inputs that are not printed (Lin 4.3.2)",
                 rows,
                 "The source's statement of two-point contact needs clearance in the grooves, which it does not give.",
             ),
@@ -487,7 +495,7 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
         rows.append(agreement(study, name))
     return Section(
         "formulations",
-        "Two formulations of the same model",
+        "Lin's model solved by two formulations gives the same loads",
         (
             Text(
                 (

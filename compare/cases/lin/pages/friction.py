@@ -353,7 +353,13 @@ def map_figure() -> Figure:
         f"{meetings('increase')}; oversize and load of the other figures are inferred from both together: "
         f"{1000000.0 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
     )
-    return Figure("friction-pair-maps", "Two balls of a screw over oversize and load", panels, caption, 2)
+    return Figure(
+        "friction-pair-maps",
+        "Force between two touching balls of a screw over their oversize and the axial load",
+        panels,
+        caption,
+        2,
+    )
 
 
 def onset_of(found: TorqueCurve) -> float:
@@ -422,7 +428,12 @@ def run_table() -> Table:
         f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_text()} oversize, loads not coupled, over one turn "
         "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
-    return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", screw.run_rows(), note)
+    return Table.of(
+        "friction-run-sensitivity",
+        "Whole screw over two seconds: change of the results with each assumption",
+        screw.run_rows(),
+        note,
+    )
 
 
 def run_reading_table() -> Table:

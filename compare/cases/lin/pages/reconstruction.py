@@ -384,7 +384,7 @@ def one_at_a_time(found: list[combined.Combined]) -> Table:
             Quantity("moves", "moves the ratio by", "%", "+.2f"): float(error_percent(ratio, before)),
         }
         rows.append(row | _cells(c))
-    return Table.of("reconstruction-alone", "Every reading alone", rows)
+    return Table.of("reconstruction-alone", "Largest and RMS error for each interpretation of Lin's text taken alone", rows)
 
 
 def combination_table(found: list[combined.Combined]) -> Table:
@@ -438,4 +438,6 @@ def figure(found: list[combined.Combined]) -> Figure:
             for k in range(2)
         ),
     )
-    return Figure("reconstruction", "All combinations of readings", panels, columns=3)
+    return Figure(
+        "reconstruction", "Largest and RMS error for each combination of interpretations of Lin's text", panels, columns=3
+    )

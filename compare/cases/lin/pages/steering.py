@@ -53,7 +53,7 @@ def lash_figure(scene: Scene) -> Figure:
         Panel("conical test", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
         Panel("difference of the patterns", "direction of the force / deg", "difference / %", shown, zero=True),
     )
-    return Figure("lash", "Lash of one screw with its balls in four patterns", panels, ABOUT[0])
+    return Figure("lash", "Lash of one screw with its balls sorted in four ways (Lin 4.2)", panels, ABOUT[0])
 
 
 def _series(name: str, test: LoadCurve) -> Series:
@@ -111,7 +111,12 @@ def rack_figure(points: list[steering.RatioPoint]) -> Figure:
             )
         )
     caption = f"{ABOUT[2]} Bearing in the plane of the nut's centre."
-    return Figure("rack", "Steering gear: loads over angle, ratios over the pinion's place", panels, caption)
+    return Figure(
+        "rack",
+        "Steering gear (Lin 4.2): contact load over angle, and load ratios over the pinion's position",
+        panels,
+        caption,
+    )
 
 
 def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[steering.RatioPoint]]:
@@ -175,6 +180,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
             figures[1],
             Table.of("rack-bands", "Ratios of the steering gear over each input that is not printed", band_rows(points)),
-            Table.of("rack-layouts", "Ratios of the steering gear by its layout", ratio_rows(points), SENSE),
+            Table.of(
+                "rack-layouts",
+                "Load ratios of the steering gear (Lin 4.2) for each layout of pinion and rack",
+                ratio_rows(points),
+                SENSE,
+            ),
         ),
     )

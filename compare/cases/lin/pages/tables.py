@@ -244,7 +244,12 @@ def load_figure(study: Study) -> Figure:
     curves = loads("SR, offset of 300 µm", offset, 1, emphasis=True), loads("SR, no offset", plain, 1), last
     panels.append(load_panel("case study 3, SR", *curves))
     caption = "NR follows SL and NL follows SR. Markers and lines: statements of the text; loads are in its figures alone."
-    return Figure("lin-loads", "Load over the ball's number, with the printed statements", tuple(panels), caption)
+    return Figure(
+        "lin-loads",
+        "Contact load over the ball's number in Lin's case studies, with the statements that the thesis prints",
+        tuple(panels),
+        caption,
+    )
 
 
 def _ratio_mark(study: Study) -> list[Series]:
@@ -302,7 +307,9 @@ def mesh_figure(study: Study) -> Figure:
         "Against the finest level; pale lines: the low-order model. The coarsest point has the source's element sizes: "
         "0.08 mm at the contacts of the screw, 0.13 and 0.05 mm at those of two balls."
     )
-    return Figure("lin-mesh", "Error over the size of the cells", panels, caption)
+    return Figure(
+        "lin-mesh", "Error of the 3D reference over the size of its cells, in Lin's case studies", panels, caption
+    )
 
 
 def answers_rows(study: Study) -> Iterator[Row]:
@@ -370,9 +377,21 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         "lin", "Contents", (Text((GUIDE,)), by_place(list(found.values()))), conclusion=conclusion(found.values())
     )
     last = (
-        Section("lin-claims", "Claims in words", (printed_table("lin-claims", "Claims in words", claims, place=True),)),
-        Section("lin-others", "Other printed numbers", (printed_table("lin-others", "Other numbers", others, place=True),)),
-        Section("lin-how", "How the numbers are computed", tuple(computation_tables(names))),
+        Section(
+            "lin-claims",
+            "Claims that the thesis makes in words",
+            (printed_table("lin-claims", "Claims that the thesis makes in words", claims, place=True),),
+        ),
+        Section(
+            "lin-others",
+            "Numbers that the thesis prints elsewhere",
+            (
+                printed_table(
+                    "lin-others", "Numbers that the thesis prints outside its tables and figures", others, place=True
+                ),
+            ),
+        ),
+        Section("lin-how", "How each printed number is computed here", tuple(computation_tables(names))),
     )
     return first, *(of_layout(study, layout, found) for layout in every), *last
 
