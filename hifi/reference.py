@@ -19,17 +19,17 @@ import numpy as np
 from rollbench.hifi.contact.balls import ContactResult, State, solve_balls
 from rollbench.hifi.coupling import (
     PlacedSet,
-    along_track,
-    compliance_of,
-    directions_matrix,
-    expected_touch,
-    modal_motion,
-    mounted_screw,
-    node_arms,
-    pressure_means,
-    relative_motion,
-    rigid_rows,
-    wave_gaps,
+    assemble_compliance,
+    average_over_pressure_functions,
+    ball_motion_relative_to_grooves,
+    expected_touching_nodes,
+    gap_closing_matrix,
+    grid_gap_corrections,
+    helical_direction,
+    mount_screw,
+    normal_motion_of_nodes,
+    rigid_body_normal_motion,
+    vectors_to_groove_nodes,
 )
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.setup import Setup
@@ -51,7 +51,7 @@ AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too
 SLOW = 5.0
 #: Parts of the reference model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
-#: Motion of balls and grooves that stay in their nominal places (`relative_motion`).
+#: Motion of balls and grooves that stay in their nominal places (`ball_motion_relative_to_grooves`).
 _NOWHERE = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 
@@ -143,7 +143,7 @@ def solve_reference(
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
-    case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
+    case = Case((placed,), Frame.of(scene), mount_screw(setup, scene, leave_out), leave_out)
     return case.end(updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
@@ -157,7 +157,7 @@ class Round(NamedTuple):
     #: Normals of each set ``(balls, n, 3)``.
     directions: list[Array]
     #: Motion along them by the rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``, of each set.
-    rigid_rows: list[Array]
+    rigid_body_normal_motion: list[Array]
     #: Motion of all nodes along their normals by the unconstrained rigid motions ``(pairs, k)``.
     by_rigid: Array
     #: Contact forces of each set ``(balls, n)`` [N].
@@ -188,15 +188,15 @@ class Case:
             As for `solve_reference`.
         """
         self.sets, self.frame, self.mounted = sets, frame, mounted
-        self.C, self.rows = compliance_of(sets, mounted, leave_out)
+        self.C, self.rows = assemble_compliance(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
         self.at_rest = np.zeros(self.rows.size)
         self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
         drawn = [specimen(p.scene, p.setup.layout) for p in sets]
         self.radii = [d.ball_radius for d in drawn]
-        self.arms = [node_arms(p, d) for p, d in zip(sets, drawn, strict=True)]
-        self.along = [along_track(p) for p in sets]
-        self.load_motion = modal_motion(self.C, self.at_rest)
+        self.arms = [vectors_to_groove_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
+        self.along = [helical_direction(p) for p in sets]
+        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
         self.balls = sum(p.count for p in sets)
 
     def first(self) -> Round:
@@ -221,10 +221,10 @@ class Case:
         moved = [_NOWHERE for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
-            along = self.split(modal_motion(self.C, z) + last.by_rigid @ self.rigid(last))
+            along = self.split(normal_motion_of_nodes(self.C, z) + last.by_rigid @ self.rigid(last))
             each = zip(self.sets, self.ball_motions(last), along, last.directions, strict=True)
-            moved = [relative_motion(*of_set) for of_set in each]
-        level = [wave_gaps(*of_set) for of_set in zip(self.sets, last.forces, last.directions, strict=True)]
+            moved = [ball_motion_relative_to_grooves(*of_set) for of_set in each]
+        level = [grid_gap_corrections(*of_set) for of_set in zip(self.sets, last.forces, last.directions, strict=True)]
         return self._round(moved, level, last.state)
 
     def rigid(self, last: Round) -> Array:
@@ -242,7 +242,7 @@ class Case:
         return [of_set.reshape(p.count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
     def _round(self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: State | None) -> Round:
-        """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
+        """Contacts for motions of the balls from their grooves (`ball_motion_relative_to_grooves`) and changes of the gaps [m]."""
         directions, by_rigid, rests, touching = [], [], [], []
         for k, (p, (shift, slid)) in enumerate(zip(self.sets, moved, strict=True)):
             arms = self.arms[k] - shift
@@ -250,15 +250,15 @@ class Case:
             normals = arms / length[..., None]
             back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(pressure_means(p, self._rigid_rows(p, normals)))
-            gap = pressure_means(p, gap)
-            directions.append(pressure_means(p, normals))
+            by_rigid.append(average_over_pressure_functions(p, self._rigid_rows(p, normals)))
+            gap = average_over_pressure_functions(p, gap)
+            directions.append(average_over_pressure_functions(p, normals))
             rests.append((gap + level[k]).ravel())
-            touching += list(expected_touch(p, gap)) if start is None else []
+            touching += list(expected_touching_nodes(p, gap)) if start is None else []
         motions = self.mounted.motions
         free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
-        N = directions_matrix(directions, free_motions)
+        N = gap_closing_matrix(directions, free_motions)
         result, state = solve_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
@@ -270,10 +270,10 @@ class Case:
     def _rigid_rows(self, p: PlacedSet, normals: Array) -> Array:
         """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
         out = np.zeros((*normals.shape[:2], len(self.mounted.motions)))
-        out[..., :6] = rigid_rows(p, normals, self.mounted.origin, screw=True)
+        out[..., :6] = rigid_body_normal_motion(p, normals, self.mounted.origin, screw=True)
         if p.housing is not None:
             first, at = 6 + 6 * p.housing, self.frame.housings[p.housing].at
-            out[..., first : first + 6] = rigid_rows(p, normals, at, screw=False)
+            out[..., first : first + 6] = rigid_body_normal_motion(p, normals, at, screw=False)
         return out
 
     def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:

@@ -23,11 +23,11 @@ from rollbench.hifi.condensation import (
     SidePatches,
     ball_compliance,
     condense_side,
-    congruent,
+    condense_side_arguments,
+    is_turned_left_flank,
     nut_response,
     screw_response,
-    side_of,
-    turned,
+    turn_to_right_flank,
 )
 from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
@@ -176,7 +176,7 @@ def prepare(
     jobs = _patch_jobs(scene, m, dims, meshes, sides, settings)
     records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
-    patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
+    patches = {s: condensed[s] if s in condensed else turn_to_right_flank(condensed[s - 1]) for s in sides}
     section, *meshed = records[len(jobs) :]
     homogenised = homogenise(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
 
@@ -213,9 +213,11 @@ def _patch_jobs(
     """List the patches of the sides, as jobs; none for a right flank whose patches are those of the left one, turned."""
     jobs = {}
     for s in sides:
-        alike = s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
+        alike = s - 1 in sides and settings.element == "Q2" and is_turned_left_flank(m, s) and _same_boxes(meshes, s)
         if not alike:
-            jobs[s] = Job("patches", condense_side, side_of(scene, m, dims, meshes, s, settings), SidePatches)
+            jobs[s] = Job(
+                "patches", condense_side, condense_side_arguments(scene, m, dims, meshes, s, settings), SidePatches
+            )
     return jobs
 
 

@@ -24,7 +24,7 @@ from rollbench.compare.studies.run_times import SET_UP_COSTS, today
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
 from rollbench.hifi.bodies import patch
-from rollbench.hifi.condensation import condense_side, side_of, turned
+from rollbench.hifi.condensation import condense_side, condense_side_arguments, turn_to_right_flank
 from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings
@@ -45,8 +45,8 @@ from rollbench.meshes.solid import dimensions
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
     "assembly": ("assemble", (forms, cell, patch)),
-    "elimination": ("gram", (linear_algebra,)),
-    "dense": ("_eliminate", (linear_algebra,)),
+    "elimination": ("gram_of_inverse", (linear_algebra,)),
+    "dense": ("_eliminate_front", (linear_algebra,)),
 }
 #: Jobs whose stages are measured: scene and level.
 JOBS = (("new screw", 1), ("unseen-40x10", 1))
@@ -137,11 +137,11 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     def with_own(side: int, value: Array) -> setup.Setup:
         patches = {**base.patches, side: replace(base.patches[side], local=value)}
         if len(wanted) == 4:
-            patches[side + 1] = turned(patches[side])
+            patches[side + 1] = turn_to_right_flank(patches[side])
         return replace(base, patches=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = A_s[1] if one % 2 == other % 2 else turned(replace(base.patches[one], local=A_s[1])).local
+    like = A_s[1] if one % 2 == other % 2 else turn_to_right_flank(replace(base.patches[one], local=A_s[1])).local
     out = [row("one ball's patch for screw and nut", with_own(other, base.patches[other].local - A_s[3] + like), spent[3])]
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
     out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
@@ -156,7 +156,7 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     near = replace(scene, track=track, screw=screw, nut=nut)
     m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return condense_side(*side_of(near, m, dims, meshes, wanted[0], choices)).local
+    return condense_side(*condense_side_arguments(near, m, dims, meshes, wanted[0], choices)).local
 
 
 def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:

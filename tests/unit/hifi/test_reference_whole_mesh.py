@@ -106,10 +106,10 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
     found = bodies(small, meshes)
     sides = (0, 3)
-    mounted = coupling.mounted_screw(small, small.scene)
+    mounted = coupling.mount_screw(small, small.scene)
     m = small.screw.stretch.modes
     placed_set = coupling.PlacedSet(small, small.scene, sides)
-    C, rows = coupling.compliance_of((placed_set,), mounted)
+    C, rows = coupling.assemble_compliance((placed_set,), mounted)
     pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.coupling.shape[0],) * 2)
@@ -128,16 +128,16 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
-    by_screw = coupling.rigid_rows(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = coupling.rigid_body_normal_motion(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
     by_screw = sp.block_diag([mean, mean]) @ by_screw
     directions = np.stack([mean @ d for d in directions])
-    N = coupling.directions_matrix([directions], by_screw @ mounted.motions)
+    N = coupling.gap_closing_matrix([directions], by_screw @ mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
     start = State(np.zeros(0), frozen.contact.motions * 1.01)
     by_loads = np.zeros(rows.size)
     by_loads[pick] = mounted.loads[rows[pick]]
-    at_rest = coupling.modal_motion(C, by_loads)
+    at_rest = coupling.normal_motion_of_nodes(C, by_loads)
     other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
     assert other.converged
     assert frozen.status == "converged"
@@ -150,16 +150,18 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
 
     Cells are wider here than the ellipse is thick.
     """
-    forces = {s: condensed.forces_of(small, s) for s in small.sides}
-    spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
+    forces = {s: condensed.sampled_forces(small, s) for s in small.sides}
+    spreads = {s: condensed.hertz_nodal_forces(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
         groove = small.patches[s].groove
         nodal = mean_weights(groove.weights).T @ f
         assert nodal @ (groove.normals @ ball_body.directions(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
-    again = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
-    np.testing.assert_allclose(condensed.beyond_patches(small, again), condensed.beyond_patches(small, spreads), rtol=1e-12)
+    again = {s: condensed.hertz_nodal_forces(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    np.testing.assert_allclose(
+        condensed.compliance_beyond_patches(small, again), condensed.compliance_beyond_patches(small, spreads), rtol=1e-12
+    )
     for k, s in enumerate(small.sides):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)

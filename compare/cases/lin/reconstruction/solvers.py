@@ -16,7 +16,7 @@ import numpy as np
 
 from rollbench.compare.reference.store import Run
 from rollbench.compare.reference.tasks import settings_of
-from rollbench.hifi.coupling import PlacedSet, modal_motion, mounted_screw
+from rollbench.hifi.coupling import PlacedSet, mount_screw, normal_motion_of_nodes
 from rollbench.hifi.reference import ROUNDS, Case, Round, solve_reference
 from rollbench.hifi.setup import Setup, prepare
 from rollbench.hifi.shaft.beam import Frame
@@ -78,14 +78,14 @@ class Dragging(Case):
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
         """Make a load case of one set."""
-        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.of(scene), mounted_screw(setup, scene))
+        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.of(scene), mount_screw(setup, scene))
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def after(self, last: Round, *, moving: bool) -> Round:
         """Return the next round, with the friction that the contact loads of the last round cause."""
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
-        self.load_motion = modal_motion(self.C, self.at_rest)
+        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
         self.mounted = replace(self.smooth, work=self.smooth.work + last.by_rigid.T @ across)
         return super().after(last, moving=moving)
 
