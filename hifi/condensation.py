@@ -34,7 +34,7 @@ from rollbench.hifi.bodies.coarse import (
 )
 from rollbench.hifi.bodies.grid_wave import GridWave, grid_wave
 from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
-from rollbench.hifi.elements.forms import cells
+from rollbench.hifi.elements.forms import cell_basis
 from rollbench.hifi.elements.rigid import rigid_modes, transport
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing.part_meshes import (
@@ -504,7 +504,7 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
     radius = float(np.hypot(points[:, 0], points[:, 1]).max())
     away = np.abs(corners.mean(axis=0) - z)
     reach = max(SLICE * radius, float(np.partition(away, LEAST)[LEAST]))
-    volume = mass.assemble(cells(mesh, elements=np.flatnonzero(away <= reach)))
+    volume = mass.assemble(cell_basis(mesh, elements=np.flatnonzero(away <= reach)))
     nodes = np.flatnonzero(volume.diagonal())
     rigid = rigid_modes(points[nodes], np.array([0.0, 0.0, z]))
     carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)

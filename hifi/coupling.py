@@ -45,7 +45,7 @@ class PlacedSet:
     offset: float = 0.0
 
     @property
-    def count(self) -> int:
+    def ball_count(self) -> int:
         """Number of balls."""
         return self.setup.layout.z.size
 
@@ -56,7 +56,7 @@ class PlacedSet:
         return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.sides, strict=True))
 
     @property
-    def nodes(self) -> int:
+    def nodes_per_ball(self) -> int:
         """Number of contact nodes of one ball."""
         return int(self.zones[-1][0].stop)
 
@@ -88,11 +88,11 @@ def assemble_compliance(
         nut = p.setup.nut
         first = (screw, held if p.housing is None else carried)
         block = ball_block(p.setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
-        for i in range(p.count):
+        for i in range(p.ball_count):
             pieces = []
             for nodes, s in p.zones:
                 if (body := p.setup.body(s)) is not None:
-                    V = np.zeros((p.nodes, body.modes[s].shape[1]))
+                    V = np.zeros((p.nodes_per_ball, body.modes[s].shape[1]))
                     V[nodes] = body.modes[s]
                     pieces.append(V)
                     rows.append(first[s >= 2] + body.mode_rows(s, i))
@@ -358,7 +358,7 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
     for nodes, s in p.zones:
         if (s < 2) != screw:
             continue
-        for i in range(p.count):
+        for i in range(p.ball_count):
             R = rotation(float(layout.azimuth[i]))
             x = p.setup.patches[s].groove.points @ R.T + np.array([0.0, 0.0, layout.z[i] - (origin - p.shift)])
             d = directions[i, nodes] @ R.T
@@ -407,7 +407,7 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
 
 
 def helical_direction(p: PlacedSet) -> Array:
-    """Return the direction of the track's helical motion at the contact nodes ``(n, 3)``; unit length at the ball's centre."""
+    """Return the direction ``(n, 3)`` of the track's helical motion at the contact nodes; length 1 at the ball's centre."""
     m = p.setup.map
     x = np.concatenate([p.setup.patches[s].groove.points for s in p.sides])
     return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))

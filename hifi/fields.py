@@ -124,7 +124,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
         Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes of no cell.
     """
     nodes = mesh.elem.doflocs.T
-    basis = forms.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
+    basis = forms.cell_basis(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
     slope = np.stack([basis.interpolate(component).grad for component in u.T])  # du_i/dx_j
     stress = hooke(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
     at_nodes = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)

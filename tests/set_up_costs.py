@@ -113,7 +113,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     the mean load]."""
     scene = scene_of(name)
     choices, wanted, raw, A_s, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
-    kept, finished = condensation.local_compliance, setup._as_the_section
+    kept, finished = condensation.local_compliance, setup._correct_screw_stiffness
 
     def watched(*given: Any) -> Array:
         A_s.append(kept(*given))
@@ -169,7 +169,7 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
         begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
         meshed = [cell.meshed_shaft(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
-        return replace(base, screw=setup._as_the_section(screw, found, *rest)), spent
+        return replace(base, screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
     whole = cell.lengths(m)
     lead = 2.0 * np.pi * abs(m.rg)

@@ -65,10 +65,10 @@ def _bodies(case: Solvable) -> list[Scene]:
     """Return the meshed bodies of each set; Refusal for a set without a 3D body."""
     if isinstance(case, Scene):
         return [case]
-    from rollbench.hifi.several_sets import bodies_of
+    from rollbench.hifi.several_sets import meshed_bodies
 
     try:
-        return [of_set.bodies for of_set in bodies_of(case)]
+        return [of_set.bodies for of_set in meshed_bodies(case)]
     except ValueError as error:
         raise refused(case, error) from error
 

@@ -62,14 +62,14 @@ def parts_of(scene: Scene) -> tuple[str, ...]:
 
 def placed_sets(described: Solvable) -> list[PlacedSet]:
     """Return each set of a scene at its position, with its stretch of shaft in the reference; ValueError for rollers."""
-    from rollbench.hifi.several_sets import bodies_of
+    from rollbench.hifi.several_sets import meshed_bodies
     from rollbench.meshes.exchange.step_files import PlacedSet
     from rollbench.meshes.solid import dimensions
 
     if isinstance(described, Scene):
         return [PlacedSet(described, 0.0, dimensions(described).ends(described))]
     out = []
-    for s, bodies in zip(described.sets, bodies_of(described), strict=True):
+    for s, bodies in zip(described.sets, meshed_bodies(described), strict=True):
         if not isinstance(s.parts, Scene):
             raise ValueError(f"{s.name} has rollers: only balls and their grooves are written")
         low, high = dimensions(bodies.bodies).ends(bodies.bodies)

@@ -33,7 +33,7 @@ from skfem import Mesh
 
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, pressure_rows
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity, mean_weights, share
+from rollbench.hifi.elements.forms import elasticity, mean_weights, nodal_share_form
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.meshes.arrays import Array, Index
@@ -321,9 +321,9 @@ def rigid_loads(mesh: Mesh) -> Array:
     (6, 3 n) Array
         In the order of `rigid_modes`.
     """
-    V = forms.cells(mesh)
-    volume = share().assemble(V)
-    loads = rigid_modes(np.stack([share(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
+    V = forms.cell_basis(mesh)
+    volume = nodal_share_form().assemble(V)
+    loads = rigid_modes(np.stack([nodal_share_form(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
     loads[..., :3] *= volume[:, None, None]
     return np.asarray(loads.reshape(-1, 6).T)
 

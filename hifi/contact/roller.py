@@ -23,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from rollbench.hifi.contact.balls import ContactResult, State, solve_balls, uncoupled
-from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, faces, mean_weights, share
+from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, face_basis, mean_weights, nodal_share_form
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -251,7 +251,7 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
         along = np.zeros(3 * len(points))
         along[2::3] = 1.0
         thrust = np.zeros(3 * len(points))
-        thrust[2::3] = share().assemble(faces(body.mesh, "end"))
+        thrust[2::3] = nodal_share_form().assemble(face_basis(body.mesh, "end"))
         rows = sp.vstack([rows, sp.csr_array(thrust[None] / thrust.sum())]).tocsr()
         carried = -(rows[:-1] @ along)  # the rib, evenly over the large end
         change = np.column_stack([np.eye(len(carried)), carried])

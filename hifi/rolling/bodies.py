@@ -37,7 +37,7 @@ from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing.part_meshes import ball_place
 from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, half_space, whole_ball
 from rollbench.hifi.rolling.patch import Regular, monomials
-from rollbench.hifi.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache
@@ -720,7 +720,7 @@ def make_kernels(
     if processes == 1 or len(missing) < 2:
         return 0.0
     jobs = [Job("kernels", _anew, (call,), tuple) for call in missing.values()]
-    results = make(jobs, Cache(None), processes)
+    results = compute_records(jobs, Cache(None), processes)
     for key, result in zip(missing, results, strict=True):
         _keep(key, result.value[0])
     return float(sum(result.value[1] for result in results))

@@ -7,8 +7,8 @@ import pytest
 from scipy.special import j1
 
 from rollbench.hifi.contact.roller import LEVELS, RollerError, condense, press, race_compliance, roller_compliance
-from rollbench.hifi.elements.forms import cells as space
-from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, share
+from rollbench.hifi.elements.forms import cell_basis as space
+from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, nodal_share_form
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
 from rollbench.meshes.roller_body import Zone, on_race, on_roller, section, swept
@@ -49,9 +49,10 @@ def middle_approach(body, matrix, load):
 def test_meshes_have_the_volumes_of_their_bodies():
     roller, (ring, width) = cylinder(), slab(1000)
     cone = np.pi / 12.0 * np.tan(ANGLE) ** 2 * (LINES[-1] ** 3 - LINES[0] ** 3) * np.cos(ANGLE) ** 3
-    assert share().assemble(space(roller.mesh)).sum() == pytest.approx(cone, rel=1e-3)
+    volume = nodal_share_form()
+    assert volume.assemble(space(roller.mesh)).sum() == pytest.approx(cone, rel=1e-3)
     wider = 1.0 + 0.5 * DEPTH / (MIDDLE * np.tan(np.radians(30.0)))  # in the middle of its depth
-    assert share().assemble(space(ring.mesh)).sum() == pytest.approx(2.0 * HALF * width * DEPTH * wider, rel=1e-3)
+    assert volume.assemble(space(ring.mesh)).sum() == pytest.approx(2.0 * HALF * width * DEPTH * wider, rel=1e-3)
     assert nodal_areas(roller.mesh, "contact").sum() == pytest.approx(2.0 * HALF * ZONE.width, rel=1e-3)
 
 
