@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from rollbench.hifi.condensation import ModalBody
-from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled
+from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled_compliance
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.meshing.part_meshes import rotation
 from rollbench.hifi.setup import Setup
@@ -105,7 +105,7 @@ def assemble_compliance(
         elif nut is not None:
             carried += len(nut.G)
     pick = np.concatenate(rows)
-    return coupled(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
+    return coupled_compliance(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:

@@ -25,7 +25,7 @@ from rollbench.hifi.condensation import (
     screw_transform,
     stiffness_and_modes,
 )
-from rollbench.hifi.contact.balls import BallBlock, solve_balls, uncoupled
+from rollbench.hifi.contact.balls import BallBlock, solve_balls, uncoupled_compliance
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import hooke, mean_weights
@@ -507,7 +507,7 @@ def ball_contact_pressures(
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
         start = pairs.stop
-    result, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_array(N), f)
+    result, _ = solve_balls(uncoupled_compliance(block), np.concatenate(gaps), sp.csr_array(N), f)
     if not result.converged:
         raise ValueError(f"ball {ball + 1}: {result.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.hifi.contact.balls import ContactResult, State, solve_balls
+from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_balls
 from rollbench.hifi.coupling import (
     PlacedSet,
     assemble_compliance,
@@ -154,7 +154,7 @@ class ContactRound(NamedTuple):
     #: Forces, gaps and rigid motions.
     result: ContactResult
     #: State from which the next round starts.
-    state: State
+    state: SolverState
     #: Contact normals of each nut or bearing ``(balls, n, 3)``.
     directions: list[Array]
     #: Motion of the nodes along their normals by rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``.
@@ -243,7 +243,7 @@ class LoadCase:
         return [of_set.reshape(p.ball_count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
     def _solve_round(
-        self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: State | None
+        self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: SolverState | None
     ) -> ContactRound:
         """Solve the contacts for motions of the balls from their grooves and for corrections ``level`` of the gaps [m].
 

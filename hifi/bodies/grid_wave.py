@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
 
 from rollbench.hifi.bodies.patch import CondensedPatch
-from rollbench.hifi.contact.balls import picked_factor
+from rollbench.hifi.contact.balls import cholesky_of_selection
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.meshes.arrays import Array
@@ -216,7 +216,7 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | 
         active = active if start is None else start[k]
         for _ in range(200):
             i = np.flatnonzero(active)
-            unit, by_gap = dpotrs(picked_factor(C, i), columns[i], lower=1)[0].T
+            unit, by_gap = dpotrs(cholesky_of_selection(C, i), columns[i], lower=1)[0].T
             out[k] = (load + close[i] @ by_gap) / (close[i] @ unit)
             pressure = out[k] * unit - by_gap
             after = pressure @ C[i] + gap - close * out[k] < 0.0

@@ -11,9 +11,9 @@ The result equals scikit-fem's `form.assemble(basis)` of the vector space at the
 tests verify.
 
 The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces would make the force law of a contact
-oscillate. The pressure is therefore bilinear between all nodes of the contact's grid: its nodal basis functions phat_k ("hat functions"
-on the faces' halves) give nodal forces f = W^T p and weighted gaps W g with W_ki = int phat_k N_i dA over the contact
-zone, N_i the traces of the displacement's shape functions.
+oscillate. The pressure is therefore bilinear between all nodes of the contact's grid: its nodal basis functions phat_k
+("hat functions" on the faces' halves) give nodal forces f = W^T p and weighted gaps W g with W_ki = int phat_k N_i dA
+over the contact zone, N_i the traces of the displacement's shape functions.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.hifi.bodies.coarse import fine_compliance
 from rollbench.hifi.bodies.grid_wave import approaches
-from rollbench.hifi.contact.block import read_ellipse
+from rollbench.hifi.contact.block import fit_pressure_ellipsoid
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.rolling.balls import RollingResult, quadrature
@@ -280,7 +280,7 @@ def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[i
         Approach, semi-axes and pressure.
     """
     patch = hertz_patch(load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes))
-    semi, _, peak = read_ellipse(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
+    semi, _, peak = fit_pressure_ellipsoid(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
     return Pressed(patch.approach, semi, peak)
 
 
@@ -318,7 +318,7 @@ def static_reference(at: Place, load: float, young: float, poisson: float, cells
     (approach,), closed = approaches(C, gap, close, np.array([load]))
     i = np.flatnonzero(closed[0])
     forces = np.linalg.solve(C[np.ix_(i, i)], approach * close[i] - gap[i])
-    semi, _, peak = read_ellipse((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)
+    semi, _, peak = fit_pressure_ellipsoid((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)
     return Pressed(float(approach), semi, peak)
 
 

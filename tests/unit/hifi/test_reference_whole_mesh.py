@@ -14,7 +14,7 @@ from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import freedoms, isostatic
 from rollbench.hifi.bodies.patch import pressure_rows
-from rollbench.hifi.contact.balls import State, solve_balls, uncoupled
+from rollbench.hifi.contact.balls import SolverState, solve_balls, uncoupled_compliance
 from rollbench.hifi.elements.forms import assemble, elasticity, mean_weights
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing import part_meshes
@@ -134,11 +134,11 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     N = coupling.gap_closing_matrix([directions], by_screw @ mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
-    start = State(np.zeros(0), frozen.contact.motions * 1.01)
+    start = SolverState(np.zeros(0), frozen.contact.motions * 1.01)
     by_loads = np.zeros(rows.size)
     by_loads[pick] = mounted.loads[rows[pick]]
     at_rest = coupling.normal_motion_of_nodes(C, by_loads)
-    other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
+    other, _ = solve_balls(uncoupled_compliance(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
     assert other.converged
     assert frozen.status == "converged"
     largest = frozen.contact.forces.max()
