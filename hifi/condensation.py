@@ -18,21 +18,21 @@ from skfem import Mesh, condense
 from skfem.models.poisson import mass
 
 from rollbench.hifi.bodies.coarse import (
-    Piece,
+    BodyPiece,
     Socket,
-    assemble,
+    assemble_body_stiffness,
+    assemble_mode_rows,
     coarse_compliance,
     end_transform,
     fine_compliance,
     free_transform,
-    freedoms,
-    isostatic,
+    freedoms_of_nodes,
+    isostatic_freedoms,
     local_compliance,
-    mode_rows,
-    of_order,
-    patch_modes,
+    mesh_of_order,
+    reduce_to_modes,
 )
-from rollbench.hifi.bodies.grid_wave import GridWave, grid_wave
+from rollbench.hifi.bodies.grid_wave import GridWave, tabulate_grid_wave
 from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
 from rollbench.hifi.elements.forms import cell_basis
 from rollbench.hifi.elements.rigid import rigid_modes, transport
@@ -40,14 +40,14 @@ from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
     Sockets,
-    ball_place,
+    ball_socket_and_map,
     body_kind,
-    carrier_mesh,
-    patch_mesh,
+    contacts_on_body,
+    mesh_carrier_patch,
+    mesh_patch,
     patch_normals,
-    placed,
-    rotation,
-    sockets_of,
+    rotated_sockets,
+    rotation_about_z,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.mounting import Stretch
@@ -132,9 +132,9 @@ def condense_side(
         The contact nodes of both do not match, or a submodel cannot be meshed.
     """
     groove_place = partial(local_points, m, sockets.size, side)
-    ball_socket, place = ball_place(m, sockets.size, side, sockets.zone)
-    mesh = patch_mesh(sockets, sockets.groove, groove_place, settings)
-    ball_mesh = patch_mesh(sockets, sockets.ball, place, settings)
+    ball_socket, place = ball_socket_and_map(m, sockets.size, side, sockets.zone)
+    mesh = mesh_patch(sockets, sockets.groove, groove_place, settings)
+    ball_mesh = mesh_patch(sockets, sockets.ball, place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     ball_normals = patch_normals(ball_mesh, np.zeros(3))
     spread = float(np.abs(ball_normals - normals).max())
@@ -142,27 +142,31 @@ def condense_side(
         raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
     e, b = materials
     groove = condense_patch(
-        mesh, normals, *_elastic_constants(e), carrier_mesh(sockets, sockets.groove, groove_place, settings)
+        mesh, normals, *_elastic_constants(e), mesh_carrier_patch(sockets, sockets.groove, groove_place, settings)
     )
-    ball = condense_patch(ball_mesh, -normals, *_elastic_constants(b), carrier_mesh(sockets, sockets.ball, place, settings))
+    ball = condense_patch(
+        ball_mesh, -normals, *_elastic_constants(b), mesh_carrier_patch(sockets, sockets.ball, place, settings)
+    )
     if settings.element == "P1":  # the source's mesh is not changed
         return SidePatches(groove, ball, groove.A + ball.A, None)
     fine = replace(sockets.size, cuts=settings.own_cuts)
 
-    def groove_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
+    def groove_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         size, sizes = (sockets.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
         half = max(reach(m, sockets.size, (side,))) + BEYOND * m.ball
         spec = BodySpec(
             *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
         )
         body: GroovedBody = build_body(m, spec)
-        return Piece(body.mesh, body.socket_nodes[0], rotation(m.phase), ("low end", "high end")), body.sockets[side]
+        return BodyPiece(body.mesh, body.socket_nodes[0], rotation_about_z(m.phase), ("low end", "high end")), body.sockets[
+            side
+        ]
 
-    def ball_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
+    def ball_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
         cuts = sockets.size.cuts if coarse else settings.own_cuts
         body = build_ball(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
-        return Piece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
+        return BodyPiece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
 
     local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
     for piece_of, points_at, condensed, along, material, modes in (
@@ -170,15 +174,15 @@ def condense_side(
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
-        C = fine_compliance(piece, patch_mesh(sockets, socket, points_at, settings), along, *_elastic_constants(material))
-        V, rows = patch_modes(condensed, modes)
+        C = fine_compliance(piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material))
+        V, rows = reduce_to_modes(condensed, modes)
 
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material))
 
         local += local_compliance(C, V, response)
         total += C
-    return SidePatches(groove, ball, local, grid_wave(m, side, groove, total, b))
+    return SidePatches(groove, ball, local, tabulate_grid_wave(m, side, groove, total, b))
 
 
 def _elastic_constants(material: Material) -> tuple[float, float]:
@@ -373,9 +377,11 @@ def stiffness_and_modes(
     by_flank : dict
         Modes V and their rows Q, by flank.
     """
-    K = assemble(of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio)
-    kept = {s: patch_modes(p, count) for s, p in patches.items()}
-    return K, mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
+    K = assemble_body_stiffness(
+        mesh_of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio
+    )
+    kept = {s: reduce_to_modes(p, count) for s, p in patches.items()}
+    return K, assemble_mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
 def ball_compliance(
@@ -404,7 +410,7 @@ def ball_compliance(
     ball_patches = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in ball_patches]
     K, rows, kept = stiffness_and_modes(material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings)
-    held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = compliance(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
@@ -452,8 +458,10 @@ def screw_response(
     ScrewResponse
         The condensed screw.
     """
-    places = sockets_of(layout, sides, True)
-    K, modes, kept = stiffness_and_modes(material, mesh.mesh, placed(mesh, places), patches, settings.modes, settings)
+    places = contacts_on_body(layout, sides, True)
+    K, modes, kept = stiffness_and_modes(
+        material, mesh.mesh, rotated_sockets(mesh, places), patches, settings.modes, settings
+    )
     low, high = ends
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
@@ -509,7 +517,7 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
     rigid = rigid_modes(points[nodes], np.array([0.0, 0.0, z]))
     carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)
     motion = np.linalg.solve(rigid.T @ carried, carried.T)
-    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms(nodes), 6))
+    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms_of_nodes(nodes), 6))
     return sp.csr_array((motion.ravel(), place), (6, 3 * len(points)))
 
 
@@ -559,7 +567,7 @@ def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
         on &= points_in_bolt_circles(x, y, (low, high), int(bolts.split()[0]))
-    held = freedoms(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
+    held = freedoms_of_nodes(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
     return free_transform(mesh.mesh, held)
 
 
@@ -596,7 +604,7 @@ def nut_response(
     NutResponse
         The condensed nut.
     """
-    sockets = placed(mesh, sockets_of(layout, sides, False))
+    sockets = rotated_sockets(mesh, contacts_on_body(layout, sides, False))
     K, rows, kept = stiffness_and_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()

@@ -17,7 +17,7 @@ from scipy.linalg import block_diag
 from rollbench.hifi.condensation import ModalBody
 from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled_compliance
 from rollbench.hifi.elements.forms import mean_weights
-from rollbench.hifi.meshing.part_meshes import rotation
+from rollbench.hifi.meshing.part_meshes import rotation_about_z
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.mounting import Mounted, beam_stretch, mount
 from rollbench.meshes.arrays import Array, Index
@@ -359,7 +359,7 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
         if (s < 2) != screw:
             continue
         for i in range(p.ball_count):
-            R = rotation(float(layout.azimuth[i]))
+            R = rotation_about_z(float(layout.azimuth[i]))
             x = p.setup.patches[s].groove.points @ R.T + np.array([0.0, 0.0, layout.z[i] - (origin - p.shift)])
             d = directions[i, nodes] @ R.T
             out[i, nodes, :3], out[i, nodes, 3:] = d, np.cross(x, d)

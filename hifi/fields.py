@@ -15,8 +15,14 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, of_order
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, field
+from rollbench.hifi.bodies.coarse import (
+    Socket,
+    assemble_body_stiffness,
+    freedoms_of_nodes,
+    isostatic_freedoms,
+    mesh_of_order,
+)
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, patch_displacements
 from rollbench.hifi.condensation import (
     ball_compliance,
     condense_side,
@@ -32,14 +38,14 @@ from rollbench.hifi.elements.forms import hooke, mean_weights
 from rollbench.hifi.linear_algebra import factor
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
-    ball_place,
+    ball_socket_and_map,
     body_kind,
+    contacts_on_body,
     mesh_parts,
-    patch_mesh,
+    mesh_patch,
     patch_normals,
-    placed,
-    rotation,
-    sockets_of,
+    rotated_sockets,
+    rotation_about_z,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
@@ -232,7 +238,7 @@ def _coarse_displacement(
     """Solve K q = Q^T V^T f for a coarse body, on the degrees of freedom that the transform T leaves free."""
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
-    sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
+    sockets = rotated_sockets(mesh, contacts_on_body(setup.layout, setup.sides, screw))
     K, Q, kept = stiffness_and_modes(material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings)
     amplitude = [
         kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(patches[s].A)))
@@ -261,13 +267,13 @@ def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
         The patch.
     """
     body = meshes.screw if side < 2 else meshes.nut
-    return patch_mesh(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
+    return mesh_patch(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
 
 
 def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
     """Mesh the patch of the ball at a flank (0 to 3), with the ball's centre as origin."""
-    place = ball_place(setup.map, meshes.size, side, meshes.zone)[1]
-    return patch_mesh(meshes, meshes.ball.sockets[side], place, setup.settings)
+    place = ball_socket_and_map(setup.map, meshes.size, side, meshes.zone)[1]
+    return mesh_patch(meshes, meshes.ball.sockets[side], place, setup.settings)
 
 
 def groove_patch_field(
@@ -299,13 +305,13 @@ def groove_patch_field(
     body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
     body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
     nodes = body.socket_nodes[ball * len(body_sides) + body_sides.index(side)]
-    R = rotation(float(setup.layout.azimuth[ball]))
+    R = rotation_about_z(float(setup.layout.azimuth[ball]))
     normals = patch_normals(mesh, np.array([setup.map.R, 0.0, 0.0]))
     return _patch_field(mesh, normals, part.material, forces[side][ball], (u[nodes] @ R).ravel())
 
 
 def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
-    u = field(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
+    u = patch_displacements(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
     return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
 
 
@@ -332,11 +338,11 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     SolidField
         The field.
     """
-    R = rotation(float(setup.layout.azimuth[ball]))
+    R = rotation_about_z(float(setup.layout.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
+    body = mesh_of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
     if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
     stress = nodal_stress(body, u @ R, material, elements)
@@ -367,14 +373,14 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     e, nu = material.youngs_modulus, material.poissons_ratio
     patches: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in patches]
-    body = of_order(mesh.mesh, kind := body_kind(setup.settings))
-    K = assemble(body, sockets, patches, e, nu)
-    held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    body = mesh_of_order(mesh.mesh, kind := body_kind(setup.settings))
+    K = assemble_body_stiffness(body, sockets, patches, e, nu)
+    held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
     for s, patch in patches.items():
         if s in forces:
-            np.add.at(load, freedoms(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
+            np.add.at(load, freedoms_of_nodes(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
     u[free] = factor(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)

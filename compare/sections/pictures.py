@@ -246,7 +246,7 @@ def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
 def mesh_overview(solved: Solved) -> FieldPicture:
     """Return the picture of coarse screw and half of the nut, with all fine patches in their sockets."""
     from rollbench.hifi.fields import mesh_groove_patch
-    from rollbench.hifi.meshing.part_meshes import body_kind, rotation
+    from rollbench.hifi.meshing.part_meshes import body_kind, rotation_about_z
 
     setup, meshes = solved.setup, solved.meshes
     toward = np.array([0.55, -0.83, 0.0])
@@ -257,7 +257,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     for s in setup.sides:
         mesh = mesh_groove_patch(setup, meshes, s)
         for phi, z in zip(setup.layout.azimuth, setup.layout.z, strict=True):
-            points = mesh.points @ rotation(float(phi)).T + np.array([0.0, 0.0, z])
+            points = mesh.points @ rotation_about_z(float(phi)).T + np.array([0.0, 0.0, z])
             if s < 2 or points.mean(axis=0) @ toward < 0.0:
                 parts.append(MeshPart(points, mesh.cells, mesh.kind, colour=FINE))
     scene = solved.scene

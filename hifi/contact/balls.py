@@ -547,9 +547,9 @@ class _EnergySystem:
 
             (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
 
-        the matrix N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T remains for dy. R and T are those of `low_rank_factors`, which makes the
-        matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G is not that of an
-        elastic body.
+        the matrix N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T remains for dy. R and T are those of `low_rank_factors`,
+        which makes the matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G
+        is not that of an elastic body.
         """
         G = self.C.coupling
         outer, size = shift * np.eye(self.f.size), np.sqrt(G.diagonal())

@@ -25,8 +25,8 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.bodies.coarse import Piece, isostatic, piece_compliance, rigid_loads
-from rollbench.hifi.bodies.patch import Lines, PatchMesh, build_patch, graded, growing
+from rollbench.hifi.bodies.coarse import BodyPiece, isostatic_freedoms, piece_compliance, rigid_loads
+from rollbench.hifi.bodies.patch import PatchLines, PatchMesh, build_patch, graded_boundaries, growing_boundaries
 from rollbench.hifi.condensation import BEYOND
 from rollbench.hifi.contact.block import boussinesq
 from rollbench.hifi.contact.hertz import hertz
@@ -34,7 +34,7 @@ from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import contact_weights, elasticity, mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import compliance
-from rollbench.hifi.meshing.part_meshes import ball_place
+from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
 from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, half_space, whole_ball
 from rollbench.hifi.rolling.patch import Regular, monomials
 from rollbench.hifi.side_by_side import Job, compute_records
@@ -82,7 +82,7 @@ class Cut:
     #: The patch.
     patch: PatchMesh
     #: The piece.
-    piece: Piece
+    piece: BodyPiece
     #: Centre of the ball in the patch's frame ``(3,)`` [m].
     centre: Array
     #: Rows along the track, across it towards the bottom of the groove, and into the body ``(3, 3)``.
@@ -133,7 +133,7 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
     body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
-    ball_socket, place = ball_place(m, size, side, local)
+    ball_socket, place = ball_socket_and_map(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
     sphere = build_ball(m, (ball_socket,), near, away, CUTS)
     grooved = build_patch(lines, local, partial(local_points, m, size, side), body.sockets[side])
@@ -142,8 +142,14 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
     out = []
     for patch, piece, centre, inward, depth in (
-        (grooved, Piece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS), np.array([m.R, 0.0, 0.0]), normal, size.depth),
-        (round_, Piece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
+        (
+            grooved,
+            BodyPiece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS),
+            np.array([m.R, 0.0, 0.0]),
+            normal,
+            size.depth,
+        ),
+        (round_, BodyPiece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
     ):
         number = _number(patch, axes, centre)
         out.append(Cut(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
@@ -174,14 +180,14 @@ def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> Groove
     return GrooveMap(curve.radius, curve.rise, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1)
 
 
-def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Lines, tuple[float, float]]:
+def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
     """Element boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
     along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
     local = (zone.half[1] / width, zone.half[0] / along)
     first = min(2.0 * h / n for h, n in zip(zone.half, zone.cells, strict=True)) / size.depth
-    across, forth = (graded(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
-    return Lines(across, growing(0.0, 1.0, first / zone.growth, zone.growth), forth), local
+    across, forth = (graded_boundaries(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
+    return PatchLines(across, growing_boundaries(0.0, 1.0, first / zone.growth, zone.growth), forth), local
 
 
 def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
@@ -331,7 +337,7 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     """
     K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
+    F = _held(K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.hifi.bodies.coarse import fine_compliance
-from rollbench.hifi.bodies.grid_wave import approaches
+from rollbench.hifi.bodies.grid_wave import unilateral_approaches
 from rollbench.hifi.contact.block import fit_pressure_ellipsoid
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.forms import mean_weights
@@ -315,7 +315,7 @@ def static_reference(at: Place, load: float, young: float, poisson: float, cells
     C = C + fine_compliance(ball.piece, ball.patch, -normals, young, poisson)
     W = mean_weights(groove.patch.weights)
     gap, close = W @ (length - at.ball), W @ (normals @ groove.axes[2])
-    (approach,), closed = approaches(C, gap, close, np.array([load]))
+    (approach,), closed = unilateral_approaches(C, gap, close, np.array([load]))
     i = np.flatnonzero(closed[0])
     forces = np.linalg.solve(C[np.ix_(i, i)], approach * close[i] - gap[i])
     semi, _, peak = fit_pressure_ellipsoid((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)

@@ -9,7 +9,7 @@ from tests.helpers import small_screw
 from rollbench.compare.models.study import with_groove
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.meshing.part_meshes import socket_size
+from rollbench.hifi.meshing.part_meshes import choose_socket_size
 from rollbench.hifi.meshing.settings import ExpectedContacts, Settings, closing, expected_contacts, hertz_units, rounded
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -140,8 +140,8 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
 def test_sockets_take_cuts_and_reach_from_the_settings():
     case = small_screw(4)
     m, layout, dims = GrooveMap.of(case), ball_layout(case), dimensions(case)
-    size = socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
+    size = choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
     assert size.cuts == (4, 3, 4)
     assert size.gamma > 0.3
     with pytest.raises(ValueError, match=r"reaches 3 mm .* room for"):
-        socket_size(case, m, layout, (0, 3), dims, Settings(reach=(3e-3, 0.1e-3)))
+        choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(3e-3, 0.1e-3)))

@@ -9,12 +9,12 @@ import scipy.sparse as sp
 from tests.helpers import relative
 from tests.two_balls import SMALL, two_balls
 
-from rollbench.hifi.bodies.coarse import patch_modes
-from rollbench.hifi.bodies.grid_wave import approaches_at, grid_wave, periodic_approaches, resolved_forces
+from rollbench.hifi.bodies.coarse import reduce_to_modes
+from rollbench.hifi.bodies.grid_wave import approaches_at, periodic_approaches, resolved_forces, tabulate_grid_wave
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import condense_side, condense_side_arguments, is_turned_left_flank, turn_to_right_flank
 from rollbench.hifi.elements.forms import mean_weights
-from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
+from rollbench.hifi.meshing.part_meshes import mesh_parts, mesh_patch, patch_normals
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import AZIMUTH_TURNED, local_points
@@ -80,7 +80,7 @@ def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count
     round-off. Contact forces point at the ball's centre: three modes are enough."""
     m, _, found = flanks
     patch = getattr(found[2], part)
-    V, rows = patch_modes(patch, count)
+    V, rows = reduce_to_modes(patch, count)
     assert V.shape[1] == count
     centre = np.array([m.R, 0.0, 0.0]) if part == "groove" else np.zeros(3)
     hats = mean_weights(patch.weights)
@@ -109,12 +109,12 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     changes evenly from cell to cell, is a third. The right flank's wave is the left one's, turned."""
     m, meshes, found = flanks
     body, steel = meshes.screw if side < 2 else meshes.nut, two_balls().balls.material
-    mesh = patch_mesh(
+    mesh = mesh_patch(
         meshes, body.sockets[side], partial(local_points, m, meshes.size, side), replace(SETTINGS, b_over_h=1.8)
     )
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
-    wave = grid_wave(m, side, groove, groove.A, steel)
+    wave = tabulate_grid_wave(m, side, groove, groove.A, steel)
     loads = resolved_forces(m, side, groove, steel, 5)[1:]
     trend = periodic_approaches(m, side, groove, groove.A, loads, (2, 2))[1]
     places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
