@@ -19,7 +19,7 @@ from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled_complian
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.meshing.part_meshes import rotation_about_z
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.mounting import Mounted, beam_stretch, mount
+from rollbench.hifi.shaft.mounting import MountedShaft, beam_stretch, mount_stretch
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import groove_radii, nominal_groove_centres
@@ -62,7 +62,7 @@ class PlacedSet:
 
 
 def assemble_compliance(
-    sets: Sequence[PlacedSet], mounted: Mounted, leave_out: frozenset[str] = frozenset()
+    sets: Sequence[PlacedSet], mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Compliance, Index]:
     """Assemble the compliance between the contact nodes of all balls, ordered by nut or bearing, ball and flank.
 
@@ -159,7 +159,7 @@ def keep_local_response(G: Array, body: ModalBody) -> Array:
     return out
 
 
-def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> Mounted:
+def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> MountedShaft:
     """Mount the screw on the supports and under the loads of a scene.
 
     If the 3D shaft is left out, the screw is a beam with the same local response at its contacts.
@@ -180,12 +180,12 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
     """
     full, m = setup.screw.stretch, setup.screw.stretch.modes
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
-        return mount(full, scene, setup.section)
+        return mount_stretch(full, scene, setup.section)
     stations = np.repeat(setup.layout.z, len(setup.screw.modes))
     beam = beam_stretch(setup.screw.rigid, stations, full, setup.section)
     F = beam.F.copy()
     F[:m, :m] += keep_local_response(full.F[:m, :m] - beam.F[:m, :m], setup.screw)
-    return mount(replace(beam, F=F), scene, setup.section)
+    return mount_stretch(replace(beam, F=F), scene, setup.section)
 
 
 def normal_motion_of_nodes(C: Compliance, z: Array) -> Array:

@@ -34,7 +34,7 @@ from rollbench.hifi.coupling import (
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import Frame
-from rollbench.hifi.shaft.mounting import Mounted
+from rollbench.hifi.shaft.mounting import MountedShaft
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.parts import Scene
@@ -144,7 +144,7 @@ def solve_reference(
         raise ValueError(f"unknown parts of the model to leave out: {unknown}; allowed: {', '.join(INGREDIENTS)}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
-    case = LoadCase((placed,), Frame.of(scene), mount_screw(setup, scene, leave_out), leave_out)
+    case = LoadCase((placed,), Frame.from_scene(scene), mount_screw(setup, scene, leave_out), leave_out)
     return case.solve(updates or ROUNDS, slow_round_reporter(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
@@ -173,7 +173,7 @@ class LoadCase:
     """Load case of prepared geometries on one shaft, solved in rounds that update contact normals and gaps."""
 
     def __init__(
-        self, sets: Sequence[PlacedSet], frame: Frame, mounted: Mounted, leave_out: frozenset[str] = frozenset()
+        self, sets: Sequence[PlacedSet], frame: Frame, mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
     ) -> None:
         """Prepare the compliance, errors and directions of a load case.
 

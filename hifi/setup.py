@@ -32,9 +32,9 @@ from rollbench.hifi.condensation import (
 )
 from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
-from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
-from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, lengths, meshed_shaft
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
+from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_ends
+from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, meshed_shaft_flexibility, shaft_lengths
 from rollbench.hifi.side_by_side import ComputedRecord, Job, compute_records
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
@@ -240,8 +240,10 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     if plain is not None:
         return [section_job(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
     if m.rg == 0.0:
-        return [section_job(tube, (outer, bore, e), ShaftSection)]
-    meshed = [section_job(meshed_shaft, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in lengths(m)]
+        return [section_job(tube_section, (outer, bore, e), ShaftSection)]
+    meshed = [
+        section_job(meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in shaft_lengths(m)
+    ]
     return [section_job(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
 
 
@@ -282,8 +284,8 @@ def _correct_screw_stiffness(
     if homogenised is None:
         return screw
     along = np.repeat(layout.z, sum(s < 2 for s in sides))
-    stretch = as_stiff_as(screw.stretch, screw.rigid, along, homogenised.section, homogenised.cut, m)
-    return replace(screw, stretch=without_cuts(stretch, homogenised.cut, m, stations))
+    stretch = correct_beam_stiffness(screw.stretch, screw.rigid, along, homogenised.section, homogenised.cut, m)
+    return replace(screw, stretch=subtract_cut_ends(stretch, homogenised.cut, m, stations))
 
 
 def _mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:

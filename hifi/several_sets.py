@@ -16,11 +16,11 @@ import numpy as np
 
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.meshing.settings import closing
+from rollbench.hifi.meshing.settings import nut_shift_for_axial_force
 from rollbench.hifi.reference import ROUNDS, LoadCase, ReferenceResult, slow_round_reporter
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.beam import Frame, ShaftSection, tube
-from rollbench.hifi.shaft.mounting import Carried, Mounted, mount_all
+from rollbench.hifi.shaft.beam import Frame, ShaftSection, tube_section
+from rollbench.hifi.shaft.mounting import CarriedNut, MountedShaft, mount_stretches
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene, Support
@@ -150,9 +150,9 @@ def solve_sets(
     ValueError
         As `meshed_bodies`, and for a rigid nut on a housing that moves.
     """
-    begin, frame = perf_counter(), Frame.of(assembly)
+    begin, frame = perf_counter(), Frame.from_scene(assembly)
     each = zip(assembly.sets, meshed_bodies(assembly), setups, strict=True)
-    placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
+    placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.housing_index(s.housing), s.offset) for s, b, up in each)
     mounted = _mount_assembly(assembly, placed, frame)
     placed, unmet = _replace_preloads_by_shifts(assembly, placed, frame)
     found = LoadCase(placed, frame, mounted).solve(ROUNDS, slow_round_reporter(assembly.name, begin, step), frozen=frozen)
@@ -160,7 +160,7 @@ def solve_sets(
     return replace(found, status=status, seconds=perf_counter() - begin)
 
 
-def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> Mounted:
+def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> MountedShaft:
     """Mount the stretches on the shaft, from left to right, and the nuts that movable housings carry."""
     carried = []
     for p in placed:
@@ -169,10 +169,10 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
         if p.setup.nut is None:
             raise ValueError("the 3D reference has no rigid nut on a housing that moves")
         at = frame.housings[p.housing].at - p.shift
-        carried.append(Carried(p.setup.nut.G, p.setup.nut.rigid @ transport(-at), p.housing))
-    stretches = [p.setup.screw.stretch.moved(p.shift) for p in placed]
+        carried.append(CarriedNut(p.setup.nut.G, p.setup.nut.rigid @ transport(-at), p.housing))
+    stretches = [p.setup.screw.stretch.shifted(p.shift) for p in placed]
     steps = [z for segment in assembly.segments for z in (segment.start, segment.end)]
-    return mount_all(stretches, frame, _section_function(assembly, placed), steps, carried)
+    return mount_stretches(stretches, frame, _section_function(assembly, placed), steps, carried)
 
 
 def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
@@ -182,8 +182,8 @@ def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callab
     """
     screw, threads = assembly.screw, [p.setup for p in placed if p.setup.map.rg != 0.0]
     known = [setup for setup in threads if setup.homogenised is not None or setup.dims.shaft_radius is not None]
-    base = known[0].section if known else tube(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
-    plain = [(s.start, s.end, tube(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
+    base = known[0].section if known else tube_section(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
+    plain = [(s.start, s.end, tube_section(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
 
     def at(z: float) -> ShaftSection:
         return next((section for low, high, section in plain if low <= z <= high), base)
@@ -219,7 +219,7 @@ def _replace_preloads_by_shifts(
         force = np.abs([wrench[2] for wrench in found.on_shaft])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
-    depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
+    depth = np.log([nut_shift_for_axial_force(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
     value = excess(depth)
     slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(preloaded))])
     for _ in range(STEPS):

@@ -167,11 +167,11 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
 
     def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.Setup, float]:
         begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
-        meshed = [cell.meshed_shaft(m, *radii, e, cells * choices.cell, length) for length in lengths]
+        meshed = [cell.meshed_shaft_flexibility(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
         return replace(base, screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
-    whole = cell.lengths(m)
+    whole = cell.shaft_lengths(m)
     lead = 2.0 * np.pi * abs(m.rg)
     usual = shafts(1.0, whole)[1]
     ways = [(f"cut's cells {size:g} times as long", size, whole) for size in CELLS]

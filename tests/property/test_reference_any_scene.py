@@ -25,7 +25,7 @@ from rollbench.hifi.meshing.part_meshes import (
     mesh_patch,
     patch_normals,
 )
-from rollbench.hifi.meshing.settings import Settings, expected_contacts, rounded
+from rollbench.hifi.meshing.settings import Settings, expected_contacts, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
@@ -99,8 +99,8 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     few = {"b_over_h": 0.8, "cuts": (2, 2, 2), "own_cuts": (2, 2, 2), "modes": 6, "ball_modes": 8, "growth": 2.5}
     sizes = {"fine": 3e-3, "coarse": 12e-3, "ball_fine": 1e-3, "ball_coarse": 2e-3}
     settings = Settings(
-        semi=rounded(contacts.semi()),
-        reach=rounded(contacts.reach()),
+        semi=round_up_lengths(contacts.semi()),
+        reach=round_up_lengths(contacts.reach()),
         own_sizes=(3e-3 * ratio, 8e-3 * ratio),
         own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
         **{name: size * ratio for name, size in sizes.items()},

@@ -13,7 +13,7 @@ from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.meshing.part_meshes import mesh_parts
-from rollbench.hifi.meshing.settings import Settings, expected_contacts, rounded
+from rollbench.hifi.meshing.settings import Settings, expected_contacts, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
@@ -33,7 +33,7 @@ def case(_one_submodel, tmp_path_factory):
     scene = small_screw(2, 0.2, force=(0.0, 0.0, 330.0), load_at=0.0)
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     expected = expected_contacts(scene)
-    semi, reach = rounded(expected.semi()), rounded(expected.reach())
+    semi, reach = round_up_lengths(expected.semi()), round_up_lengths(expected.reach())
     sizes = {"fine": 4e-3, "coarse": 10e-3, "ball_fine": 1e-3, "ball_coarse": 1.6e-3}
     own = {"own_cuts": (2, 2, 2), "own_sizes": (2.4e-3, 10e-3), "own_ball_sizes": (1.2e-3, 2e-3)}
     settings = Settings(b_over_h=2.1, semi=semi, reach=reach, modes=20, growth=2.0, **sizes, **own)

@@ -8,7 +8,7 @@ from tests.two_balls import SMALL
 
 from rollbench.compare.reference.tasks import balls_of
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_contacts, rounded
+from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_contacts, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.hifi.several_sets import meshed_bodies, solve_sets
@@ -62,7 +62,7 @@ def prepared(_one_submodel, tmp_path_factory):
         for of_set, found in zip(meshed_bodies(assembly), expected_by_set(assembly), strict=True):
             sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
             if (of_set.bodies, sides) not in kept:
-                sizes = replace(COARSE, semi=rounded(found.semi()), reach=rounded(found.reach()))
+                sizes = replace(COARSE, semi=round_up_lengths(found.semi()), reach=round_up_lengths(found.reach()))
                 kept[of_set.bodies, sides] = prepare(of_set.bodies, sides, sizes, cache=cache)
             setups.append(kept[of_set.bodies, sides])
         return setups

@@ -78,7 +78,7 @@ class Dragging(LoadCase):
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
         """Make a load case of one set."""
-        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.of(scene), mount_screw(setup, scene))
+        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.from_scene(scene), mount_screw(setup, scene))
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
