@@ -1,17 +1,16 @@
-"""Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces between balls in touch.
+"""Rolling of balls with friction: steady motion with the forces between touching balls, and motion from rest in time.
 
-Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact loads, which
-are given here (`hifi.rolling.scenes`); the other four fix its speed along the track and its rotation. Forces across the
-track that friction adds to the given ones are in the result.
+Steady rolling: of a ball's six equations of equilibrium two fix its position in the section of the track, and with it the
+contact loads, which are prescribed here (`hifi.rolling.scenes`). The other four fix its speed along the track and its
+rotation. Forces across the track that friction adds to the prescribed ones are part of the result.
 
-Balls that begin to roll from rest, in time: elastic displacements carried along by the material, gaps that close.
-
-In a step dt material moves by V dt through every contact, so that
+Rolling from rest: elastic displacements move along with the material, and gaps between balls close. In a step dt material
+moves by V dt through every contact, so that
 
     s dt = A q(t) - A_shifted q(t - dt) + rigid slip dt,
 
-A_shifted giving the old displacements where the material was: nothing is interpolated. First order in the step. Contact
-forces are given and stay; the frame moves with each ball's centre.
+where A_shifted gives the old displacements at the old place of the material; nothing is interpolated. The method is of
+first order in the step. Contact forces are prescribed and constant; the frame moves with each ball's centre.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ from rollbench.meshes.arrays import Array
 #: Tangential compliance over the true one that represents rigid bodies where grids are compared.
 NEARLY_RIGID = 0.01
 
-#: Contact forces below this share of a ball's largest are none.
+#: Contact forces below this share of a ball's largest one count as zero.
 NEGLIGIBLE = 1e-9
 
 #: Points of the quadrature of the rigid limit along each axis of the ellipse, first and last.
@@ -44,7 +43,7 @@ FIRST, POINTS = 40, 300
 
 @dataclass(frozen=True)
 class Choices:
-    """Numerical choices."""
+    """Numerical choices of the rolling model: grids, elasticity and meshes of bodies."""
 
     #: Cells of every contact's grid along and across the groove.
     shape: tuple[int, int] = (24, 24)
@@ -58,7 +57,7 @@ class Choices:
 
 @dataclass(frozen=True)
 class ContactOut:
-    """A solved contact of n cells."""
+    """Friction solution of one contact of n cells."""
 
     #: Index of the ball.
     ball: int
@@ -86,7 +85,7 @@ class ContactOut:
 
 @dataclass(frozen=True)
 class RollingResult:
-    """Steady rolling of N balls."""
+    """Steady rolling of N balls: motions, friction forces and losses."""
 
     #: Speeds of the balls along the track ``(N,)``.
     speed: Array
@@ -122,12 +121,12 @@ class RollingResult:
 
     @property
     def groove_loss(self) -> float:
-        """Losses at all grooves [W]."""
+        """Friction losses at all grooves [W]."""
         return sum(c.loss for c in self.contacts)
 
     @property
     def loss(self) -> float:
-        """All losses of friction [W]."""
+        """All friction losses, at grooves and between balls [W]."""
         return self.groove_loss + float(self.ball_loss.sum())
 
     @property
@@ -138,9 +137,9 @@ class RollingResult:
 
 @lru_cache(maxsize=16)
 def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Contact under 1 N between half-spaces, its `Patch.transport` computed.
+    """Solve the contact of half-spaces under 1 N on a grid, with its `Patch.transport` computed.
 
-    Every force has a similar one, lengths growing by its cube root.
+    The contact under any other force is similar, with lengths in proportion to the cube root of the force.
     """
     patch = hertz_patch(1.0, radii, young, poisson, shape)
     assert patch.transport.size
@@ -151,12 +150,12 @@ def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: 
 def finite_patch(
     load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: Regular
 ) -> Patch:
-    """Contact of finite bodies under a force [N]; material: Young's modulus [Pa] and Poisson's ratio."""
+    """Solve the contact of finite bodies under a force [N]; material: Young's modulus [Pa] and Poisson's ratio."""
     return hertz_patch(load, radii, *material, shape, kernel)
 
 
 def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
-    """Compute a contact's patch under its force. Raises ValueError as `kernel_of`."""
+    """Compute the grid contact of a ball with a groove under its force. Raises ValueError as `kernel_of`."""
     kernel = kernel_of(scene, touch, choices.bodies)
     if kernel is None:
         unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
@@ -165,7 +164,7 @@ def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choice
 
 
 def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
-    """Compute the kernel of finite bodies at a contact, in its axes.
+    """Compute the smooth compliance of finite bodies (kernel) at a contact, in the contact's axes.
 
     Parameters
     ----------
@@ -195,7 +194,9 @@ def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes 
 
 
 def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
-    """Compute the kernels of scenes of one material in several processes; see `hifi.rolling.bodies.make_kernels`.
+    """Compute the kernels of finite bodies for several scenes of one material, in several processes.
+
+    See `hifi.rolling.bodies.make_kernels`.
 
     Parameters
     ----------
@@ -218,12 +219,14 @@ def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, p
 
 
 def _largest(scene: kinematics.Rolling) -> float:
-    """Largest force of a contact [N]."""
+    """Return the largest contact force of all balls [N]."""
     return max(t.load for b in scene.balls for t in b.touches)
 
 
 def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
-    """Place of a contact on its groove, and the direction to the bottom. Raises ValueError where that is unknown.
+    """Describe the position of a contact on its groove, and the direction to the groove's bottom.
+
+    Raises ValueError if that direction is unknown.
 
     Parameters
     ----------
@@ -240,13 +243,13 @@ def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place,
         Unit vector from the ball's centre to the bottom of the groove.
     """
     if touch.bottom is None:
-        raise ValueError("a finite groove needs the direction of its bottom")
+        raise ValueError("the contact with a finite groove needs the direction to the groove's bottom")
     angle = float(np.arccos(touch.normal @ touch.bottom))
     return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
 def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
-    """Contacts that carry load: index of the ball, index of its contact, and the contact.
+    """List the contacts that carry load: index of the ball, index of the contact on the ball, and the contact.
 
     Parameters
     ----------
@@ -288,7 +291,7 @@ def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
 
 
 def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.Together:
-    """Balance of the balls, as the friction solver needs it.
+    """Create the equilibrium equations of the balls for the friction solver.
 
     Parameters
     ----------
@@ -307,7 +310,7 @@ def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinema
 
 
 def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
-    """Split the unknowns.
+    """Split the vector of unknowns into speeds, rotations and forces between balls.
 
     Parameters
     ----------
@@ -331,13 +334,13 @@ def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
 
 
 def meeting_losses(scene: kinematics.Rolling, y: Array) -> Array:
-    """Losses of sliding friction between balls in touch ``(M,)`` [W]."""
+    """Compute the losses of sliding friction between touching balls ``(M,)`` [W]."""
     pairs = zip(moving(scene, y)[2], scene.meetings, strict=True)
     return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
 def start_of(scene: kinematics.Rolling) -> Array:
-    """Motions near rolling: each ball at its nominal speed, rotating so that its contacts slide least."""
+    """Estimate starting motions: each ball moves at its nominal speed and rotates so that its contacts slide least."""
     y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
         y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
@@ -360,7 +363,7 @@ def solve_rolling(
     near: RollingResult | None = None,
     path: tuple[float, ...] = PATH,
 ) -> RollingResult:
-    """Solve steady rolling.
+    """Solve steady rolling of balls under prescribed contact loads.
 
     Parameters
     ----------
@@ -385,7 +388,7 @@ def solve_rolling(
     """
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
-        raise ValueError("a ball without a loaded contact has no steady motion")
+        raise ValueError("every ball needs a loaded contact: without one it has no steady motion")
     contacts = contacts_of(scene, choices)
     balance = balance_of(scene, contacts)
     y = start_of(scene) if near is None else near.friction.motions
@@ -420,7 +423,7 @@ def _result(
 
 
 def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
-    """Copy of a scene whose balls cannot touch each other.
+    """Return a copy of a scene whose balls cannot touch each other.
 
     Parameters
     ----------
@@ -431,7 +434,7 @@ def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
 
 
 def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
-    """Semi-axes of a contact along and across the groove [m].
+    """Compute the Hertzian semi-axes of a contact along and across the groove [m].
 
     Parameters
     ----------
@@ -461,7 +464,7 @@ def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[floa
 
 @dataclass(frozen=True)
 class RigidResult:
-    """Steady rolling of N rigid balls."""
+    """Steady rolling of N rigid balls: motions, forces and losses."""
 
     #: Speeds of the balls along the track ``(N,)``.
     speed: Array
@@ -478,12 +481,12 @@ class RigidResult:
 
     @property
     def loss(self) -> float:
-        """All losses of friction [W]."""
+        """All friction losses, at grooves and between balls [W]."""
         return float(self.contact_loss.sum() + self.ball_loss.sum())
 
 
 def quadrature(points: int) -> tuple[Array, Array]:
-    """Quadrature of the unit disk; midpoints in angles that end at its edge.
+    """Build a quadrature rule of the unit disk, by midpoints in angles.
 
     Parameters
     ----------
@@ -558,13 +561,13 @@ def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies
     return contacts
 
 
-#: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
+#: Largest distance from the zone's centre at which the kernel of finite bodies is valid, over the zone's half length.
 REACH = 1.2
 
 
 @dataclass(frozen=True)
 class TransientResult:
-    """Run in time of N balls with M ball-to-ball contacts, T steps."""
+    """Rolling from rest of N balls with M ball-to-ball contacts, in T time steps."""
 
     #: Ends of the steps ``(T,)`` [s].
     time: Array
@@ -595,9 +598,10 @@ class TransientResult:
 
 @dataclass(frozen=True)
 class _Carried:
-    """A contact without its history.
+    """Contact without its history.
 
-    Displacements per force over the step: now (``present``), and where the material was before (``before``).
+    Tangential displacements per force over the step: at the present place of the material (``present``), and at its place
+    before the step (``before``).
     """
 
     contact: Contact
@@ -605,14 +609,14 @@ class _Carried:
     before: Array
 
     def at(self, forces: Array) -> Contact:
-        """Add the history of ``forces`` (2 n,) [N] to the contact."""
+        """Add the history to the contact: the displacements by the last step's ``forces`` (2 n,) [N]."""
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
 def run_from_rest(
     scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
 ) -> TransientResult:
-    """Run balls from rest in equal steps.
+    """Compute the motion of balls from rest, in equal time steps.
 
     Parameters
     ----------
@@ -639,7 +643,7 @@ def run_from_rest(
         of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
-        raise ValueError("need a duration > 0, at least one step and no negative gap")
+        raise ValueError("the duration must be > 0, the number of steps at least 1, and the gap not negative")
     return _run(scene, duration / steps, steps, gap, choices or Choices())
 
 
@@ -674,7 +678,7 @@ def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
+                "a time step moves material in from beyond the zone of finite bodies: use shorter steps, or half-spaces"
             )
         share = choices.elastic / dt
         out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))
@@ -689,7 +693,10 @@ def _row(
     y: Array,
     gaps: Array,
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
-    """Speeds, rotations, forces, gaps, loss, power put in and stored at the end of a step; forces: before and after it."""
+    """Collect speeds, rotations, forces, gaps, loss, power put in and power stored at the end of a time step.
+
+    forces: tangential contact forces before and after the step.
+    """
     old, new = forces
     speed, rotation, press = moving(scene, y)
     closing = sum(float(f) * float(m.rows[0] @ y[m.columns]) for f, m in zip(press, scene.meetings, strict=True))

@@ -1,16 +1,15 @@
 """Kernels of finite bodies (`hifi.rolling.patch`) from finite elements: ball and groove.
 
-On rings and helices both are patches of the static reference in pieces of their bodies; on straight tracks, which it does
-not have, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A kernel is the response of a body to smooth
-tractions on its contact zone, in all three directions, less that of a half-space whose zone has the same nodes: the
-effect of the grid on the singular part is in both.
+A kernel is the response of a body to smooth tractions on its contact zone, in all three directions, less that of a
+half-space whose zone has the same nodes. The effect of the grid on the singular part is contained in both, and cancels.
 
-Such a patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
-ring, nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one
-(`hifi.bodies.coarse.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
-(`hifi.rolling.contact_bodies.Zone`).
+For rings and helices the bodies are patches of the static reference in pieces of their bodies. For straight tracks, which
+the static reference does not have, they are a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A patch is
+meshed by `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring, nut
+or ball cut as in `hifi.condensation`. Patch and piece are solved together (`hifi.bodies.coarse.piece_compliance`). The
+cells of the contact zone are those of the other bodies of rolling (`hifi.rolling.contact_bodies.Zone`).
 
-A body is free, its loads balanced by a rigid field of body forces, or fixed at its boundary "held"; the cut of a
+A body is free, with its loads balanced by a rigid field of body forces, or fixed at its boundary "held". The cut of a
 half-space's block moves by Boussinesq's and Cerruti's point forces.
 """
 
@@ -67,7 +66,7 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 @dataclass(frozen=True)
 class Curve:
-    """Path of the balls' centres."""
+    """Path of the balls' centres: helix or ring."""
 
     #: Radius of its cylinder [m].
     radius: float
@@ -77,7 +76,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Cut:
-    """A patch in a piece of its body."""
+    """Patch of groove or ball, with the piece of its body around it."""
 
     #: The patch.
     patch: PatchMesh
@@ -94,7 +93,7 @@ class Cut:
 
 
 def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool) -> tuple[Cut, Cut]:
-    """Cut groove and ball out around one contact.
+    """Mesh pieces of groove and ball around one contact, with their fine patches.
 
     Parameters
     ----------
@@ -157,7 +156,7 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
 
 
 def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
-    """Map the geometry of a track whose grooves are all alike, as the static reference has it.
+    """Describe the geometry of a track whose grooves are all alike, as the static reference does.
 
     Parameters
     ----------
@@ -181,7 +180,7 @@ def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> Groove
 
 
 def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
-    """Element boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
+    """Compute the cell boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
     along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
     local = (zone.half[1] / width, zone.half[0] / along)
@@ -191,9 +190,9 @@ def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Patch
 
 
 def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
-    """Compute the normal from ball to groove, and rows along the groove and across it towards its bottom.
+    """Compute the normal from ball to groove, and the directions along the groove and across it towards its bottom.
 
-    Right-handed with the normal, at the contact point.
+    They are right-handed with the normal, at the contact point.
     """
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
@@ -207,7 +206,7 @@ def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
 
 
 def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
-    """Places of the contact's nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
+    """Number the contact nodes of a patch along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
     assert patch.contact_shape is not None  # a grid
     places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
     at = (patch.points[patch.contact] - centre) @ axes.T
@@ -218,7 +217,9 @@ def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
 
 
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
-    """Displacements of the half-space z > 0 under unit forces along x on its surface; infinite at a force.
+    """Compute the displacements of the half-space z > 0 under unit forces along x on its surface, by Cerruti.
+
+    Infinite at a force.
 
     Parameters
     ----------
@@ -260,7 +261,7 @@ def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Arra
 
 @dataclass(frozen=True)
 class Frame:
-    """Contact axes in the mesh of a body."""
+    """Axes of the contact in the mesh of a body."""
 
     #: Point on the normal through the contact's centre ``(3,)`` [m].
     centre: Array = field(default_factory=lambda: np.zeros(3))
@@ -269,16 +270,17 @@ class Frame:
 
 
 def in_frame(body: ContactBody, frame: Frame) -> Array:
-    """Nodes of the contact zone along x and y ``(c, 2)`` [m]."""
+    """Return the coordinates of the contact zone's nodes along x and y ``(c, 2)`` [m]."""
     return np.asarray(((points_of(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
 
 
 def tractions(
     body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: Frame | None = None
 ) -> sp.csr_array:
-    """Compute nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
+    """Compute the nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
-    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area.
+    Their work on a motion equals the coefficient of each monomial in the motion, fitted by least squares over the zone's
+    area.
 
     Parameters
     ----------
@@ -317,7 +319,7 @@ def tractions(
 
 
 def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response of a free body, loads balanced and motions without rigid parts.
+    """Compute the response of a free body: loads are balanced by body forces, and rigid motions are removed.
 
     Parameters
     ----------
@@ -343,20 +345,20 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
 
 
 def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
-    """Response ``(m, m)`` [m/N] of a body with the degrees of freedom ``held`` fixed."""
+    """Compute the response ``(m, m)`` [m/N] of a body to the loads ``rows``, with the degrees of freedom ``held`` fixed."""
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     return compliance(K[free][:, free], rows.tocsr()[:, free])
 
 
 def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as of the free body's."""
+    """Compute the response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as in `free_response`."""
     return _held(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
 def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response of a block of a half-space, its cut faces in the motion of the half-space.
+    """Compute the response of a block of a half-space whose cut faces move as in the half-space.
 
-    As in `hifi.contact.block`; arguments as of the free body's.
+    The method is that of `hifi.contact.block`; arguments as in `free_response`.
 
     Returns
     -------
@@ -371,7 +373,7 @@ def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poi
 
 
 def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Motion ``(3 cut nodes, m)`` [m/N] of the cut under the loads ``rows`` on the zone's nodes."""
+    """Compute the motion ``(3 cut nodes, m)`` [m/N] of the cut faces under the loads ``rows`` on the zone's nodes."""
     points = points_of(body.mesh)
     cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]
     shear = 0.5 * young / (1.0 + poisson)
@@ -394,10 +396,10 @@ def matched_half_space(
     frame: Frame | None = None,
     near: tuple[Array, Array, Array] | None = None,
 ) -> Array:
-    """Response of a half-space whose zone has its nodes where the body's are, seen along the normal.
+    """Compute the response of a half-space whose contact zone has its nodes where the body's are, seen along the normal.
 
-    A zone that is wider by a share e responds to a linear traction by 2 e to 3 e less: the effect of its shape is then in
-    both responses, as far as the half-space has it.
+    A zone that is wider by a fraction e responds to a linear traction by 2 e to 3 e less. With equal nodes this effect is
+    in both responses, and cancels in their difference.
 
     Parameters
     ----------
@@ -436,7 +438,7 @@ def matched_half_space(
 @keyed
 @dataclass(frozen=True)
 class Sizes:
-    """Numerical choices of the kernels."""
+    """Numerical choices for the kernels of finite bodies."""
 
     #: Cells of the contact zone along and across.
     cells: tuple[int, int] = usual((4, 4))
@@ -465,7 +467,7 @@ MOST = 32
 
 
 def cached_result(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function to cache its results by its hashed arguments."""
+    """Decorate a function so that its results are cached by its arguments."""
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:
@@ -502,7 +504,7 @@ def ball_kernel(
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
-    """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past it."""
+    """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past the bar."""
     body = grooved_bar(groove, size, zone)
     answer = fixed_response(body, tractions(body, zone, degree, bends), young, poisson)
     return of_groove(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
@@ -559,7 +561,7 @@ def patch_kernels(
 
 
 def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
-    """Kernel of a groove: forces on it and its motion along tangents count with the opposite sign.
+    """Convert the response of a groove to a kernel: forces on it and its tangential motion change sign.
 
     Parameters
     ----------
@@ -586,7 +588,7 @@ STEP = 0.1
 
 @dataclass(frozen=True)
 class Place:
-    """Contact of a ball with a groove."""
+    """Position of a ball's contact on a groove: radii, angle and path."""
 
     #: Radius of the ball [m].
     ball: float
@@ -599,7 +601,7 @@ class Place:
 
     @property
     def arc(self) -> float:
-        """Radius of the groove [m]."""
+        """Radius of the groove's arc [m]."""
         return 1.0 / (1.0 / self.ball - 1.0 / self.radii[1])
 
     @property
@@ -614,7 +616,7 @@ class Place:
         return one, two
 
     def zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> Zone:
-        """Contact zone under a load.
+        """Compute the size of the contact zone under a load.
 
         Parameters
         ----------
@@ -637,7 +639,7 @@ class Place:
 
 
 def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
-    """List the calls for the kernels whose sum is a contact's: ball and bar, or both patches at once."""
+    """List the calls that compute the kernels whose sum is a contact's: ball and bar, or both patches at once."""
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
         curve, radii = Curve(*at.curve), (at.ball, at.arc)
@@ -655,14 +657,14 @@ def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) 
 
 
 def _shared(at: Place, load: float) -> tuple[Place, float]:
-    """Return rounded place and load [N], whose kernel is reused for all similar contacts."""
+    """Round the position and the load [N] of a contact, so that all similar contacts share one kernel."""
     return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 
 def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
     """Compute the kernel that ball and groove of a contact add to half-spaces.
 
-    y towards the bottom of the groove, x right-handed with it and the normal. Other contacts of the ball are not
+    y points towards the bottom of the groove, x is right-handed with y and the normal. Other contacts of the ball are not
     included.
 
     Parameters
@@ -694,9 +696,9 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
 def make_kernels(
     contacts: Iterable[tuple[Place, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
-    """Compute the kernels of contacts in several processes.
+    """Compute the kernels of several contacts in several processes, and cache them.
 
-    With one process, or one missing kernel, nothing is computed before it is needed.
+    With one process, or one missing kernel, no kernel is computed before it is needed.
 
     Parameters
     ----------
@@ -733,7 +735,7 @@ def make_kernels(
 
 
 def _anew(call: partial[Any]) -> tuple[Any, float]:
-    """Run a call whose result this process does not cache; returns it and the processor time [s]."""
+    """Run a call without caching its result in this process; return the result and the processor time [s]."""
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 

@@ -1,8 +1,8 @@
 """Bodies around one contact as tensor grids of hexahedra: a whole ball, a grooved bar, and a block of a half-space.
 
-Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's centre is the
-origin. The cells of the contact zone are the same in all three, so that the effect of the grid on a contact's local
-response cancels.
+Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's centre is the origin.
+The cells of the contact zone are equal in all three bodies, so that the effect of the grid on a contact's local response
+cancels.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rollbench.meshes.fem import moved, named, points_of, tensor_grid
 
 @dataclass(frozen=True)
 class Zone:
-    """Contact zone."""
+    """Rectangular contact zone with its cells."""
 
     #: Half lengths along x and y [m].
     half: tuple[float, float]
@@ -55,18 +55,21 @@ class Zone:
         return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
 
     def number(self, at: Array) -> Index:
-        """Grid indices of the zone's nodes that are nearest to points ``(n, 2)`` [m], from zero ``(n, 2)``."""
+        """Find the grid indices ``(n, 2)``, from zero, of the zone's nodes that are nearest to points ``(n, 2)`` [m]."""
         cells = np.array(self.cells)
         return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
     def depths(self, deep: float) -> Array:
-        """Cell boundaries from the surface to a depth [m], the first as large as the zone's smaller ones."""
+        """Return cell boundaries from the surface to a depth [m]; the first cell is as large as the zone's smaller ones."""
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
         return np.concatenate([[0.0, first], _beyond(first, deep, first, self.growth)])
 
 
 def _beyond(start: float, end: float, step: float, growth: float) -> Array:
-    """Boundaries after ``start`` to ``end``: cells grow from ``step`` by ``growth``; all but the last for any end."""
+    """Return the boundaries after ``start`` up to ``end`` of cells that grow from ``step`` by the ratio ``growth``.
+
+    The last cell ends at ``end``; the others do not depend on it.
+    """
     out, width = [start], step * growth
     while out[-1] + 1.5 * width < end:
         out.append(out[-1] + width)
@@ -76,7 +79,10 @@ def _beyond(start: float, end: float, step: float, growth: float) -> Array:
 
 @dataclass(frozen=True)
 class ContactBody:
-    """Mesh of a body with boundaries "contact" (the zone) and "held" (where it is fixed or cut off; a ball has none)."""
+    """Mesh of a body with named boundaries "contact" (the contact zone) and "held" (where it is fixed or cut off).
+
+    A ball has no boundary "held".
+    """
 
     #: The mesh.
     mesh: Mesh
@@ -91,7 +97,10 @@ class ContactBody:
 def _body(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
-    """Move the nodes of a tensor grid to ``points``; held: (axis, value) of the grid's faces that are fixed."""
+    """Move the nodes of a tensor grid to ``points``, and name its boundaries.
+
+    held: (axis, value) of the grid's faces that are fixed.
+    """
     flat = tensor_grid(x, y, z, "Q2")
     xi = points_of(flat)
     mesh = moved(flat, points)
@@ -110,7 +119,7 @@ def _body(
 
 
 def whole_ball(radius: float, zone: Zone) -> ContactBody:
-    """Mesh a free ball of ``radius`` [m]: a cube whose faces are mapped onto the sphere.
+    """Mesh a free ball of ``radius`` [m] as a cube whose faces are mapped onto the sphere.
 
     Parameters
     ----------
@@ -141,7 +150,7 @@ def whole_ball(radius: float, zone: Zone) -> ContactBody:
 
 @dataclass(frozen=True)
 class Groove:
-    """A groove of two arcs."""
+    """Cross-section of a groove of two arcs (gothic arch), and its curvature along the track."""
 
     #: Radius of the ball [m].
     ball: float
@@ -155,7 +164,10 @@ class Groove:
     bend: float
 
     def surface(self, theta: Array) -> Array:
-        """Distance [m] of the groove's surface from the ball's centre, ``theta`` [rad] from the contact to the bottom."""
+        """Compute the distance [m] of the groove's surface from the ball's centre at angles ``theta`` [rad].
+
+        theta counts from the contact to the bottom of the groove.
+        """
         c = self.arc - self.ball
         cos = np.cos(np.where(theta > self.angle, 2.0 * self.angle - theta, theta))
         return np.asarray(-c * cos + np.sqrt(c**2 * cos**2 + self.arc**2 - c**2))
@@ -164,8 +176,8 @@ class Groove:
 def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     """Mesh a bar around a groove, straight or bent into a ring.
 
-    Round outside, where it is fixed, and as long to both sides of the contact; lands beside the groove, its other flank
-    and its ends are free.
+    It is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove, its
+    other flank and the ends of the bar are free.
 
     Parameters
     ----------
@@ -200,7 +212,7 @@ def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
 
 
 def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
-    """Carry points of the section y, z by x [m] along the track: straight, or around the axis of its ring."""
+    """Map points x, y, z of a straight bar to one along the track, which may be bent into a ring; x [m]: path along it."""
     if groove.bend == 0.0:
         return np.column_stack([x, y, z])
     down = np.array([np.sin(groove.angle), np.cos(groove.angle)])  # to the bottom of the groove, in the section
@@ -209,7 +221,7 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     depth = np.column_stack([y, z + groove.ball]) @ down
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
-        raise ValueError("a bar is thicker than its ring: make it smaller")
+        raise ValueError("the bar is thicker than its ring: decrease the bar's size")
     middle = pitch + outward * groove.ball * np.cos(groove.angle)
     turn = x / middle
     lost = outward * radius * (1.0 - np.cos(turn))  # towards the axis
@@ -217,7 +229,7 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
 
 
 def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
-    """Mesh a block of a half-space.
+    """Mesh a rectangular block of a half-space.
 
     Parameters
     ----------
@@ -246,5 +258,5 @@ def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None 
 
 
 def _on(lines: Array, size: float, growth: float) -> Array:
-    """Boundaries after the last of ``lines`` to ``size`` [m]."""
+    """Continue cell boundaries ``lines`` up to ``size`` [m], growing by the ratio ``growth``."""
     return _beyond(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)

@@ -41,7 +41,7 @@ LOST = 1e4
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact of n cells as the friction solver needs it."""
+    """Contact of n cells as the friction solver needs it."""
 
     #: Largest tangential force g ``(n,)`` [N].
     bound: Array
@@ -55,17 +55,17 @@ class Contact:
     given: Array
 
     def slip(self, q: Array, y: Array) -> Array:
-        """Slip ``(2 n,)`` [m/s] of body 1 past body 2."""
+        """Compute the slip ``(2 n,)`` [m/s] of body 1 past body 2 by tangential forces q [N] and motions y."""
         return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
 
     def rigid_slip(self, y: Array) -> Array:
-        """Slip ``(2 n,)`` [m/s] of the bodies without their elasticity."""
+        """Compute the slip ``(2 n,)`` [m/s] of the bodies by the motions y, without elasticity."""
         return np.asarray(self.motion @ y[self.columns] + self.given)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Solution of (1) and (2)."""
+    """Solution of the friction laws (1) in all contacts and of the equilibrium (2)."""
 
     #: Tangential forces q of every contact ``(2 n,)`` [N].
     forces: list[Array]
@@ -84,17 +84,17 @@ class Friction:
 
     @property
     def converged(self) -> bool:
-        """Whether (1) and (2) are satisfied."""
+        """Whether the equations (1) and (2) are satisfied."""
         return self.status == "converged"
 
 
 def no_balance(y: Array) -> tuple[Array, Array]:
-    """Balance f of prescribed motions, which are no unknowns: zero."""
+    """Return zero balance f and a unit derivative, for motions y that are prescribed and not solved for."""
     return np.zeros(y.size), np.eye(y.size)
 
 
 def _pair(v: Array) -> Array:
-    """Values ``(n, 2)`` of a vector ``(2 n,)``."""
+    """Rearrange a vector ``(2 n,)``, all x first, into rows ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
@@ -103,7 +103,7 @@ def _flat(v: Array) -> Array:
 
 
 def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
-    """Friction forces against a slip, smoothed by a creeping speed.
+    """Compute friction forces opposite to a slip, smoothed by a creeping speed.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
 
 
 def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
-    """Residual, and dq for the smoothed law, without the elasticity if not ``elastic``."""
+    """Compute the residual, and dq by the smoothed law; the elasticity is left out unless ``elastic``."""
     s = _pair(c.slip(q, y) if elastic else c.rigid_slip(y))
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
     left = q + _flat((c.bound / size)[:, None] * s)
@@ -152,7 +152,10 @@ def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[
 
 
 def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
-    """Residual, and dq for (1); one unknown for each slipping cell, two for each that sticks; grip ``(n,)``: r."""
+    """Compute the residual, and dq by Coulomb's law (1) without smoothing; grip ``(n,)``: the parameter r of each cell.
+
+    There is one unknown for each slipping cell, and two for each cell that sticks.
+    """
     n = c.bound.size
     s = c.slip(q, y)
     pull = _pair(q) - grip[:, None] * _pair(s)  # q - r s; (1) is q = P(q - r s)
@@ -168,7 +171,7 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     held = np.flatnonzero(stick)
 
     def free_rows(A: Array) -> Array:
-        """Of a matrix (2 n, k): along ``across`` of slipping cells, then x and y of those that stick."""
+        """Select rows of a matrix (2 n, k): along ``across`` for slipping cells, then x and y for cells that stick."""
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
     MR = free_rows(c.elastic)
@@ -196,7 +199,7 @@ class _System:
     balance: Balance
 
     def step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
-        """Newton's dq of every contact and dy."""
+        """Compute Newton's dq of every contact and dy."""
         f, S = self.balance(y)
         f, S = f.copy(), S.copy()
         for c, force, (_, first, by_y) in zip(self.contacts, q, parts, strict=True):
@@ -206,7 +209,7 @@ class _System:
         return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced(self, q: list[Array], y: Array) -> Array:
-        """Evaluate the left side of (2)."""
+        """Evaluate the left side of the equilibrium (2)."""
         f = self.balance(y)[0].copy()
         for c, force in zip(self.contacts, q, strict=True):
             f[c.columns] += c.motion.T @ force
@@ -214,7 +217,7 @@ class _System:
 
 
 def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: bool) -> tuple[list[Array], Array]:
-    """Newton's method at one creeping speed, damped where the residual would grow."""
+    """Run Newton's method at one creeping speed, damped where the residual would grow."""
     scale = max(float(c.bound.max()) for c in system.contacts)
 
     def size(q: list[Array], y: Array) -> float:
@@ -245,7 +248,7 @@ def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Arra
 
 
 def _settle(system: _System, q: list[Array], y: Array) -> Friction:
-    """Newton's method on (1) and (2) without smoothing."""
+    """Run Newton's method on (1) and (2) without smoothing."""
     grips = [_grip(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
@@ -272,7 +275,7 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
 
 
 def _grip(c: Contact) -> Array:
-    """Parameter r of each cell ``(n,)`` [N s/m]: a share of its stiffness."""
+    """Choose the parameter r of each cell ``(n,)`` [N s/m]: a fraction of its stiffness over speed."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
@@ -280,7 +283,7 @@ def _grip(c: Contact) -> Array:
 def solve_rigid(
     contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
-    """Find the motions of rigid bodies that balance friction.
+    """Find the motions of rigid bodies at which the friction of all contacts is in equilibrium.
 
     Parameters
     ----------
@@ -298,7 +301,7 @@ def solve_rigid(
     y : Array
         Motions.
     remainder : float
-        Change of slip by the last ten times in creeping speed, over the largest slip: what smoothing leaves.
+        Error left by smoothing: change of slip by the last tenfold decrease of the creeping speed, over the largest slip.
 
     Raises
     ------
@@ -313,7 +316,7 @@ def solve_rigid(
         forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
-        raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
+        raise ValueError(f"the rigid bodies are not in equilibrium: the unbalanced force is {left:.1e} of the friction")
     slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
     return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
 
@@ -325,10 +328,10 @@ def solve_friction(
     q: list[Array] | None = None,
     path: tuple[float, ...] = PATH,
 ) -> Friction:
-    """Solve (1) and (2): tangential forces, slips and motions of contacts.
+    """Solve (1) and (2) for the tangential forces, slips and motions of several contacts.
 
-    Where the exact law does not converge from the start, the smoothed one leads there. Failure is data: see
-    `Friction.status`.
+    If the exact law does not converge from the starting values, the smoothed one provides better ones. `Friction.status`
+    tells whether the solution converged.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""One contact on a grid of rectangles: its place, normal forces, and displacements under tangential forces.
+"""Contact on a grid of rectangular cells: positions, normal forces, and displacements under tangential forces.
 
 Local axes: x against the flow of material through the contact (the leading edge is at largest x), y across, and the
 normal from body 1 (the ball) into body 2 (the groove). A patch of n cells has tangential unknowns (n, 2) along x and y,
 as vectors of length 2 n with all x first. Forces are those on body 1.
 
-The contribution of finite bodies is a smooth kernel in polynomials. The displacement at x by a force at x' on a finite
-body is the half-space's, singular where they meet, plus a part that varies slowly over a contact,
+The contribution of finite bodies is a smooth polynomial kernel. The displacement at x by a force at x' on a finite body is
+the half-space's, singular at x = x', plus a part that varies slowly over a contact,
 
     G(x, x') = G_half(x, x') + Phi(x) M Phi(x')^T,
 
@@ -26,7 +26,7 @@ from rollbench.meshes.arrays import Array, Index
 
 
 def exponents(degree: int) -> Array:
-    """Powers of x and y of all monomials up to a degree.
+    """List the powers of x and y in all monomials up to a degree.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def exponents(degree: int) -> Array:
 
 
 def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
-    """Values of all monomials up to a degree.
+    """Evaluate all monomials in x and y up to a degree.
 
     Parameters
     ----------
@@ -79,21 +79,21 @@ class Regular:
     degree: int
 
     def __add__(self, other: Regular) -> Regular:
-        """Sum of two bodies. Raises ValueError for other monomials."""
+        """Add the kernels of two bodies. Raises ValueError if their monomials differ."""
         if (self.scale, self.degree) != (other.scale, other.degree):
             raise ValueError("kernels of two bodies need the same monomials")
         return replace(self, M=self.M + other.M)
 
     @cached_property
     def turned(self) -> Regular:
-        """Kernel in axes turned by 180 degrees about the normal."""
+        """Kernel in axes turned by 180 degrees about the contact normal."""
         odd = (-1.0) ** exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
     def even(self) -> Regular:
-        """Mean of kernel and its mirror image in x: for bodies without a sense of rolling."""
+        """Mean of the kernel and its mirror image in x, for bodies that are symmetric in the rolling direction."""
         odd = (-1.0) ** exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
@@ -103,7 +103,7 @@ class Regular:
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
     def block(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
-        """Displacements by unit forces.
+        """Compute the displacements by unit forces, for some of the three directions.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class Regular:
         return np.asarray(left @ self._part(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Differentiate `block` along x [1/N]."""
+        """Compute the derivative along x of the displacements by unit forces (`block`) [1/N]."""
         powers = exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.scale)
@@ -143,13 +143,13 @@ TANGENTS, NORMAL = slice(0, 2), slice(2, 3)
 #: Width of a grid over that of Hertz's ellipse.
 MARGIN = 1.08
 
-#: Step of the differences along the flow, in cells; a whole one sees the same place in every cell and is less exact.
+#: Step of the differences along the flow, in cells; a whole cell samples the same place in every cell and is less exact.
 STEP = 0.5
 
-#: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is taken.
+#: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is evaluated.
 POINTS = 12
 
-#: Most changes of the active set.
+#: Largest number of changes of the active set.
 MOST = 100
 
 
@@ -157,15 +157,15 @@ MOST = 100
 
 
 def _over_rectangle(corner: Array) -> Array:
-    """Double integral over a rectangle from a double antiderivative's values (2, 2, ...) at its corners.
+    """Evaluate a double integral over a rectangle from a double antiderivative's values (2, 2, ...) at its corners.
 
-    Summed so that places on opposite sides have the same value to the last digit.
+    The sum is ordered so that places on opposite sides have the same value to the last digit.
     """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
 
 def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
-    """Coordinates (2, 2, ...) of the points x, y seen from the corners of a rectangle about the origin."""
+    """Return the coordinates (2, 2, ...) of the points x, y relative to the corners of a rectangle about the origin."""
     ends = np.array([0.5, -0.5])
     X = np.broadcast_to(x + dx * ends.reshape(2, 1, *([1] * np.ndim(x))), (2, 2, *np.shape(x)))
     Y = np.broadcast_to(y + dy * ends.reshape(1, 2, *([1] * np.ndim(y))), (2, 2, *np.shape(y)))
@@ -173,16 +173,16 @@ def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
 
 
 def _log_sum(x: Array, y: Array) -> Array:
-    """Antiderivative x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
+    """Evaluate x ln(y + R) up to a function of x only, without cancellation for y < 0; its limit is 0 at x = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
 
 def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
-    """Relative displacement of the surfaces of two like bodies by unit tractions on a rectangle.
+    """Compute the relative displacement of the surfaces of two equal half-spaces by unit tractions on a rectangle.
 
-    Boussinesq's and Cerruti's point forces, integrated exactly. Bodies of one material: normal tractions separate the
-    surfaces along the normal only, and tangential ones displace them along tangents only.
+    Boussinesq's and Cerruti's point forces are integrated exactly. As both bodies are of one material, normal tractions
+    separate the surfaces along the normal only, and tangential ones displace them along tangents only.
 
     Parameters
     ----------
@@ -226,9 +226,10 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
 
 
 def _table(cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0) -> Array:
-    """Displacements by a cell's unit forces at all offsets of a grid of w by h cells, ``shift`` [m] upstream.
+    """Tabulate the displacements by a cell's unit forces at all offsets of a grid of w by h cells.
 
-    ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; each force is spread evenly over its cell.
+    The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; ``shift``: distance upstream [m]. Each force is
+    uniform over its cell.
     """
     span = np.ptp(cells, axis=0)
     dx, dy = size
@@ -237,7 +238,7 @@ def _table(cells: Index, size: Array, material: tuple[float, float], directions:
 
 
 def _matrix(cells: Index, table: Array) -> Array:
-    """Values ``(k n, k n)`` of a table of all offsets at those of ``cells`` ``(n, 2)``, directions slowest."""
+    """Expand a table of all offsets to the matrix ``(k n, k n)`` between n cells ``(n, 2)``, directions slowest."""
     span, n, k = np.ptp(cells, axis=0), len(cells), table.shape[-1]
     line = cells @ (2 * span[1] + 1, 1)
     apart = line[:, None] - line + ((2 * span[1] + 1) * span[0] + span[1])
@@ -250,7 +251,7 @@ def _matrix(cells: Index, table: Array) -> Array:
 def press(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
-    """Solve normal contact on a grid by a primal-dual active set; open cells carry exactly nothing.
+    """Solve the normal contact on a grid by a primal-dual active set; open cells carry exactly zero force.
 
     Parameters
     ----------
@@ -293,7 +294,7 @@ def press(
         if np.array_equal(closed, active):
             return forces, approach
         active = closed
-    raise ValueError(f"the contact's active set did not settle in {MOST} changes")
+    raise ValueError(f"the contact's active set did not converge in {MOST} changes")
 
 
 # --- a contact
@@ -301,7 +302,7 @@ def press(
 
 @dataclass(frozen=True)
 class Patch:
-    """A contact of n cells on a grid: pressure, material and tangential compliance."""
+    """Contact of two bodies on a grid of n cells: pressure, material and tangential compliance."""
 
     #: Columns and rows of the cells on a grid ``(n, 2)``.
     cells: Index
@@ -327,7 +328,7 @@ class Patch:
         return _table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
-        """Compliance under tangential forces, each uniform over its cell.
+        """Compute the compliance under tangential forces, each uniform over its cell.
 
         Parameters
         ----------
@@ -344,9 +345,9 @@ class Patch:
 
     @property
     def strain(self) -> Array:
-        """Rate ``(2 n,)`` of tangential displacement by the normal forces, per length of rolling.
+        """Tangential displacement rate ``(2 n,)`` that the normal forces cause, per length of rolling.
 
-        Zero for half-spaces of the same material.
+        It is zero for half-spaces of the same material.
         """
         if self.regular is None:
             return np.zeros(2 * len(self.at))
@@ -356,15 +357,15 @@ class Patch:
     def sunk(self) -> float:
         """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
 
-        0 with half-spaces, whose radius of rolling is the ball's.
+        It is 0 for half-spaces, where the rolling radius is the ball's.
         """
         return 0.0 if self.regular is None else 0.5 * self.approach
 
     @cached_property
     def transport(self) -> Array:
-        """Rate D ``(2 n, 2 n)`` [1/N] of the elastic displacement of material at the cells' centres, per length of rolling.
+        """Rate D ``(2 n, 2 n)`` [1/N] of the elastic displacement of material passing the cells, per length of rolling.
 
-        Backward differences of second order, upstream by `STEP` cells: displacements are known everywhere, so that
+        D is a backward difference of second order, upstream by `STEP` cells. Displacements are known everywhere, so that
         nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
         """
         step = STEP * float(self.size[0])
@@ -374,7 +375,7 @@ class Patch:
         return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
 
     def scaled(self, length: float, force: float) -> Patch:
-        """Patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies.
+        """Scale a contact to a similar one, with lengths and normal forces multiplied. Raises ValueError for finite bodies.
 
         Parameters
         ----------
@@ -400,13 +401,13 @@ class Patch:
 
 
 def _backward(values: list[Array], step: float) -> Array:
-    """Second-order backward difference per length of values here and one and two steps [m] upstream."""
+    """Compute the second-order backward difference per length from values here and one and two steps [m] upstream."""
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
 def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
-    """Cells of a grid about the origin.
+    """Create a grid of cells about the origin.
 
     Parameters
     ----------
@@ -435,9 +436,9 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 def seen_radii(
     load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
 ) -> tuple[float, float]:
-    """Relative radii of half-spaces that touch as finite bodies do.
+    """Compute the relative radii of half-spaces whose contact is equivalent to that of finite bodies.
 
-    By the curvatures of the displacement that finite bodies add under Hertz's pressure.
+    They follow from the curvatures of the displacement that finite bodies add under Hertz's pressure.
 
     Parameters
     ----------
@@ -481,9 +482,9 @@ def hertz_patch(
     regular: Regular | None = None,
     margin: float = MARGIN,
 ) -> Patch:
-    """Contact of two bodies of one material on a grid.
+    """Solve the contact of two bodies of one material on a grid.
 
-    The pressure solves the contact on the grid: cells outside its edge are dropped.
+    The pressure solves the contact problem of the grid; cells outside the contact are dropped.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Scenes of a linear bearing, a ball screw and a ring for `hifi.rolling.balls`, and their contact loads.
 
-The order of a ball's grooves and the senses of their directions are the caller's: contact angles and directions are
-given, loads are solved here or given.
+The caller chooses the order of a ball's grooves and the sense of their directions. Contact angles and directions are
+prescribed; contact loads are prescribed or solved here.
 
 Contact forces between two rigid bodies with Hertz contacts, with rolling or without: each ball moves in the section of
 its track, the inner body (screw, inner ring, carriage) by its free motions u, the outer one is fixed. The arc of groove i
@@ -9,8 +9,8 @@ has its centre at d_i from the ball's: with the ball displaced by p and the inne
 
     d_i = reach n_i + p - (rows u on the inner body's grooves),   approach_i = |d_i| - reach + interference_i,
 
-and the forces C_i^(-3/2) approach_i^(3/2) along d_i balance the given ones where the energy sum 2/5 C_i^(-3/2)
-approach_i^(5/2) - pull u - push p is least. Angles follow the loads.
+and the forces C_i^(-3/2) approach_i^(3/2) along d_i are in equilibrium with the applied ones where the energy sum 2/5
+C_i^(-3/2) approach_i^(5/2) - pull u - push p is least. Contact angles follow the loads.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from rollbench.meshes.numerics import brentq
 
 @dataclass(frozen=True)
 class Layout:
-    """Places of N balls and their k grooves each."""
+    """Positions of N balls and their k grooves each."""
 
     #: Track, seen from every ball.
     track: Track
@@ -54,7 +54,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic material and coefficients of friction."""
+    """Elastic material of balls and grooves, and coefficients of friction."""
 
     #: Young's modulus [Pa].
     young: float
@@ -67,7 +67,7 @@ class Material:
 
 
 def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -> Rolling:
-    """Scene of given contact directions and loads.
+    """Create a scene of rolling balls from contact directions and loads.
 
     Parameters
     ----------
@@ -105,13 +105,13 @@ def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -
 
 
 def _bottom(normals: Array, ride: Array, k: int) -> Array:
-    """Direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
+    """Return the direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
     bottom = normals[ride == ride[k]].sum(axis=0)
     return np.asarray(bottom / np.linalg.norm(bottom))
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:
-    """Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
+    """Compute the Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)], for the approach C F^(2/3).
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
 def linear_layout(
     radius: float, groove_radius: float, count: int, moving: ArrayLike, speed: float, touch: ArrayLike
 ) -> Layout:
-    """Balls of a straight track along z, sections in x and y.
+    """Place balls on a straight track along z, with sections in x and y.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def linear_layout(
 
 
 def along_radius(radius: float, pitch_radius: float, lead_angle: float, outward: float) -> float:
-    """Relative radius of ball and groove along a helix or ring.
+    """Compute the relative radius of curvature of ball and groove along a helix or ring.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def screw_layout(
     ride: Array,
     count: int,
 ) -> Layout:
-    """Balls in touch along a helix, in the axes x3, y3, z3 of Lin (2019), section 3.4.1.
+    """Place touching balls along a helix, in the axes x3, y3, z3 of Lin (2019), section 3.4.1.
 
     Parameters
     ----------
@@ -251,7 +251,7 @@ def screw_layout(
 
 
 def _frame(azimuth: float, angle: float) -> Array:
-    """Rows x3, y3, z3 in fixed axes (Lin 2019, eq. (3.62))."""
+    """Return the axes x3, y3, z3 of a ball as rows in fixed coordinates (Lin 2019, eq. (3.62))."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(angle), np.sin(angle)
     return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
 
@@ -259,7 +259,7 @@ def _frame(azimuth: float, angle: float) -> Array:
 def ring_layout(
     radius: float, groove_radius: float, pitch_radius: float, contact_angle: float, outward: Array, ride: Array
 ) -> Layout:
-    """One ball of a ring bearing: x along its axis, y radially outward, z along the path (Lin 2019, section 3.2.1).
+    """Place one ball in a ring bearing: x along its axis, y radially outward, z along the path (Lin 2019, section 3.2.1).
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Loads:
-    """Static equilibrium of a cell."""
+    """Static equilibrium of the balls and the inner body of a `Cell`."""
 
     #: Contact forces ``(N, k)`` [N].
     force: Array
@@ -330,12 +330,12 @@ class Loads:
 
     @property
     def converged(self) -> bool:
-        """Whether the forces balance."""
+        """Whether the forces are in equilibrium."""
         return self.left <= BALANCED
 
 
 def cell_loads(cell: Cell) -> Loads:
-    """Solve the static equilibrium of a cell; one without equilibrium does not converge.
+    """Solve the static equilibrium of balls and inner body; if there is none, the result has not converged.
 
     Parameters
     ----------
@@ -379,7 +379,7 @@ def cell_loads(cell: Cell) -> Loads:
 
 
 def _contacts(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
-    """Compute forces [N], directions, and lengths of d [m] at places x."""
+    """Compute contact forces [N], their directions, and the lengths of d [m] at positions x of balls and inner body."""
     N = cell.normals.shape[0]
     p, u = x[: 2 * N].reshape(N, 2), x[2 * N :]
     body = cell.rows @ u + cell.offset if u.size else cell.offset
@@ -390,7 +390,7 @@ def _contacts(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
 
 
 def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
-    """Energy, gradient and Hessian at places x."""
+    """Compute energy, gradient and Hessian at positions x of balls and inner body."""
     N, m = cell.normals.shape[0], cell.pull.size
     force, n, length = _contacts(cell, x)
     approach = cell.C * np.cbrt(force) ** 2
@@ -414,7 +414,7 @@ def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
 # --- loads and rolling together: friction and neighbours push the balls across the track, which changes the contact loads
 
 
-#: Difference of the force that friction exerts and the one that the loads are for, over the largest load, that is none.
+#: Accepted difference between the friction force and the one assumed for the loads, over the largest load.
 AGREED = 1e-7
 
 #: Search by Anderson's acceleration of the alternation of loads and friction.
@@ -425,7 +425,7 @@ COARSE = (10, 10)
 
 
 def hold(cell: Cell, loads: Loads) -> Cell:
-    """Copy of a cell with its inner body fixed at its equilibrium.
+    """Return a copy of a static problem with the inner body fixed at its equilibrium.
 
     Parameters
     ----------
@@ -444,10 +444,10 @@ def hold(cell: Cell, loads: Loads) -> Cell:
 
 
 def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool) -> tuple[Loads, bool]:
-    """Solve contact loads and rolling together, friction moving the balls across the track.
+    """Solve contact loads and rolling together, with friction that moves the balls across the track.
 
-    The inner body stays at its equilibrium without friction. The force of friction across the track is found by
-    Anderson's acceleration, first on a coarse grid.
+    The inner body stays at its equilibrium without friction. The force of friction across the track is found by Anderson's
+    acceleration, first on a coarse grid.
 
     Parameters
     ----------

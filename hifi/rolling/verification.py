@@ -1,7 +1,8 @@
-"""Rolling and sliding contacts with known solutions, solved on grids: verification of the method.
+"""Verification of the rolling model by contacts with known solutions, solved on grids.
 
-The static reference's pressure, Carter's cylinder and Cattaneo and Mindlin's sphere in closed form, balls that touch as a
-point, Kalker's linear theory, full slip under Hertz's pressure by fine quadrature, and any contact under given creepages.
+The known solutions are the static reference's pressure, Carter's cylinder and Cattaneo and Mindlin's sphere in closed form,
+balls that touch at a point, Kalker's linear theory, full slip under Hertz's pressure by fine quadrature, and contacts under
+prescribed creepages.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ MEANS = 200
 
 @dataclass(frozen=True)
 class Creep:
-    """Creepages: rigid slip over the rolling speed."""
+    """Creepages of a rolling contact: rigid slip over the rolling speed."""
 
     #: Component along the rolling direction.
     along: float
@@ -51,7 +52,7 @@ class Creep:
     spin: float
 
     def slip(self, at: Array) -> Array:
-        """Rigid slip over the rolling speed ``(2 n,)`` at ``(n, 2)`` [m].
+        """Compute the rigid slip over the rolling speed ``(2 n,)`` at points ``(n, 2)`` [m].
 
         Examples
         --------
@@ -63,7 +64,7 @@ class Creep:
 
 @dataclass(frozen=True)
 class Answer:
-    """A contact that rolls at 1 m/s."""
+    """Solution of a contact that rolls steadily at 1 m/s."""
 
     #: Force on body 1 along and across ``(2,)`` [N].
     force: Array
@@ -80,7 +81,7 @@ class Answer:
 
 
 def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
-    """Solve a contact whose bodies' rigid slip is given.
+    """Solve the friction of a contact for a prescribed rigid slip of its bodies.
 
     Parameters
     ----------
@@ -105,7 +106,7 @@ def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[
 
 
 def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answer:
-    """Solve steady rolling at 1 m/s under given creepages.
+    """Solve steady rolling at 1 m/s under prescribed creepages.
 
     Parameters
     ----------
@@ -127,10 +128,10 @@ def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answe
 
 
 def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
-    """Solve steady rolling at 1 m/s, discretised as in Kalker's CONTACT.
+    """Solve steady rolling at 1 m/s, discretised as in Kalker's program CONTACT.
 
-    First-order differences over a whole cell, the spin's slip taken a sixth of a cell upstream (its `set_tang_rhs`,
-    `influe_cv_csv`). Arguments as of `steady`.
+    First-order differences over a whole cell, with the slip by spin taken a sixth of a cell upstream (`set_tang_rhs`,
+    `influe_cv_csv` in CONTACT). The arguments are those of `steady`.
 
     Parameters
     ----------
@@ -160,7 +161,7 @@ def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
 
 @dataclass(frozen=True)
 class Onset:
-    """One moment of a contact that begins to roll."""
+    """State of a contact after one step, as it begins to roll under a tangential force."""
 
     #: Shift along x before it rolls [m], then creepage.
     motion: float
@@ -171,9 +172,9 @@ class Onset:
 
 
 def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
-    """Push a contact along x and then roll it under that force: from Cattaneo's state to Carter's.
+    """Push a contact along x and then roll it under the same force: from Cattaneo's state to Carter's.
 
-    After the push, in steps of one cell, as CONTACT's example takes them.
+    After the push, each step rolls by one cell, as in CONTACT's example.
 
     Parameters
     ----------
@@ -217,10 +218,11 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
 
 
 def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
-    """Compute the standard deviations along x and y of the distribution bound - abs(force).
+    """Compute the standard deviations along x and y of the distribution bound - abs(force) over a contact.
 
-    It is zero where cells slip, and tractions are uniform over a cell: so the zone that sticks is measured without
-    counting its cells. Its error falls in second order to a scatter of 0.1 % on 20 to 40 cells, that of a count in first.
+    The distribution is zero where cells slip, and tractions are uniform over a cell. So the deviations measure the size of
+    the stick zone without counting its cells. Their error falls in second order, to a scatter of 0.1 % on 20 to 40 cells;
+    that of a count falls in first order.
 
     Parameters
     ----------
@@ -246,7 +248,7 @@ def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
 
 @dataclass(frozen=True)
 class Pressed:
-    """A contact at rest."""
+    """Normal contact at rest: approach, semi-axes and largest pressure."""
 
     #: Approach [m].
     approach: float
@@ -257,7 +259,7 @@ class Pressed:
 
 
 def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes) -> Pressed:
-    """Solve the normal contact of finite bodies as the rolling model has it.
+    """Solve the normal contact of finite bodies as in the rolling model.
 
     Parameters
     ----------
@@ -285,7 +287,7 @@ def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[i
 
 
 def static_reference(at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]) -> Pressed:
-    """Solve the normal contact as the static reference has it: finite-element patches of groove and ball, on the exact gap.
+    """Solve a normal contact as in the static reference: finite-element patches of groove and ball, on the exact gap.
 
     Parameters
     ----------
@@ -326,11 +328,11 @@ def static_reference(at: Place, load: float, young: float, poisson: float, cells
 
 
 def carter(cells: int, share: float) -> tuple[Array, Array]:
-    """Compare two like cylinders that roll under a tangential force with Carter's formula.
+    """Compare two equal cylinders that roll under a tangential force with Carter's formula.
 
-    Creep mu a/R (1 - sqrt(1 - Q/(mu P))), stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading edge. nu =
-    0.3; plane strain. The width is that of the half ellipse which mu p - q is over the strip: twice its standard
-    deviation.
+    The creep is mu a/R (1 - sqrt(1 - Q/(mu P))); cells stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading
+    edge. nu = 0.3; plane strain. mu p - q has the shape of half an ellipse over this strip, so that the width is twice its
+    standard deviation.
 
     Parameters
     ----------
@@ -370,11 +372,11 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
 
 
 def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
-    """Compare a sphere that is pressed onto a like one and pushed sideways with Cattaneo's and Mindlin's solution.
+    """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
-    Stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with nu = 0:
-    exact, as no traction across the push is left out. The radius is that of the half ellipsoid which mu p - abs(q) is
-    over the circle: sqrt(5) times its standard deviation along an axis.
+    Stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with nu = 0, for
+    which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of half an
+    ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
 
     Parameters
     ----------
@@ -417,7 +419,7 @@ def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array
 
 
 def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    """Compute the kernel that two like balls of ``radius`` [m] add to half-spaces; ``semi``: radius of the contact [m]."""
+    """Compute the kernel that two equal balls of ``radius`` [m] add to half-spaces; ``semi``: radius of the contact [m]."""
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
     return ball + of_groove(ball.M, zone, sizes.degree)
@@ -429,9 +431,9 @@ def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: S
 def rubbing(
     scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
-    """Compare the friction between two balls over their contact with that at a point: force and loss.
+    """Compare the friction between two touching balls over their contact area with that at a point: force and loss.
 
-    All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
+    The whole contact slides, so that tractions are mu p against the local sliding, whatever the elasticity.
 
     Parameters
     ----------
@@ -481,7 +483,7 @@ def rubbing(
 
 
 def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
-    """Compare mean displacements over a zone of a half-space by uniform tractions with the closed form.
+    """Compare mean displacements over a zone of a half-space, by uniform tractions, with the closed form.
 
     Parameters
     ----------
@@ -513,9 +515,10 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
 
 
 def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear moduli 1 Pa.
+    """Create the cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear modulus 1 Pa.
 
-    The cells are stretched so that their area is the ellipse's, which corrects the contact's size for its staircase edge.
+    The cells are stretched so that their area equals the ellipse's, which corrects the contact's size for its staircase
+    edge.
     """
     semi = np.array([np.sqrt(ratio), 1.0 / np.sqrt(ratio)])
     size = 2.0 * semi / np.array(shape)
@@ -527,10 +530,10 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
 
 
 def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
-    """Coefficients of Kalker's linear theory, in which all of the contact sticks.
+    """Compute the coefficients of Kalker's linear theory, in which the whole contact sticks.
 
-    Solved on the cells with y > 0: longitudinal creep makes tractions along x that are even in y and tractions across
-    that are odd, lateral creep and spin the opposite.
+    Only the cells with y > 0 are solved: longitudinal creep causes tractions along x that are even in y and tractions
+    across that are odd, lateral creep and spin the opposite.
 
     Parameters
     ----------
@@ -573,7 +576,7 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
 def slip_everywhere(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
-    """Force and moment under Hertz's pressure if all of the contact slips as rigid bodies would.
+    """Compute force and moment under Hertz's pressure if the whole contact slips like rigid bodies.
 
     Parameters
     ----------
@@ -607,9 +610,9 @@ def slip_everywhere(
 
 
 def slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
-    """Compute the force and moment of full slip under a grid's pressures, by 20 midpoints along each axis of every cell.
+    """Compute force and moment of full slip under a grid's pressures, by 20 midpoints along each axis of every cell.
 
-    The rotation of the slip about its pole is resolved, only the staircase edge remains.
+    This resolves the rotation of the slip about its pole; only the error of the staircase edge remains.
 
     Parameters
     ----------
@@ -635,6 +638,6 @@ def slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, flo
 
 
 def _resultant(at: Array, forces: Array) -> tuple[Array, float]:
-    """Sum ``(2,)`` [N] and moment about the normal [N m] of forces ``(2 n,)`` at ``(n, 2)``."""
+    """Sum forces ``(2 n,)`` at points ``(n, 2)``: resultant ``(2,)`` [N] and moment about the normal [N m]."""
     x, y = forces.reshape(2, -1)
     return np.array([x.sum(), y.sum()]), float(at[:, 0] @ y - at[:, 1] @ x)
