@@ -34,7 +34,14 @@ from rollbench.hifi.elements.forms import contact_weights, elasticity, mean_weig
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
-from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, half_space, whole_ball
+from rollbench.hifi.rolling.contact_bodies import (
+    ContactBody,
+    Groove,
+    Zone,
+    mesh_grooved_bar,
+    mesh_half_space,
+    mesh_whole_ball,
+)
 from rollbench.hifi.rolling.patch import Regular, monomials
 from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
@@ -75,7 +82,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Cut:
+class ContactPiece:
     """Patch of groove or ball, with the piece of its body around it."""
 
     #: The patch.
@@ -92,7 +99,9 @@ class Cut:
     number: Index
 
 
-def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool) -> tuple[Cut, Cut]:
+def mesh_contact_pieces(
+    curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
+) -> tuple[ContactPiece, ContactPiece]:
     """Mesh pieces of groove and ball around one contact, with their fine patches.
 
     Parameters
@@ -127,7 +136,7 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     need = (zone.half[1], zone.half[0])
     size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
     size = replace(size, cuts=CUTS)
-    lines, local = _lines(m, size, side, zone)
+    lines, local = _patch_lines_and_zone(m, size, side, zone)
     half = max(reach(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
@@ -137,7 +146,7 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     sphere = build_ball(m, (ball_socket,), near, away, CUTS)
     grooved = build_patch(lines, local, partial(local_points, m, size, side), body.sockets[side])
     round_ = build_patch(lines, local, place, sphere.sockets[side])
-    normal, axes = _axes(m, side)
+    normal, axes = _contact_normal_and_axes(m, side)
     x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
     out = []
     for patch, piece, centre, inward, depth in (
@@ -150,8 +159,8 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
         ),
         (round_, BodyPiece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
     ):
-        number = _number(patch, axes, centre)
-        out.append(Cut(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
+        number = _grid_numbers(patch, axes, centre)
+        out.append(ContactPiece(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
     return out[0], out[1]
 
 
@@ -179,7 +188,7 @@ def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> Groove
     return GrooveMap(curve.radius, curve.rise, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1)
 
 
-def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
+def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
     """Compute the cell boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
     along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
@@ -189,7 +198,7 @@ def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Patch
     return PatchLines(across, growing_boundaries(0.0, 1.0, first / zone.growth, zone.growth), forth), local
 
 
-def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
+def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     """Compute the normal from ball to groove, and the directions along the groove and across it towards its bottom.
 
     They are right-handed with the normal, at the contact point.
@@ -205,8 +214,8 @@ def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     return normal, sign * np.stack([along, across])
 
 
-def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
-    """Number the contact nodes of a patch along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
+def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
+    """Return the numbers of a patch's contact nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
     assert patch.contact_shape is not None  # a grid
     places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
     at = (patch.points[patch.contact] - centre) @ axes.T
@@ -260,7 +269,7 @@ def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Arra
 
 
 @dataclass(frozen=True)
-class Frame:
+class ContactAxes:
     """Axes of the contact in the mesh of a body."""
 
     #: Point on the normal through the contact's centre ``(3,)`` [m].
@@ -269,13 +278,13 @@ class Frame:
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
-def in_frame(body: ContactBody, frame: Frame) -> Array:
+def zone_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
     """Return the coordinates of the contact zone's nodes along x and y ``(c, 2)`` [m]."""
     return np.asarray(((points_of(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
 
 
-def tractions(
-    body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: Frame | None = None
+def traction_loads(
+    body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: ContactAxes | None = None
 ) -> sp.csr_array:
     """Compute the nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
@@ -300,8 +309,8 @@ def tractions(
     (3 k, 3 n) sparse array
         Loads, directions slowest.
     """
-    frame = frame or Frame()
-    at = in_frame(body, frame)
+    frame = frame or ContactAxes()
+    at = zone_coordinates(body, frame)
     c = len(at)
     hats = contact_weights(body.mesh, body.contact)
     root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
@@ -339,12 +348,12 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     """
     K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    F = _held(K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
+    F = _response_with_fixed(K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
 
-def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
+def _response_with_fixed(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
     """Compute the response ``(m, m)`` [m/N] of a body to the loads ``rows``, with the degrees of freedom ``held`` fixed."""
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     return compliance(K[free][:, free], rows.tocsr()[:, free])
@@ -352,7 +361,7 @@ def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
 
 def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as in `free_response`."""
-    return _held(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
+    return _response_with_fixed(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
 def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
@@ -366,13 +375,13 @@ def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poi
         [m/N].
     """
     K, cut = forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
-    by_cut = sp.csr_array(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
-    F, m = _held(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
+    by_cut = sp.csr_array(-(K[cut].T @ _far_field_at_cut(body, rows, young, poisson)).T)
+    F, m = _response_with_fixed(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
 
-def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def _far_field_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the motion ``(3 cut nodes, m)`` [m/N] of the cut faces under the loads ``rows`` on the zone's nodes."""
     points = points_of(body.mesh)
     cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]
@@ -393,7 +402,7 @@ def matched_half_space(
     young: float,
     poisson: float,
     degree: int,
-    frame: Frame | None = None,
+    frame: ContactAxes | None = None,
     near: tuple[Array, Array, Array] | None = None,
 ) -> Array:
     """Compute the response of a half-space whose contact zone has its nodes where the body's are, seen along the normal.
@@ -418,21 +427,23 @@ def matched_half_space(
     frame : Frame | None, default None
         Contact axes in the body's mesh.
     near : tuple[Array, Array, Array] | None, default None
-        Cell boundaries, as for `hifi.rolling.contact_bodies.half_space`.
+        Cell boundaries, as for `hifi.rolling.contact_bodies.mesh_half_space`.
 
     Returns
     -------
     (3 k, 3 k) Array
         [m/N].
     """
-    block = half_space(size, zone, near)
+    block = mesh_half_space(size, zone, near)
     cells = np.array(zone.cells)
     off = np.zeros((*(2 * cells + 1), 2))
-    off[tuple(body.number.T)] = in_frame(body, frame or Frame()) - np.array(zone.half) * (body.number / cells - 1.0)
+    off[tuple(body.number.T)] = zone_coordinates(body, frame or ContactAxes()) - np.array(zone.half) * (
+        body.number / cells - 1.0
+    )
     points = points_of(block.mesh).copy()
     points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
     block = replace(block, mesh=moved(block.mesh, points))
-    return half_space_response(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
+    return half_space_response(block, traction_loads(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
 @keyed
@@ -471,20 +482,20 @@ def cached_result(make: Callable[P, T]) -> Callable[P, T]:
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:
-        key = _key(partial(make, *arguments, **named))
+        key = _call_key(partial(make, *arguments, **named))
         if key not in _KEPT:
-            _keep(key, make(*arguments, **named))
+            _store_result(key, make(*arguments, **named))
         value: T = _KEPT[key]
         return value
 
     return cached
 
 
-def _key(call: partial[Any]) -> tuple[object, ...]:
+def _call_key(call: partial[Any]) -> tuple[object, ...]:
     return call.func.__name__, call.args, *call.keywords.items()
 
 
-def _keep(key: tuple[object, ...], value: Any) -> None:
+def _store_result(key: tuple[object, ...], value: Any) -> None:
     _KEPT[key] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
@@ -495,8 +506,8 @@ def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
     """Compute the kernel that a whole ball of ``radius`` [m] adds to a half-space."""
-    body = whole_ball(radius, zone)
-    answer = free_response(body, tractions(body, zone, degree, bends), young, poisson)
+    body = mesh_whole_ball(radius, zone)
+    answer = free_response(body, traction_loads(body, zone, degree, bends), young, poisson)
     return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
@@ -505,9 +516,9 @@ def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
     """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past the bar."""
-    body = grooved_bar(groove, size, zone)
-    answer = fixed_response(body, tractions(body, zone, degree, bends), young, poisson)
-    return of_groove(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    body = mesh_grooved_bar(groove, size, zone)
+    answer = fixed_response(body, traction_loads(body, zone, degree, bends), young, poisson)
+    return groove_kernel(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @cached_result
@@ -552,15 +563,15 @@ def patch_kernels(
         The kernels.
     """
     kernels = []
-    for cut, sense in zip(cuts_of(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
+    for cut, sense in zip(mesh_contact_pieces(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
-        frame = Frame(cut.centre, cut.axes)
-        matrix = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
+        frame = ContactAxes(cut.centre, cut.axes)
+        matrix = piece_compliance(cut.piece, cut.patch, traction_loads(body, zone, degree, bends, frame), young, poisson)
         kernels.append(matrix - matched_half_space(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return of_groove(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
+    return groove_kernel(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
 
 
-def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
+def groove_kernel(added: Array, zone: Zone, degree: int) -> Regular:
     """Convert the response of a groove to a kernel: forces on it and its tangential motion change sign.
 
     Parameters
@@ -638,7 +649,7 @@ class Place:
         return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
-def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+def _kernel_calls(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
     """List the calls that compute the kernels whose sum is a contact's: ball and bar, or both patches at once."""
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
@@ -649,14 +660,14 @@ def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -
 
 
 @lru_cache(maxsize=8)
-def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    kernels = [call() for call in _parts(at, load, young, poisson, sizes)]
+def _summed_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+    kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
     kernel: Regular = first + second
     return kernel if len(kernels) == 1 else kernel.even
 
 
-def _shared(at: Place, load: float) -> tuple[Place, float]:
+def _rounded_for_sharing(at: Place, load: float) -> tuple[Place, float]:
     """Round the position and the load [N] of a contact, so that all similar contacts share one kernel."""
     return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
@@ -690,7 +701,7 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
     ValueError
         Groove, ring or nut have no room for the zone, the bar or a socket.
     """
-    return _kernel(*_shared(at, load), young, poisson, sizes)
+    return _summed_kernel(*_rounded_for_sharing(at, load), young, poisson, sizes)
 
 
 def make_kernels(
@@ -723,18 +734,20 @@ def make_kernels(
     ValueError
         As `contact_kernel`.
     """
-    calls = [call for at, load in contacts for call in _parts(*_shared(at, load), young, poisson, sizes)]
-    missing = {key: call for call in calls if (key := _key(call)) not in _KEPT}
+    calls = [
+        call for at, load in contacts for call in _kernel_calls(*_rounded_for_sharing(at, load), young, poisson, sizes)
+    ]
+    missing = {key: call for call in calls if (key := _call_key(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Job("kernels", _anew, (call,), tuple) for call in missing.values()]
+    jobs = [Job("kernels", _compute_uncached, (call,), tuple) for call in missing.values()]
     results = compute_records(jobs, Cache(None), processes)
     for key, result in zip(missing, results, strict=True):
-        _keep(key, result.value[0])
+        _store_result(key, result.value[0])
     return float(sum(result.value[1] for result in results))
 
 
-def _anew(call: partial[Any]) -> tuple[Any, float]:
+def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
     """Run a call without caching its result in this process; return the result and the processor time [s]."""
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
@@ -742,5 +755,5 @@ def _anew(call: partial[Any]) -> tuple[Any, float]:
 
 def forget_kernels() -> None:
     """Clear the cache of kernels."""
-    _kernel.cache_clear()
+    _summed_kernel.cache_clear()
     _KEPT.clear()

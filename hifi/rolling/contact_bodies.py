@@ -52,7 +52,13 @@ class Zone:
             raise ValueError(f"a contact zone of {half:.3g} m does not fit between {low:.3g} and {high:.3g} m")
         core = np.linspace(-half, half, self.cells[axis] + 1)
         step = float(core[1] - core[0])
-        return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
+        return np.concatenate(
+            [
+                -_growing_boundaries_to_end(half, -low, step, self.growth)[::-1],
+                core,
+                _growing_boundaries_to_end(half, high, step, self.growth),
+            ]
+        )
 
     def number(self, at: Array) -> Index:
         """Find the grid indices ``(n, 2)``, from zero, of the zone's nodes that are nearest to points ``(n, 2)`` [m]."""
@@ -62,10 +68,10 @@ class Zone:
     def depths(self, deep: float) -> Array:
         """Return cell boundaries from the surface to a depth [m]; the first cell is as large as the zone's smaller ones."""
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
-        return np.concatenate([[0.0, first], _beyond(first, deep, first, self.growth)])
+        return np.concatenate([[0.0, first], _growing_boundaries_to_end(first, deep, first, self.growth)])
 
 
-def _beyond(start: float, end: float, step: float, growth: float) -> Array:
+def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
     """Return the boundaries after ``start`` up to ``end`` of cells that grow from ``step`` by the ratio ``growth``.
 
     The last cell ends at ``end``; the others do not depend on it.
@@ -94,7 +100,7 @@ class ContactBody:
     number: Index
 
 
-def _body(
+def _named_contact_body(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
     """Move the nodes of a tensor grid to ``points``, and name its boundaries.
@@ -118,7 +124,7 @@ def _body(
     return ContactBody(named(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
 
 
-def whole_ball(radius: float, zone: Zone) -> ContactBody:
+def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
     """Mesh a free ball of ``radius`` [m] as a cube whose faces are mapped onto the sphere.
 
     Parameters
@@ -145,7 +151,7 @@ def whole_ball(radius: float, zone: Zone) -> ContactBody:
         a, b = s[:, (k + 1) % 3], s[:, (k + 2) % 3]
         out[:, k] = radius * u[:, k] * np.sqrt(1.0 - 0.5 * a - 0.5 * b + a * b / 3.0)
     out[:, 2] = radius - out[:, 2]
-    return _body(zone, x, y, z, out, [], -1)
+    return _named_contact_body(zone, x, y, z, out, [], -1)
 
 
 @dataclass(frozen=True)
@@ -173,7 +179,7 @@ class Groove:
         return np.asarray(-c * cos + np.sqrt(c**2 * cos**2 + self.arc**2 - c**2))
 
 
-def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
+def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     """Mesh a bar around a groove, straight or bent into a ring.
 
     It is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove, its
@@ -208,10 +214,10 @@ def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     inner = groove.surface(theta)
     r = inner + (size - inner) * grid[:, 2] / (size - R)
     across, along = r * np.sin(theta), r * np.cos(theta) - R
-    return _body(zone, x, y, z, _bent(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1)
+    return _named_contact_body(zone, x, y, z, _bend_into_ring(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1)
 
 
-def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
+def _bend_into_ring(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     """Map points x, y, z of a straight bar to one along the track, which may be bent into a ring; x [m]: path along it."""
     if groove.bend == 0.0:
         return np.column_stack([x, y, z])
@@ -228,7 +234,7 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
 
 
-def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
+def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
     """Mesh a rectangular block of a half-space.
 
     Parameters
@@ -249,14 +255,20 @@ def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None 
         x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
     else:
         x, y = (
-            np.concatenate([-_on(-lines[::-1], size, zone.growth)[::-1], lines, _on(lines, size, zone.growth)])
+            np.concatenate(
+                [
+                    -_continued_boundaries(-lines[::-1], size, zone.growth)[::-1],
+                    lines,
+                    _continued_boundaries(lines, size, zone.growth),
+                ]
+            )
             for lines in near[:2]
         )
-        z = np.concatenate([near[2], _on(near[2], size, zone.growth)])
+        z = np.concatenate([near[2], _continued_boundaries(near[2], size, zone.growth)])
     cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
-    return _body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
+    return _named_contact_body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
 
 
-def _on(lines: Array, size: float, growth: float) -> Array:
+def _continued_boundaries(lines: Array, size: float, growth: float) -> Array:
     """Continue cell boundaries ``lines`` up to ``size`` [m], growing by the ratio ``growth``."""
-    return _beyond(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)
+    return _growing_boundaries_to_end(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)

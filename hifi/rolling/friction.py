@@ -88,17 +88,17 @@ class Friction:
         return self.status == "converged"
 
 
-def no_balance(y: Array) -> tuple[Array, Array]:
+def zero_balance(y: Array) -> tuple[Array, Array]:
     """Return zero balance f and a unit derivative, for motions y that are prescribed and not solved for."""
     return np.zeros(y.size), np.eye(y.size)
 
 
-def _pair(v: Array) -> Array:
+def _as_rows(v: Array) -> Array:
     """Rearrange a vector ``(2 n,)``, all x first, into rows ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
-def _flat(v: Array) -> Array:
+def _as_vector(v: Array) -> Array:
     return np.asarray(v.T.ravel())
 
 
@@ -124,19 +124,19 @@ def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
     >>> full_slip(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
     [-1.2, -1.6]
     """
-    s = _pair(slip)
+    s = _as_rows(slip)
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
-    return _flat(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
+    return _as_vector(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
 
 
 # --- one Newton step: forces dq = first + rest @ dy of every contact
 
 
-def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
+def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
     """Compute the residual, and dq by the smoothed law; the elasticity is left out unless ``elastic``."""
-    s = _pair(c.slip(q, y) if elastic else c.rigid_slip(y))
+    s = _as_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
-    left = q + _flat((c.bound / size)[:, None] * s)
+    left = q + _as_vector((c.bound / size)[:, None] * s)
     unit = s / size[:, None]
     D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
 
@@ -151,20 +151,20 @@ def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
-def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
+def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
     """Compute the residual, and dq by Coulomb's law (1) without smoothing; grip ``(n,)``: the parameter r of each cell.
 
     There is one unknown for each slipping cell, and two for each cell that sticks.
     """
     n = c.bound.size
     s = c.slip(q, y)
-    pull = _pair(q) - grip[:, None] * _pair(s)  # q - r s; (1) is q = P(q - r s)
+    pull = _as_rows(q) - grip[:, None] * _as_rows(s)  # q - r s; (1) is q = P(q - r s)
     size = np.linalg.norm(pull, axis=1)
     stick = size <= c.bound
     slip = np.flatnonzero(~stick)
     unit = pull[slip] / size[slip, None]
-    left = _pair(np.tile(grip / SOFT, 2) * s)
-    left[slip] = _pair(q)[slip] - c.bound[slip, None] * unit
+    left = _as_rows(np.tile(grip / SOFT, 2) * s)
+    left[slip] = _as_rows(q)[slip] - c.bound[slip, None] * unit
     known = np.zeros((n, 2))
     known[slip] = -np.sum(left[slip] * unit, axis=1)[:, None] * unit
     across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
@@ -178,7 +178,7 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     K = free_rows(MR.T).T  # the same of its columns
     share = c.bound[slip] / size[slip]
     weight = np.concatenate([share * grip[slip], np.ones(2 * held.size)])
-    right = np.column_stack([MR @ _flat(known), free_rows(c.motion)]) * -weight[:, None]
+    right = np.column_stack([MR @ _as_vector(known), free_rows(c.motion)]) * -weight[:, None]
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
@@ -187,14 +187,14 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     out[:, slip] = across.T[:, :, None] * solved[: slip.size]
     out[0, held], out[1, held] = solved[slip.size : slip.size + held.size], solved[slip.size + held.size :]
     flat = out.reshape(2 * n, -1)
-    return _flat(left), flat[:, 0] + _flat(known), flat[:, 1:]
+    return _as_vector(left), flat[:, 0] + _as_vector(known), flat[:, 1:]
 
 
 # --- all contacts together
 
 
 @dataclass
-class _System:
+class _FrictionSystem:
     contacts: Sequence[Contact]
     balance: Balance
 
@@ -216,17 +216,19 @@ class _System:
         return f
 
 
-def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: bool) -> tuple[list[Array], Array]:
+def _damped_newton(
+    system: _FrictionSystem, q: list[Array], y: Array, eps: float, *, elastic: bool
+) -> tuple[list[Array], Array]:
     """Run Newton's method at one creeping speed, damped where the residual would grow."""
     scale = max(float(c.bound.max()) for c in system.contacts)
 
     def size(q: list[Array], y: Array) -> float:
-        lefts = [_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        lefts = [_smoothed_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
 
     norm = size(q, y)
     for _ in range(STEPS):
-        parts = [_smooth(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        parts = [_smoothed_newton_terms(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         dq, dy = system.step(parts, q, y)
         t = 1.0
         for _ in range(12):
@@ -243,17 +245,17 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
     return q, y
 
 
-def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
+def _smoothed_residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
     return q - full_slip(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
 
 
-def _settle(system: _System, q: list[Array], y: Array) -> Friction:
+def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
     """Run Newton's method on (1) and (2) without smoothing."""
-    grips = [_grip(c) for c in system.contacts]
+    grips = [_projection_parameter(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
     for steps in range(1, MOST + 1):  # noqa: B007
-        parts = [_sharp(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
+        parts = [_exact_newton_terms(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
         residual = max(float(np.abs(p[0]).max()) for p in parts) / largest
         residual = max(residual, float(np.abs(system.unbalanced(q, y)).max(initial=0.0)) / largest)
         if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
@@ -267,20 +269,22 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
-    pulls = [np.linalg.norm(_pair(v) - g[:, None] * _pair(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)]
+    pulls = [
+        np.linalg.norm(_as_rows(v) - g[:, None] * _as_rows(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)
+    ]
     stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
     status = "converged" if good else f"not converged after {steps} steps (remainder {residual:.1e})"
     return Friction(q, slips, y, steps, status, residual, stick)
 
 
-def _grip(c: Contact) -> Array:
+def _projection_parameter(c: Contact) -> Array:
     """Choose the parameter r of each cell ``(n,)`` [N s/m]: a fraction of its stiffness over speed."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
 
-def solve_rigid(
+def solve_rigid_friction(
     contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
     """Find the motions of rigid bodies at which the friction of all contacts is in equilibrium.
@@ -308,12 +312,12 @@ def solve_rigid(
     ValueError
         The search ends out of balance.
     """
-    system = _System(contacts, balance)
+    system = _FrictionSystem(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
     for ratio in path:
         last = y
-        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
+        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(f"the rigid bodies are not in equilibrium: the unbalanced force is {left:.1e} of the friction")
@@ -323,7 +327,7 @@ def solve_rigid(
 
 def solve_friction(
     contacts: Sequence[Contact],
-    balance: Balance = no_balance,
+    balance: Balance = zero_balance,
     y: Array | None = None,
     q: list[Array] | None = None,
     path: tuple[float, ...] = PATH,
@@ -351,27 +355,27 @@ def solve_friction(
     Friction
         The solution.
     """
-    system = _System(contacts, balance)
+    system = _FrictionSystem(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
     if q is not None:
-        solution = _settle(system, [v.copy() for v in q], y)
+        solution = _newton_without_smoothing(system, [v.copy() for v in q], y)
         if solution.converged:
             return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
-        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
-    solution = _settle(system, forces, y)
+        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
+    solution = _newton_without_smoothing(system, forces, y)
     if solution.converged:
         return solution
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
-        forces, y = _descend(system, forces, y, ratio * speed, elastic=True)
+        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:
             continue
-        solution = _settle(system, [v.copy() for v in forces], y)
+        solution = _newton_without_smoothing(system, [v.copy() for v in forces], y)
         if solution.converged:
             return solution
     return solution

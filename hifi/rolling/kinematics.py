@@ -47,7 +47,7 @@ class Track:
         return np.asarray(self.forward + np.cross(self.axis, at))
 
 
-def motion_rows(track: Track, radius: float, at: Array) -> Array:
+def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
     """Compute the velocity of a ball's material at points, per unit of each of its motions (`MOTIONS`).
 
     Parameters
@@ -164,7 +164,7 @@ class Rolling:
     meetings: tuple[Meeting, ...] = ()
 
 
-def axes_of(touch: Touch, scene: Rolling) -> Array:
+def contact_axes(touch: Touch, scene: Rolling) -> Array:
     """Compute the local axes of a contact: x against the flow of material, y, and the normal.
 
     Parameters
@@ -194,7 +194,7 @@ def axes_of(touch: Touch, scene: Rolling) -> Array:
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
 
 
-def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
+def contact_surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
     """Compute points and tangents of a contact's surface.
 
     Parameters
@@ -217,7 +217,7 @@ def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: f
     tangents : (n, 2, 3) Array
         Unit tangents.
     """
-    axes = axes_of(touch, scene)
+    axes = contact_axes(touch, scene)
     bend = (1.0 / scene.radius - 0.5 / np.array(touch.radii)) * (1.0 if curved else 0.0)
     fall = 0.5 * (local**2 @ bend)
     points = (scene.radius - sunk) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
@@ -261,15 +261,15 @@ def rigid_contact(
     local : (n, 2) Array
         Their places, local x, y [m].
     curved, sunk : bool
-        As for `surface`.
+        As for `contact_surface`.
 
     Returns
     -------
     Contact
         The contact, for the friction solver.
     """
-    points, tangents = surface(touch, scene, local, curved=curved, sunk=sunk)
-    rows = np.einsum("nck,nkm->cnm", tangents, motion_rows(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
+    points, tangents = contact_surface(touch, scene, local, curved=curved, sunk=sunk)
+    rows = np.einsum("nck,nkm->cnm", tangents, velocity_matrix(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
     given = -touch.ride * np.einsum("nck,nk->cn", tangents, scene.track.field(points)).ravel()
     return Contact(scene.mu * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given)
 
@@ -288,7 +288,7 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
     patch : Patch
         The patch.
     curved : bool
-        As for `surface`.
+        As for `contact_surface`.
     elastic : float, default 1.0
         Share of the bodies' tangential compliance.
 
@@ -308,7 +308,7 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
 # surfaces: the whole contact, some hundredths of a radius wide, slides in one direction, and is represented by a point.
 
 
-def meeting(
+def ball_to_ball_contact(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
 ) -> Meeting:
     """Create the contact of two balls from their axes and the line between them.
@@ -340,13 +340,13 @@ def meeting(
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
         local = axes @ frame.T  # the three directions in the ball's axes
         at = sign * radius * local[0]
-        rows = local @ motion_rows(track, radius, at[None])[0]
+        rows = local @ velocity_matrix(track, radius, at[None])[0]
         parts.append(sign * rows)
     return Meeting(one, two, np.hstack(parts), axes, apart)
 
 
 @dataclass(frozen=True)
-class Together:
+class BallEquilibrium:
     """Equilibrium f of all balls of a scene, as in equation (2) of `hifi.rolling.friction`.
 
     The unknowns are the motions of all balls, then the force of each ball-to-ball contact [N].

@@ -11,7 +11,7 @@ the half-space's, singular at x = x', plus a part that varies slowly over a cont
 
 Phi the monomials of x and y for each of the three directions. Rows: displacement of the ball past the groove along x and
 y, and the separation along the normal; columns: forces on the ball along x and y, and normal force, as in
-`hifi.rolling.patch.influence`.
+`hifi.rolling.patch.rectangle_influence`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.meshes.arrays import Array, Index
 
 
-def exponents(degree: int) -> Array:
+def monomial_exponents(degree: int) -> Array:
     """List the powers of x and y in all monomials up to a degree.
 
     Parameters
@@ -40,7 +40,7 @@ def exponents(degree: int) -> Array:
 
     Examples
     --------
-    >>> exponents(1).tolist()
+    >>> monomial_exponents(1).tolist()
     [[0, 0], [1, 0], [0, 1]]
     """
     return np.array([(i, n - i) for n in range(degree + 1) for i in range(n, -1, -1)])
@@ -64,7 +64,7 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
         Values.
     """
     unit = at / np.array(scale)
-    return np.asarray(np.prod(unit[:, None] ** exponents(degree), axis=2))
+    return np.asarray(np.prod(unit[:, None] ** monomial_exponents(degree), axis=2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,14 +87,14 @@ class Regular:
     @cached_property
     def turned(self) -> Regular:
         """Kernel in axes turned by 180 degrees about the contact normal."""
-        odd = (-1.0) ** exponents(self.degree).sum(axis=1)
+        odd = (-1.0) ** monomial_exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
     def even(self) -> Regular:
         """Mean of the kernel and its mirror image in x, for bodies that are symmetric in the rolling direction."""
-        odd = (-1.0) ** exponents(self.degree)[:, 0]
+        odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
@@ -127,7 +127,7 @@ class Regular:
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
         """Compute the derivative along x of the displacements by unit forces (`block`) [1/N]."""
-        powers = exponents(self.degree)
+        powers = monomial_exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.scale)
         to = powers[:, 0] / self.scale[0] * np.prod(unit[:, None] ** lower, axis=2)
@@ -164,7 +164,7 @@ def _over_rectangle(corner: Array) -> Array:
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
 
-def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
+def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
     """Return the coordinates (2, 2, ...) of the points x, y relative to the corners of a rectangle about the origin."""
     ends = np.array([0.5, -0.5])
     X = np.broadcast_to(x + dx * ends.reshape(2, 1, *([1] * np.ndim(x))), (2, 2, *np.shape(x)))
@@ -178,7 +178,7 @@ def _log_sum(x: Array, y: Array) -> Array:
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
 
-def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
+def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
     """Compute the relative displacement of the surfaces of two equal half-spaces by unit tractions on a rectangle.
 
     Boussinesq's and Cerruti's point forces are integrated exactly. As both bodies are of one material, normal tractions
@@ -207,11 +207,11 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
 
     Examples
     --------
-    >>> square = influence(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
+    >>> square = rectangle_influence(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
     >>> f"{square * 210e9 / (2.0 * (1.0 - 0.3**2)) / 1e-4:.4f}"  # 8 ln(1 + sqrt 2) / pi
     '2.2444'
     """
-    X, Y = _corners(x, y, dx, dy)
+    X, Y = _corner_coordinates(x, y, dx, dy)
     R = np.hypot(X, Y)
     along_x, along_y = _log_sum(Y, X), _log_sum(X, Y)  # integrals of X^2/R^3 and Y^2/R^3
     over, shear = _over_rectangle, 0.5 * young / (1.0 + poisson)
@@ -225,7 +225,9 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
     return out
 
 
-def _table(cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0) -> Array:
+def _influence_table(
+    cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0
+) -> Array:
     """Tabulate the displacements by a cell's unit forces at all offsets of a grid of w by h cells.
 
     The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; ``shift``: distance upstream [m]. Each force is
@@ -234,10 +236,10 @@ def _table(cells: Index, size: Array, material: tuple[float, float], directions:
     span = np.ptp(cells, axis=0)
     dx, dy = size
     x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
-    return np.asarray(influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
+    return np.asarray(rectangle_influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
 
 
-def _matrix(cells: Index, table: Array) -> Array:
+def _matrix_from_table(cells: Index, table: Array) -> Array:
     """Expand a table of all offsets to the matrix ``(k n, k n)`` between n cells ``(n, 2)``, directions slowest."""
     span, n, k = np.ptp(cells, axis=0), len(cells), table.shape[-1]
     line = cells @ (2 * span[1] + 1, 1)
@@ -248,7 +250,7 @@ def _matrix(cells: Index, table: Array) -> Array:
     return out.reshape(k * n, k * n)
 
 
-def press(
+def solve_normal_contact(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
     """Solve the normal contact on a grid by a primal-dual active set; open cells carry exactly zero force.
@@ -280,7 +282,7 @@ def press(
     ValueError
         The active set does not settle.
     """
-    C = _matrix(cells, _table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
+    C = _matrix_from_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)
@@ -325,7 +327,7 @@ class Patch:
         return float(self.normal.sum())
 
     def _table(self, shift: float) -> Array:
-        return _table(self.cells, self.size, self.material, TANGENTS, shift)
+        return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
         """Compute the compliance under tangential forces, each uniform over its cell.
@@ -340,7 +342,7 @@ class Patch:
         (2 n, 2 n) Array
             Displacement of body 1 past body 2 [m/N].
         """
-        half_space = _matrix(self.cells, self._table(shift))
+        half_space = _matrix_from_table(self.cells, self._table(shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
 
     @property
@@ -369,10 +371,12 @@ class Patch:
         nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
         """
         step = STEP * float(self.size[0])
-        half_space = _matrix(self.cells, _backward([self._table(k * step) for k in range(3)], step))
+        half_space = _matrix_from_table(self.cells, _backward_difference([self._table(k * step) for k in range(3)], step))
         if self.regular is None:
             return half_space
-        return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
+        return half_space + _backward_difference(
+            [self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step
+        )
 
     def scaled(self, length: float, force: float) -> Patch:
         """Scale a contact to a similar one, with lengths and normal forces multiplied. Raises ValueError for finite bodies.
@@ -400,13 +404,13 @@ class Patch:
         return out
 
 
-def _backward(values: list[Array], step: float) -> Array:
+def _backward_difference(values: list[Array], step: float) -> Array:
     """Compute the second-order backward difference per length from values here and one and two steps [m] upstream."""
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
-def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
+def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     """Create a grid of cells about the origin.
 
     Parameters
@@ -425,7 +429,7 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 
     Examples
     --------
-    >>> grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
+    >>> cell_grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
     [[-0.5, 0.0], [0.5, 0.0]]
     """
     i, j = np.meshgrid(np.arange(shape[0]), np.arange(shape[1]), indexing="ij")
@@ -433,7 +437,7 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
 
 
-def seen_radii(
+def equivalent_radii(
     load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
 ) -> tuple[float, float]:
     """Compute the relative radii of half-spaces whose contact is equivalent to that of finite bodies.
@@ -513,11 +517,11 @@ def hertz_patch(
     ValueError
         As `hifi.contact.hertz.hertz`, or the active set does not settle.
     """
-    ellipse = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
+    ellipse = hertz(load, *equivalent_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
-    cells, at = grid(shape, size)
+    cells, at = cell_grid(shape, size)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
     extra = None if regular is None else regular.block(at, NORMAL, NORMAL)
-    forces, approach = press(cells, size, gap, load, (young, poisson), extra)
+    forces, approach = solve_normal_contact(cells, size, gap, load, (young, poisson), extra)
     inside = forces > 0.0
     return Patch(cells[inside], at[inside], size, forces[inside], (young, poisson), approach, regular)
