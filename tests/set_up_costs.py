@@ -125,7 +125,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     with pytest.MonkeyPatch.context() as put:
         put.setattr(condensation, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
         put.setattr(condensation, "local_compliance", watched)  # of groove and ball of one side after the other
-        put.setattr(setup, "_as_the_section", lambda *given: raw.append(given) or finished(*given))
+        put.setattr(setup, "_correct_screw_stiffness", lambda *given: raw.append(given) or finished(*given))
         base = setup.prepare(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).load
 
