@@ -188,7 +188,7 @@ def relative_radius_along(radius: float, pitch_radius: float, lead_angle: float,
 
     Examples
     --------
-    >>> round(1e3 * relative_radius_along(2.778e-3, 16.5e-3, 0.19057395, -np.cos(np.pi / 4)), 3)  # mm, screw of Lin's case 1
+    >>> round(1e3 * relative_radius_along(2.778e-3, 16.5e-3, 0.19057395, -np.cos(np.pi / 4)), 3)  # mm, Lin's case 1
     2.458
     """
     return float(1.0 / (1.0 / radius - outward * np.cos(lead_angle) ** 2 / (pitch_radius + outward * radius)))
