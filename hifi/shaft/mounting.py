@@ -159,7 +159,7 @@ def correct_beam_stiffness(
     rows : (c, k, 6) Array
         Rigid motions of every contact's modes, as for `beam_stretch`.
     stations : (c,) Array
-        Stations of the contacts [m].
+        Axial positions of the contacts [m].
     section : ShaftSection
         Stiffnesses of the shaft.
     cut : (6, 6) Array
@@ -436,9 +436,9 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
     Parameters
     ----------
     rows : (c, k, 6) Array
-        Rigid motions of every contact's modes about its station.
+        Rigid motions of every contact's modes about its axial position.
     stations : (c,) Array
-        Stations of the contacts [m].
+        Axial positions of the contacts [m].
     stretch : Stretch
         The 3D stretch.
     section : ShaftSection
