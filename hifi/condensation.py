@@ -147,7 +147,7 @@ def condense_side(
     ball = condense_patch(
         ball_mesh, -normals, *_elastic_constants(b), mesh_carrier_patch(sockets, sockets.ball, place, settings)
     )
-    if settings.element == "P1":  # the source's mesh is not changed
+    if settings.element == "P1":  # the mesh of Lin's thesis is not changed
         return SidePatches(groove, ball, groove.A + ball.A, None)
     fine = replace(sockets.size, cuts=settings.own_cuts)
 

@@ -212,7 +212,7 @@ def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     gap : (balls, n) Array
         Gaps [m].
 
@@ -235,7 +235,7 @@ def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     values : (balls, n, ...) Array
         Values at the nodes.
 
@@ -258,7 +258,7 @@ def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Arra
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     forces : (balls, n) Array
         Contact forces [N].
     directions : (balls, n, 3) Array
@@ -289,7 +289,7 @@ def vectors_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     drawn : Specimen
         Errors of its grooves.
 
@@ -321,7 +321,7 @@ def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.c
     Parameters
     ----------
     directions : Sequence[Array]
-        Normals ``(balls, n, 3)`` of every set.
+        Normals ``(balls, n, 3)`` of every nut or bearing.
     free_motions : (pairs, k) Array
         Motion of the grooves' nodes along their normals by the unconstrained rigid motions of shaft and housings.
 
@@ -340,7 +340,7 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     directions : (balls, n, 3) Array
         Normals.
     origin : float
@@ -380,7 +380,7 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     balls : (balls, 3) Array
         Motions of the ball centres [m].
     along : (balls, n) Array

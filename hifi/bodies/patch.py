@@ -1,6 +1,6 @@
 """A fine groove or ball patch, condensed once onto its socket and its contact normals.
 
-27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
+27-node hexahedra of a tensor grid, or first-order tetrahedra sized as in Lin's thesis.
 
 With the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by a
 pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H q,

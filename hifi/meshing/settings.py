@@ -221,12 +221,12 @@ def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
     Parameters
     ----------
     assembly : Assembly
-        The shaft with its sets.
+        The shaft with its nuts and bearings.
 
     Returns
     -------
     tuple[ExpectedContacts, ...]
-        Contacts of each set.
+        Contacts of each nut or bearing.
 
     Raises
     ------
