@@ -1,8 +1,9 @@
-"""Compliance of screw, nut and balls of the 3D reference under contact loads.
+"""Compliance of screw, nut and balls of the 3D reference under contact loads, by static condensation.
 
-Bodies are meshed with a socket at every contact and condensed to the modes of their patches, and so is the shaft beyond
-the 3D stretch of the screw. The local compliance of a contact is condensed once for each flank: the patches of its groove
-and its ball.
+Each body is meshed coarsely, with a socket (a pocket that a fine patch fills) at every contact, and condensed to the
+displacement modes of its patches. The stretch of the screw that is meshed in 3D is condensed to its end, supports and
+loads as well. The local compliance of a contact is condensed once for each flank, from the patches of its groove and
+its ball.
 """
 
 from __future__ import annotations
@@ -17,36 +18,36 @@ from skfem import Mesh, condense
 from skfem.models.poisson import mass
 
 from rollbench.hifi.bodies.coarse import (
-    Piece,
+    BodyPiece,
     Socket,
-    assemble,
+    assemble_body_stiffness,
+    assemble_mode_rows,
     coarse_compliance,
     end_transform,
     fine_compliance,
     free_transform,
-    freedoms,
-    isostatic,
+    freedoms_of_nodes,
+    isostatic_freedoms,
     local_compliance,
-    mode_rows,
-    of_order,
-    patch_modes,
+    mesh_of_order,
+    reduce_to_modes,
 )
-from rollbench.hifi.bodies.grid_wave import GridWave, grid_wave
+from rollbench.hifi.bodies.grid_wave import GridWave, tabulate_grid_wave
 from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
-from rollbench.hifi.elements.forms import cells
+from rollbench.hifi.elements.forms import cell_basis
 from rollbench.hifi.elements.rigid import rigid_modes, transport
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
     Sockets,
-    ball_place,
+    ball_socket_and_map,
     body_kind,
-    carrier_mesh,
-    patch_mesh,
+    contacts_on_body,
+    mesh_carrier_patch,
+    mesh_patch,
     patch_normals,
-    placed,
-    rotation,
-    sockets_of,
+    rotated_sockets,
+    rotation_about_z,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.mounting import Stretch
@@ -61,7 +62,7 @@ from rollbench.meshes.parts import Material, Nut, Scene
 from rollbench.meshes.sockets import SocketMesh, local_points, reach
 from rollbench.meshes.solid import Dimensions
 
-#: Length of a submodel beyond its socket, over the ball's radius: what the mesh of the coarse body has wrong has died out.
+#: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
 BEYOND = 1.5
 
 #: Turn by 180 degrees about the radius through a ball at azimuth 0: left flanks onto right ones.
@@ -72,7 +73,7 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 
 @dataclass(frozen=True)
 class SidePatches:
-    """Patches of groove and ball at one flank, with coinciding contact nodes; all balls share them."""
+    """Condensed patches of groove and ball at one flank, with coinciding contact nodes; all balls share them."""
 
     #: Patch of the groove.
     groove: CondensedPatch
@@ -81,12 +82,14 @@ class SidePatches:
     #: Local compliance of a contact of both, beyond the modes of the coarse bodies ``(c, c)`` [m/N]
     #: (`hifi.bodies.coarse`).
     local: Array
-    #: Correction for the contact's place on the grid; None: not corrected.
+    #: Correction of the gap for the contact's position on its mesh grid; None: no correction.
     wave: GridWave | None
 
 
-def side_of(scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings) -> SideArguments:
-    """Arguments of `condense_side` for a flank of a scene."""
+def condense_side_arguments(
+    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
+) -> SideArguments:
+    """Collect the arguments of `condense_side` for one flank (0 to 3) of a ball screw or bearing."""
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
     return m, side, radii, materials, meshes.sockets(side), settings
@@ -100,7 +103,7 @@ def condense_side(
     sockets: Sockets,
     settings: Settings,
 ) -> SidePatches:
-    """Condense the patches of groove and ball at one flank, and their local compliance.
+    """Condense the fine patches of groove and ball at one flank, and compute the local compliance of their contact.
 
     Parameters
     ----------
@@ -129,35 +132,41 @@ def condense_side(
         The contact nodes of both do not match, or a submodel cannot be meshed.
     """
     groove_place = partial(local_points, m, sockets.size, side)
-    ball_socket, place = ball_place(m, sockets.size, side, sockets.zone)
-    mesh = patch_mesh(sockets, sockets.groove, groove_place, settings)
-    ball_mesh = patch_mesh(sockets, sockets.ball, place, settings)
+    ball_socket, place = ball_socket_and_map(m, sockets.size, side, sockets.zone)
+    mesh = mesh_patch(sockets, sockets.groove, groove_place, settings)
+    ball_mesh = mesh_patch(sockets, sockets.ball, place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     ball_normals = patch_normals(ball_mesh, np.zeros(3))
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
     e, b = materials
-    groove = condense_patch(mesh, normals, *_constants(e), carrier_mesh(sockets, sockets.groove, groove_place, settings))
-    ball = condense_patch(ball_mesh, -normals, *_constants(b), carrier_mesh(sockets, sockets.ball, place, settings))
-    if settings.element == "P1":  # the source's mesh is not changed
+    groove = condense_patch(
+        mesh, normals, *_elastic_constants(e), mesh_carrier_patch(sockets, sockets.groove, groove_place, settings)
+    )
+    ball = condense_patch(
+        ball_mesh, -normals, *_elastic_constants(b), mesh_carrier_patch(sockets, sockets.ball, place, settings)
+    )
+    if settings.element == "P1":  # the mesh of Lin's thesis is not changed
         return SidePatches(groove, ball, groove.A + ball.A, None)
     fine = replace(sockets.size, cuts=settings.own_cuts)
 
-    def groove_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
+    def groove_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         size, sizes = (sockets.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
         half = max(reach(m, sockets.size, (side,))) + BEYOND * m.ball
         spec = BodySpec(
             *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
         )
         body: GroovedBody = build_body(m, spec)
-        return Piece(body.mesh, body.socket_nodes[0], rotation(m.phase), ("low end", "high end")), body.sockets[side]
+        return BodyPiece(body.mesh, body.socket_nodes[0], rotation_about_z(m.phase), ("low end", "high end")), body.sockets[
+            side
+        ]
 
-    def ball_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
+    def ball_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
         cuts = sockets.size.cuts if coarse else settings.own_cuts
         body = build_ball(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
-        return Piece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
+        return BodyPiece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
 
     local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
     for piece_of, points_at, condensed, along, material, modes in (
@@ -165,23 +174,23 @@ def condense_side(
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
-        C = fine_compliance(piece, patch_mesh(sockets, socket, points_at, settings), along, *_constants(material))
-        V, rows = patch_modes(condensed, modes)
+        C = fine_compliance(piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material))
+        V, rows = reduce_to_modes(condensed, modes)
 
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
-            return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
+            return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material))
 
         local += local_compliance(C, V, response)
         total += C
-    return SidePatches(groove, ball, local, grid_wave(m, side, groove, total, b))
+    return SidePatches(groove, ball, local, tabulate_grid_wave(m, side, groove, total, b))
 
 
-def _constants(material: Material) -> tuple[float, float]:
+def _elastic_constants(material: Material) -> tuple[float, float]:
     return material.youngs_modulus, material.poissons_ratio
 
 
-def congruent(m: GrooveMap, side: int) -> bool:
-    """Return whether a flank is the other flank of its groove turned about the radius through the ball's centre.
+def is_turned_left_flank(m: GrooveMap, side: int) -> bool:
+    """Return whether a flank equals the left flank of its groove, turned about the radius through the ball's centre.
 
     Parameters
     ----------
@@ -198,10 +207,10 @@ def congruent(m: GrooveMap, side: int) -> bool:
     return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
 
 
-def turned(patches: SidePatches) -> SidePatches:
-    """Mirror the patches of a left flank to the right one: contact nodes in their order, azimuths reversed.
+def turn_to_right_flank(patches: SidePatches) -> SidePatches:
+    """Turn the patches of a left flank by 180 degrees about the radius through the ball's centre, onto the right flank.
 
-    By a turn of 180 degrees about the radius through the ball's centre.
+    The contact nodes are reordered, because the turn reverses azimuths.
 
     Parameters
     ----------
@@ -250,23 +259,24 @@ NUT_HELD = {
 #: Suffix of ``Dimensions.nut_held`` of a flange whose centring fit is bonded.
 FIT = " and centring"
 
-#: Half the thickness of the slice whose mean motion is that of a section, over the screw's radius; least cells of one.
+#: Half the thickness of the slice whose mean motion is that of a cross-section, over the screw's radius; least number of
+#: cells in a slice.
 SLICE, LEAST = 0.25, 30
 
 
-class Modal:
-    """Base of bodies condensed to the modes of their contacts, ball after ball, flank after flank."""
+class ModalBody:
+    """Base of a body condensed to the displacement modes of its contacts, ordered by ball, then by flank."""
 
     #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
 
     @property
-    def per_ball(self) -> int:
-        """Number of modes of one ball's contacts."""
+    def modes_per_ball(self) -> int:
+        """Number of modes of all contacts of one ball."""
         return sum(V.shape[1] for V in self.modes.values())
 
     def mode_rows(self, side: int, ball: int = 0) -> Index:
-        """Rows of a contact's modes in the coupling of the body.
+        """Return the indices of one contact's modes in the compliance matrix of the body's modes.
 
         Parameters
         ----------
@@ -281,47 +291,51 @@ class Modal:
             Rows.
         """
         before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
-        return np.asarray(ball * self.per_ball + before + np.arange(self.modes[side].shape[1]))
+        return np.asarray(ball * self.modes_per_ball + before + np.arange(self.modes[side].shape[1]))
 
 
 @dataclass(frozen=True)
-class ScrewResponse(Modal):
-    """3D stretch of the screw; that of a `Setup` is corrected for its cut ends."""
+class ScrewResponse(ModalBody):
+    """Stretch of the screw that is meshed in 3D, condensed to its contacts, upper end, supports and loads.
+
+    In a `Setup` it is corrected for the effect of its cut ends.
+    """
 
     #: Flexibility of the stretch.
     stretch: Stretch
     #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
-    #: Motion of every contact's modes with the screw as a rigid body, about its station ``(contacts, k, 6)``.
+    #: Motion of every contact's modes with the screw as a rigid body, about the contact's axial position
+    #: ``(contacts, k, 6)``.
     rigid: Array
     #: Degrees of freedom that were condensed.
     unknowns: int
 
     @property
     def G(self) -> Array:
-        """Coupling of the modes of all contacts [m/N]."""
+        """Compliance matrix between the modes of all contacts [m/N]."""
         return self.stretch.F[: self.stretch.modes, : self.stretch.modes]
 
 
 @dataclass(frozen=True)
-class NutResponse(Modal):
-    """Nut, fixed as the scene says."""
+class NutResponse(ModalBody):
+    """Nut condensed to the modes of its contacts, with the fixed surface that the scene names."""
 
-    #: Coupling of the modes of all contacts [m/N].
+    #: Compliance matrix between the modes of all contacts [m/N].
     G: Array
     #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
     #: Degrees of freedom that were condensed.
     unknowns: int
-    #: Motion of the modes with the nut as a rigid body, about the station zero ``(k, 6)``.
+    #: Motion of the modes with the nut as a rigid body, about the point z = 0 of the axis ``(k, 6)``.
     rigid: Array
 
 
 @dataclass(frozen=True)
-class BallResponse(Modal):
-    """One ball, its rigid motions constrained isostatically."""
+class BallResponse(ModalBody):
+    """One ball condensed to the modes of its contacts; six degrees of freedom constrain its rigid motions."""
 
-    #: Coupling of the modes of its contacts, flank after flank [m/N].
+    #: Compliance matrix between the modes of its contacts, flank after flank [m/N].
     G: Array
     #: Modes V ``(c, k)`` of a contact, by flank.
     modes: dict[int, Array]
@@ -329,7 +343,7 @@ class BallResponse(Modal):
     unknowns: int
 
 
-def with_modes(
+def stiffness_and_modes(
     material: Material,
     mesh: Mesh,
     sockets: Sequence[Socket],
@@ -337,7 +351,7 @@ def with_modes(
     count: int,
     settings: Settings,
 ) -> tuple[sp.csc_array, sp.csr_array, dict[int, tuple[Array, Array]]]:
-    """Stiffness of a body with its patches, and the modes of its contacts.
+    """Assemble the stiffness of a body with its condensed patches, and the displacement modes of its contacts.
 
     Parameters
     ----------
@@ -360,20 +374,22 @@ def with_modes(
         Stiffness.
     rows : sparse array
         Rows of the modes of all sockets.
-    kept : dict
+    by_flank : dict
         Modes V and their rows Q, by flank.
     """
-    K = assemble(of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio)
-    kept = {s: patch_modes(p, count) for s, p in patches.items()}
-    return K, mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
+    K = assemble_body_stiffness(
+        mesh_of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio
+    )
+    kept = {s: reduce_to_modes(p, count) for s, p in patches.items()}
+    return K, assemble_mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
 def ball_compliance(
     material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
 ) -> BallResponse:
-    """Condense one ball to the modes of its contacts, rigid motions constrained isostatically.
+    """Condense one ball to the modes of its contacts, with its six rigid motions constrained isostatically.
 
-    The constraint carries nothing, because the ball's loads balance.
+    The constraint carries no force, because the loads on a ball balance.
 
     Parameters
     ----------
@@ -393,8 +409,8 @@ def ball_compliance(
     """
     ball_patches = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in ball_patches]
-    K, rows, kept = with_modes(material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings)
-    held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    K, rows, kept = stiffness_and_modes(material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings)
+    held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = compliance(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
@@ -412,18 +428,18 @@ def screw_response(
     settings: Settings,
     dims: Dimensions,
 ) -> ScrewResponse:
-    """Condense the 3D stretch of the screw, fixed at its base.
+    """Condense the stretch of the screw that is meshed in 3D, fixed at its base: the bore, or the lower end.
 
     Parameters
     ----------
     material : Material
         Elastic material.
     nut : Nut
-        The nut; its faces are observed.
+        The nut; the motion of the screw is computed at five sections between its faces.
     ends : tuple[float, float]
-        Stations of the ends of the stretch [m].
+        Axial positions of the ends of the stretch [m].
     inside : Sequence[float]
-        Stations of supports and loads within it [m].
+        Axial positions of supports and loads within it [m].
     mesh : GroovedBody
         Mesh of the stretch.
     layout : BallLayout
@@ -442,8 +458,10 @@ def screw_response(
     ScrewResponse
         The condensed screw.
     """
-    places = sockets_of(layout, sides, True)
-    K, modes, kept = with_modes(material, mesh.mesh, placed(mesh, places), patches, settings.modes, settings)
+    places = contacts_on_body(layout, sides, True)
+    K, modes, kept = stiffness_and_modes(
+        material, mesh.mesh, rotated_sockets(mesh, places), patches, settings.modes, settings
+    )
     low, high = ends
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
@@ -457,9 +475,9 @@ def screw_response(
         half = nut.length / 2.0
         observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
         end = sp.eye_array(T.shape[1], format="csr")[-6:]
-        follow = [section_motion(mesh.mesh, z) @ T for z in (*inside, *observers)]
+        follow = [section_motion_matrix(mesh.mesh, z) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
-    K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
+    K = (T.T @ K @ T).tocsc()  # frees the stiffness of the free body: a gigabyte with 400 contacts
     F = compliance(K, rows)
     rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
     B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
@@ -472,10 +490,11 @@ def screw_response(
     return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
-def section_motion(mesh: Mesh, z: float) -> sp.csr_array:
-    """Rows of the mean rigid motion of the material in a thin slice, by least squares over its volume.
+def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
+    """Return the matrix that gives the mean rigid motion of a thin slice of the screw from its nodal displacements.
 
-    Transposed, they distribute a load on the section over the slice in proportion to rigid motions.
+    The motion is fitted by least squares over the slice's volume. The transposed matrix distributes a force or moment
+    on the section over the slice, in proportion to rigid motions.
 
     Parameters
     ----------
@@ -493,27 +512,27 @@ def section_motion(mesh: Mesh, z: float) -> sp.csr_array:
     radius = float(np.hypot(points[:, 0], points[:, 1]).max())
     away = np.abs(corners.mean(axis=0) - z)
     reach = max(SLICE * radius, float(np.partition(away, LEAST)[LEAST]))
-    volume = mass.assemble(cells(mesh, elements=np.flatnonzero(away <= reach)))
+    volume = mass.assemble(cell_basis(mesh, elements=np.flatnonzero(away <= reach)))
     nodes = np.flatnonzero(volume.diagonal())
     rigid = rigid_modes(points[nodes], np.array([0.0, 0.0, z]))
     carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)
     motion = np.linalg.solve(rigid.T @ carried, carried.T)
-    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms(nodes), 6))
+    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms_of_nodes(nodes), 6))
     return sp.csr_array((motion.ravel(), place), (6, 3 * len(points)))
 
 
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
-    """Map the free degrees of freedom of the screw's 3D stretch to all.
+    """Return the matrix that maps the free degrees of freedom of the screw's 3D stretch to all of them.
 
-    Its bore is fixed, or its low end; then the high end at ``high`` [m] is a rigid section.
+    Fixed is the bore, or else the lower end; then the upper end at ``high`` [m] is a rigid section.
     """
     if dims.screw_held == "bore":
         return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
     return end_transform(mesh.mesh, high)
 
 
-def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
-    """Mask of the points of a flange's face that are fixed by its bolts.
+def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
+    """Find the points of a flange's face that lie in the circles fixed by its bolts.
 
     Parameters
     ----------
@@ -531,7 +550,7 @@ def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array
 
     Examples
     --------
-    >>> on_bolts(np.array([40e-3, 0.0]), np.array([0.0, 40e-3]), (35e-3, 45e-3), 2).tolist()
+    >>> points_in_bolt_circles(np.array([40e-3, 0.0]), np.array([0.0, 40e-3]), (35e-3, 45e-3), 2).tolist()
     [True, False]
     """
     middles = 0.5 * sum(seat) * np.exp(2j * np.pi / count * np.arange(count))
@@ -539,7 +558,7 @@ def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array
 
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
-    """Map the free degrees of freedom of the nut, fixed where ``dims`` says, to all."""
+    """Return the matrix that maps the free degrees of freedom of the nut to all; ``dims`` names the fixed surface."""
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
     nodes = nodes_on(mesh.mesh, *NUT_HELD[surface.removesuffix(FIT)])
@@ -547,8 +566,8 @@ def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
     x, y = mesh.points[nodes, 0], mesh.points[nodes, 1]
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
-        on &= on_bolts(x, y, (low, high), int(bolts.split()[0]))
-    held = freedoms(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
+        on &= points_in_bolt_circles(x, y, (low, high), int(bolts.split()[0]))
+    held = freedoms_of_nodes(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
     return free_transform(mesh.mesh, held)
 
 
@@ -561,7 +580,7 @@ def nut_response(
     settings: Settings,
     dims: Dimensions,
 ) -> NutResponse:
-    """Condense the nut, fixed where ``dims`` says.
+    """Condense the nut to the modes of its contacts, with the surface fixed that ``dims`` names.
 
     Parameters
     ----------
@@ -585,8 +604,8 @@ def nut_response(
     NutResponse
         The condensed nut.
     """
-    sockets = placed(mesh, sockets_of(layout, sides, False))
-    K, rows, kept = with_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
+    sockets = rotated_sockets(mesh, contacts_on_body(layout, sides, False))
+    K, rows, kept = stiffness_and_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     rigid = np.asarray(rows @ rigid_modes(mesh.points, np.zeros(3)))

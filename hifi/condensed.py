@@ -1,9 +1,11 @@
-"""Compliance of the bodies of a prepared geometry along the contact normals, for a low-order model.
+"""Compliance of screw, nut and balls along the contact normals, computed by 3D meshes for a low-order model.
 
-Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
-approach has besides them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of groove
-and ball, sockets fixed, solved as contact, and the change of the remaining response of both bodies for a smaller or
-larger ellipse. The grid's wave is removed as everywhere in the reference (`hifi.bodies.grid_wave`).
+Every contact force is distributed over its nodes like Hertz's pressure, and the compliance matrices hold for one force.
+The remainder of a contact's approach, besides these matrices and Hertz's law, is sampled over the forces that its patch
+can resolve. It has two parts: the approach of the fine patches of groove and ball with fixed sockets, solved as a
+contact problem, and the change of the bodies' compliance for a smaller or larger contact ellipse. The oscillation of
+the approach with the contact's position on its mesh grid is removed as everywhere in the reference
+(`hifi.bodies.grid_wave`).
 """
 
 from __future__ import annotations
@@ -30,18 +32,18 @@ if TYPE_CHECKING:
 SAMPLES = 16
 
 
-def forces_of(setup: Setup, side: int) -> Array:
-    """Choose the forces at which the approach of a flank's contact is sampled ``(f,)`` [N]."""
+def sampled_forces(setup: Setup, side: int) -> Array:
+    """Return the forces at which the approach of a flank's contact is sampled ``(f,)`` [N]."""
     return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
-def _unit(setup: Setup, side: int) -> float:
-    """Hertz's approach [m] under 1 N."""
+def _unit_hertz_approach(setup: Setup, side: int) -> float:
+    """Return the approach of ball and groove at a flank by Hertz's theory [m] under a force of 1 N."""
     return float(unit_hertz(setup.map, side, setup.scene.balls.material).approach)
 
 
 def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
-    """Approaches of ball and groove by a contact's local compliance, without the grid's wave.
+    """Compute the approach of ball and groove from the local compliance of their contact, as a mean over grid positions.
 
     Parameters
     ----------
@@ -61,8 +63,8 @@ def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
     return mean_approaches(setup.map, side, pair.groove, pair.local, loads)
 
 
-def spread(setup: Setup, side: int, load: float) -> Array:
-    """Nodal forces of a contact like Hertz's pressure, of unit resultant along the contact normal.
+def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
+    """Distribute a unit force along the contact normal over the contact nodes, like Hertz's pressure.
 
     Parameters
     ----------
@@ -71,7 +73,7 @@ def spread(setup: Setup, side: int, load: float) -> Array:
     side : int
         Flank 0 to 3.
     load : float
-        Load whose ellipse is taken [N].
+        Load that gives the contact ellipse [N].
 
     Returns
     -------
@@ -87,8 +89,8 @@ def spread(setup: Setup, side: int, load: float) -> Array:
     return np.asarray(force / (force @ (mean_weights(groove.weights) @ (groove.normals @ normal))))
 
 
-def body_motion(setup: Setup, side: int, force: Array) -> float:
-    """Displacement of a contact per unit of its force through the body (screw or nut), mean over all balls.
+def mean_body_compliance(setup: Setup, side: int, force: Array) -> float:
+    """Compute the compliance of screw or nut between a contact's force and its displacement, mean over all balls.
 
     Parameters
     ----------
@@ -112,8 +114,8 @@ def body_motion(setup: Setup, side: int, force: Array) -> float:
     return float(np.mean([z @ body.G[block] @ z for block in own]))
 
 
-def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Compliance of one ball between its contacts, without the local compliance of its patches.
+def ball_compliance_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
+    """Compute the compliance of one ball between its contacts, without the local compliance of its patches.
 
     Parameters
     ----------
@@ -131,10 +133,11 @@ def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
     return np.asarray(amplitudes @ setup.ball.G @ amplitudes.T)
 
 
-def beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Displacement of every contact per unit of its force beyond its patches.
+def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
+    """Compute the displacement of every contact per unit of its force that is not due to its patches.
 
-    Through its body and, with the opposite contact, the ball, of whose response half counts to each of the two contacts.
+    It comes from screw or nut, and from the ball loaded at two opposite contacts; half of the ball's response counts
+    for each of the two contacts.
 
     Parameters
     ----------
@@ -148,15 +151,15 @@ def beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
     (k,) Array
         [m/N].
     """
-    D = ball_matrix(setup, spreads)
+    D = ball_compliance_matrix(setup, spreads)
     order = [setup.sides.index(3 - s) for s in setup.sides]
     diagonal = np.diag(D)
     ball = 0.5 * (diagonal + diagonal[order]) + D[np.arange(len(diagonal)), order]
-    return np.asarray(ball + [body_motion(setup, s, spreads[s]) for s in setup.sides])
+    return np.asarray(ball + [mean_body_compliance(setup, s, spreads[s]) for s in setup.sides])
 
 
-def local_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
-    """Approach of every flank's contact over its force, beyond Hertz's law and the matrices.
+def local_compliance_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
+    """Compute the approach of every flank's contact over its force, less Hertz's law and the compliance matrices.
 
     Parameters
     ----------
@@ -172,22 +175,22 @@ def local_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
     force : (k, f) Array
         Forces [N].
     """
-    loads = np.array([forces_of(setup, s) for s in setup.sides])
+    loads = np.array([sampled_forces(setup, s) for s in setup.sides])
     extra = np.array(
         [
-            (patch_approaches(setup, s, f) - _unit(setup, s) * np.cbrt(f) ** 2) / f
+            (patch_approaches(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
             for s, f in zip(setup.sides, loads, strict=True)
         ]
     )
-    fixed = beyond_patches(setup, spreads)
+    fixed = compliance_beyond_patches(setup, spreads)
     for k in range(loads.shape[1]):
-        at_load = {s: spread(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
-        extra[:, k] += beyond_patches(setup, at_load) - fixed
+        at_load = {s: hertz_nodal_forces(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
+        extra[:, k] += compliance_beyond_patches(setup, at_load) - fixed
     return extra, loads
 
 
-def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int, Array]) -> Array:
-    """Compliance between the contacts of a body, ball after ball, from that of their modes.
+def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int, Array]) -> Array:
+    """Compute the compliance of screw or nut between all its contacts, ball after ball, from that of their modes.
 
     Parameters
     ----------
@@ -210,35 +213,35 @@ def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int
 
 
 def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
-    """Collect everything of a prepared geometry that a low-order model can use.
+    """Collect the compliances of a prepared geometry that a low-order model can use.
 
     Parameters
     ----------
     setup : Setup
         The prepared geometry.
     level : int
-        Mesh level.
+        Refinement level of the meshes.
 
     Returns
     -------
     CondensedBodies
         Contents of a file.
     """
-    spreads = {s: spread(setup, s, float(np.median(forces_of(setup, s)))) for s in setup.sides}
-    local, forces = local_terms(setup, spreads)
+    spreads = {s: hertz_nodal_forces(setup, s, float(np.median(sampled_forces(setup, s)))) for s in setup.sides}
+    local, forces = local_compliance_terms(setup, spreads)
     N = setup.layout.z.size
     nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
     if setup.nut is not None:
-        nut = body_matrix(N, setup.nut, spreads)
+        nut = body_compliance_matrix(N, setup.nut, spreads)
     return CondensedBodies(
         geometry_digest(setup.scene),
         level,
         np.array(setup.sides, dtype=float),
         setup.screw.stretch.base,
-        body_matrix(N, setup.screw, spreads),
+        body_compliance_matrix(N, setup.screw, spreads),
         nut,
-        ball_matrix(setup, spreads),
+        ball_compliance_matrix(setup, spreads),
         local,
         forces,
-        np.array([_unit(setup, s) for s in setup.sides]),
+        np.array([_unit_hertz_approach(setup, s) for s in setup.sides]),
     )

@@ -1,6 +1,6 @@
-"""All contacts of a prepared geometry: compliance between them, and gaps and directions as balls and screw move.
+"""Contacts of all balls of a prepared geometry: compliance between them, and gaps and normals as balls and screw move.
 
-The compliance is that of bodies with their modes, balls, and the screw on its supports.
+The compliance combines bodies condensed to modes, balls, and the screw on its supports.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
-from rollbench.hifi.condensation import Modal
-from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled
+from rollbench.hifi.condensation import ModalBody
+from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled_compliance
 from rollbench.hifi.elements.forms import mean_weights
-from rollbench.hifi.meshing.part_meshes import rotation
+from rollbench.hifi.meshing.part_meshes import rotation_about_z
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.mounting import Mounted, beam_stretch, mount
+from rollbench.hifi.shaft.mounting import MountedShaft, beam_stretch, mount_stretch
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import groove_radii, nominal_groove_centres
@@ -29,59 +29,58 @@ from rollbench.meshes.surface import groove_profile
 
 @dataclass(frozen=True)
 class PlacedSet:
-    """A prepared geometry (one nut or bearing with its balls) at its place on a shaft."""
+    """Prepared geometry (one nut or bearing with its balls) at its place on a shaft."""
 
     #: The prepared geometry.
     setup: Setup
-    #: Scene whose errors it has.
+    #: Scene that gives the manufacturing errors.
     scene: Scene
-    #: Flanks (0 to 3) that may touch.
+    #: Flanks (0 to 3) whose contacts may close.
     sides: tuple[int, ...]
-    #: Station of the shaft at which the geometry's local stations begin [m].
+    #: Axial position on the shaft of the origin of the geometry's local axis [m].
     shift: float = 0.0
-    #: Number of the housing that carries its nut among those that can move; None: the nut is fixed.
+    #: Index of the movable housing that carries its nut; None: the nut is fixed.
     housing: int | None = None
-    #: Shift of the nut along z against what carries it [m].
+    #: Shift of the nut along z relative to its housing [m].
     offset: float = 0.0
 
     @property
-    def count(self) -> int:
+    def ball_count(self) -> int:
         """Number of balls."""
         return self.setup.layout.z.size
 
     @cached_property
     def zones(self) -> tuple[tuple[slice, int], ...]:
-        """Contact nodes of one ball, flank after flank: their slice, and the side."""
+        """Slice of one ball's contact nodes that belongs to a flank, and the flank (0 to 3), for each flank."""
         ends = np.cumsum([0] + [len(self.setup.patches[s].groove.A) for s in self.sides]).tolist()
         return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.sides, strict=True))
 
     @property
-    def nodes(self) -> int:
-        """Number of the contact nodes of one ball."""
+    def nodes_per_ball(self) -> int:
+        """Number of contact nodes of one ball."""
         return int(self.zones[-1][0].stop)
 
 
-def compliance_of(
-    sets: Sequence[PlacedSet], mounted: Mounted, leave_out: frozenset[str] = frozenset()
+def assemble_compliance(
+    sets: Sequence[PlacedSet], mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Compliance, Index]:
-    """Compliance of all contact nodes, set after set, ball after ball, flank after flank.
+    """Assemble the compliance between the contact nodes of all balls, ordered by nut or bearing, ball and flank.
 
     Parameters
     ----------
     sets : Sequence[PlacedSet]
-        Sets on the shaft.
+        Nuts or bearings on the shaft.
     mounted : Mounted
-        The mounted stretches and carried nuts.
+        Stretches of the screw and nuts on movable housings, as mounted.
     leave_out : frozenset[str], optional
-        Some of `hifi.reference.INGREDIENTS`.
+        Parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
     C : Compliance
         The compliance.
     rows : (r,) Index
-        Row of each of its modes among those of all bodies: screws and carried nuts as they are mounted, then the nuts
-        that are fixed.
+        Index of each of its modes among those of all bodies: first those of ``mounted``, then those of the fixed nuts.
     """
     screw, carried, held = 0, sum(p.setup.screw.stretch.modes for p in sets), len(mounted.G)
     couplings, blocks, modes, rows = [mounted.G], list[BallBlock](), list[Array](), list[Index]()
@@ -89,11 +88,11 @@ def compliance_of(
         nut = p.setup.nut
         first = (screw, held if p.housing is None else carried)
         block = ball_block(p.setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
-        for i in range(p.count):
+        for i in range(p.ball_count):
             pieces = []
             for nodes, s in p.zones:
                 if (body := p.setup.body(s)) is not None:
-                    V = np.zeros((p.nodes, body.modes[s].shape[1]))
+                    V = np.zeros((p.nodes_per_ball, body.modes[s].shape[1]))
                     V[nodes] = body.modes[s]
                     pieces.append(V)
                     rows.append(first[s >= 2] + body.mode_rows(s, i))
@@ -101,16 +100,16 @@ def compliance_of(
             modes.append(np.hstack(pieces))
         screw += p.setup.screw.stretch.modes
         if nut is not None and p.housing is None:
-            couplings.append(local_only(nut.G, nut) if leave_out & {"elastic nut", "patch coupling"} else nut.G)
+            couplings.append(keep_local_response(nut.G, nut) if leave_out & {"elastic nut", "patch coupling"} else nut.G)
             held += len(nut.G)
         elif nut is not None:
             carried += len(nut.G)
     pick = np.concatenate(rows)
-    return coupled(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
+    return coupled_compliance(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
-    """Compliance of a ball and its grooves' patches between pairs of some flanks.
+    """Return the compliance of one ball and the patches of its grooves between the contact nodes of some flanks.
 
     Parameters
     ----------
@@ -134,10 +133,10 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
     return BallBlock(local, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
-def local_only(G: Array, body: Modal) -> Array:
-    """Coupling of the modes of a body that is rigid at large.
+def keep_local_response(G: Array, body: ModalBody) -> Array:
+    """Remove from the compliance of a body everything except the local response of each contact.
 
-    Every contact keeps the mean response of its flank to its load, nothing else.
+    Every contact retains the mean response of its flank to its own load; otherwise the body is rigid.
 
     Parameters
     ----------
@@ -153,17 +152,17 @@ def local_only(G: Array, body: Modal) -> Array:
     """
     out = np.zeros_like(G)
     for s in body.modes:
-        own = [np.ix_(rows, rows) for rows in (body.mode_rows(s, i) for i in range(len(G) // body.per_ball))]
+        own = [np.ix_(rows, rows) for rows in (body.mode_rows(s, i) for i in range(len(G) // body.modes_per_ball))]
         mean = np.mean([G[block] for block in own], axis=0)
         for block in own:
             out[block] = mean
     return out
 
 
-def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> Mounted:
-    """Mount the screw on a scene's supports and under its loads.
+def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> MountedShaft:
+    """Mount the screw on the supports and under the loads of a scene.
 
-    Without the 3D shaft it is a beam with the same local response.
+    If the 3D shaft is left out, the screw is a beam with the same local response at its contacts.
 
     Parameters
     ----------
@@ -172,7 +171,7 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
     scene : Scene
         Supports and loads.
     leave_out : frozenset[str], optional
-        Some of `hifi.reference.INGREDIENTS`.
+        Parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
@@ -181,16 +180,16 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
     """
     full, m = setup.screw.stretch, setup.screw.stretch.modes
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
-        return mount(full, scene, setup.section)
+        return mount_stretch(full, scene, setup.section)
     stations = np.repeat(setup.layout.z, len(setup.screw.modes))
     beam = beam_stretch(setup.screw.rigid, stations, full, setup.section)
     F = beam.F.copy()
-    F[:m, :m] += local_only(full.F[:m, :m] - beam.F[:m, :m], setup.screw)
-    return mount(replace(beam, F=F), scene, setup.section)
+    F[:m, :m] += keep_local_response(full.F[:m, :m] - beam.F[:m, :m], setup.screw)
+    return mount_stretch(replace(beam, F=F), scene, setup.section)
 
 
-def modal_motion(C: Compliance, z: Array) -> Array:
-    """Motion of every contact node along its normal by modal motions z ``(r,)``.
+def normal_motion_of_nodes(C: Compliance, z: Array) -> Array:
+    """Compute the motion of every contact node along its normal from the modal motions z ``(r,)``.
 
     Parameters
     ----------
@@ -207,13 +206,13 @@ def modal_motion(C: Compliance, z: Array) -> Array:
     return np.concatenate([V @ z[c] for V, c in zip(C.modes, C.columns, strict=True)])
 
 
-def expected_touch(p: PlacedSet, gap: Array) -> Array:
-    """Contact nodes that are expected to touch: the nearest third of each flank.
+def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
+    """Mark the contact nodes that are expected to touch: the third of each flank with the smallest gaps.
 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     gap : (balls, n) Array
         Gaps [m].
 
@@ -230,13 +229,13 @@ def expected_touch(p: PlacedSet, gap: Array) -> Array:
     return out
 
 
-def pressure_means(p: PlacedSet, values: Array) -> Array:
-    """Means over the pressure functions of values at the contact nodes.
+def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
+    """Average values at the contact nodes with each basis function of the contact pressure as weight.
 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     values : (balls, n, ...) Array
         Values at the nodes.
 
@@ -253,13 +252,13 @@ def pressure_means(p: PlacedSet, values: Array) -> Array:
     return out
 
 
-def wave_gaps(p: PlacedSet, forces: Array, directions: Array) -> Array:
-    """Corrections of all gaps for the places of the contacts on their grids (`hifi.bodies.grid_wave`).
+def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Array:
+    """Compute the corrections of all gaps for the positions of the contacts on their mesh grids (`hifi.bodies.grid_wave`).
 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     forces : (balls, n) Array
         Contact forces [N].
     directions : (balls, n, 3) Array
@@ -281,16 +280,16 @@ def wave_gaps(p: PlacedSet, forces: Array, directions: Array) -> Array:
     return out
 
 
-def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
-    """Places of the grooves' nodes from the centre of their ball, in the ball's frame.
+def vectors_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
+    """Return the vectors from the centre of each ball to the nodes of its grooves, in the ball's frame.
 
-    Nominal ones, with each groove's geometric errors, and the nut's shift (along its track a groove is the same
-    everywhere).
+    Nominal positions are changed by the geometric errors of each groove and by the shift of the nut. Along its track a
+    groove is the same everywhere.
 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     drawn : Specimen
         Errors of its grooves.
 
@@ -316,13 +315,13 @@ def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
     return np.concatenate(rows, axis=1)
 
 
-def directions_matrix(directions: Sequence[Array], free_motions: Array) -> sp.csr_array:
-    """Matrix N of the gap closed by unit rigid motions.
+def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.csr_array:
+    """Assemble the matrix N that gives the closing of each gap by unit rigid motions of balls, shaft and housings.
 
     Parameters
     ----------
     directions : Sequence[Array]
-        Normals ``(balls, n, 3)`` of every set.
+        Normals ``(balls, n, 3)`` of every nut or bearing.
     free_motions : (pairs, k) Array
         Motion of the grooves' nodes along their normals by the unconstrained rigid motions of shaft and housings.
 
@@ -335,19 +334,19 @@ def directions_matrix(directions: Sequence[Array], free_motions: Array) -> sp.cs
     return sp.hstack([balls, sp.csr_array(-free_motions)]).tocsr()
 
 
-def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -> Array:
-    """Motion of the contact nodes of screw or nut along their normals, by its rigid motion.
+def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -> Array:
+    """Compute the motion of the contact nodes of screw or nut along their normals by unit rigid motions of that body.
 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     directions : (balls, n, 3) Array
         Normals.
     origin : float
-        Station of the shaft about which it rotates [m].
+        Axial position on the shaft about which the body rotates [m].
     screw : bool
-        Whether the screw moves, or the nut.
+        True: the screw moves; False: the nut.
 
     Returns
     -------
@@ -359,29 +358,29 @@ def rigid_rows(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -
     for nodes, s in p.zones:
         if (s < 2) != screw:
             continue
-        for i in range(p.count):
-            R = rotation(float(layout.azimuth[i]))
+        for i in range(p.ball_count):
+            R = rotation_about_z(float(layout.azimuth[i]))
             x = p.setup.patches[s].groove.points @ R.T + np.array([0.0, 0.0, layout.z[i] - (origin - p.shift)])
             d = directions[i, nodes] @ R.T
             out[i, nodes, :3], out[i, nodes, 3:] = d, np.cross(x, d)
     return out
 
 
-def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array) -> tuple[Array, Array]:
-    """Motion of each ball's centre relative to each of its grooves, the same for all nodes of a flank.
+def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, directions: Array) -> tuple[Array, Array]:
+    """Compute the motion of each ball's centre relative to each of its grooves, equal for all nodes of a flank.
 
-    The motion of the ball's centre against the groove across its track turns the normals; a ball may be anywhere along
-    it.
+    Its part across the track turns the contact normals. Its part along the track has no effect: a groove is invariant
+    under its helical motion, which changes no gap and in which frictionless contact forces do no work, so that every
+    contact stays level with its ball.
 
-    A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
-    without friction: every contact is level with the ball. By linear kinematics a screw that winds up by theta moves its
-    contacts R theta/2 along, and R theta^2/2 out of their section. The centre of pressure would show the same motion, but
-    on the grid: under a light contact that closes few nodes it sticks to them, or jumps.
+    Linear kinematics alone would err here: a screw that winds up by an angle theta moves its contacts R theta/2 along
+    the track and R theta^2/2 out of their section. The motion could also be taken from the centre of pressure, but
+    under a light contact that closes few nodes of the grid the centre of pressure sticks to them, or jumps.
 
     Parameters
     ----------
     p : PlacedSet
-        The set.
+        Nut or bearing at its place on the shaft.
     balls : (balls, 3) Array
         Motions of the ball centres [m].
     along : (balls, n) Array
@@ -407,8 +406,8 @@ def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array)
     return np.repeat(shift, sizes, axis=1), np.repeat(slid - slid.mean(axis=1, keepdims=True), sizes, axis=1)
 
 
-def along_track(p: PlacedSet) -> Array:
-    """Helical motion of the track at the contact nodes ``(n, 3)``, of unit length at the ball's centre."""
+def helical_direction(p: PlacedSet) -> Array:
+    """Return the direction ``(n, 3)`` of the track's helical motion at the contact nodes; length 1 at the ball's centre."""
     m = p.setup.map
     x = np.concatenate([p.setup.patches[s].groove.points for s in p.sides])
     return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))

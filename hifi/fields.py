@@ -1,8 +1,8 @@
 """Displacements and stresses of the 3D reference, recovered from its contact loads.
 
-What was condensed is solved once more, with one right-hand side: the coarse body q under the modal forces of all its
-contacts, K q = H^T f, then each patch under its contact loads and the trace of its socket. All stresses are linear
-elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
+The condensed equations are solved once more, with one right-hand side: the coarse body q under the modal forces of all
+its contacts, K q = H^T f, then each patch under its contact loads and the displacement of its socket. All stresses are
+linear elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
 """
 
 from __future__ import annotations
@@ -15,24 +15,37 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, of_order
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, field
-from rollbench.hifi.condensation import ball_compliance, condense_side, nut_transform, screw_transform, side_of, with_modes
-from rollbench.hifi.contact.balls import BallBlock, solve_balls, uncoupled
+from rollbench.hifi.bodies.coarse import (
+    Socket,
+    assemble_body_stiffness,
+    freedoms_of_nodes,
+    isostatic_freedoms,
+    mesh_of_order,
+)
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, patch_displacements
+from rollbench.hifi.condensation import (
+    ball_compliance,
+    condense_side,
+    condense_side_arguments,
+    nut_transform,
+    screw_transform,
+    stiffness_and_modes,
+)
+from rollbench.hifi.contact.balls import BallBlock, solve_balls, uncoupled_compliance
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import hooke, mean_weights
 from rollbench.hifi.linear_algebra import factor
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
-    ball_place,
+    ball_socket_and_map,
     body_kind,
+    contacts_on_body,
     mesh_parts,
-    patch_mesh,
+    mesh_patch,
     patch_normals,
-    placed,
-    rotation,
-    sockets_of,
+    rotated_sockets,
+    rotation_about_z,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
@@ -50,7 +63,7 @@ from rollbench.meshes.solid import Dimensions, dimensions
 
 @dataclass(frozen=True)
 class SolidField:
-    """Displacements and stresses of a piece of a body."""
+    """Displacements and stresses at the nodes of a part of a body."""
 
     #: Nodes ``(n, 3)`` [m].
     points: Array
@@ -70,7 +83,7 @@ class SolidField:
 
 
 def von_mises(stress: Array) -> Array:
-    """Von Mises equivalent stress.
+    """Compute the von Mises equivalent stress.
 
     Parameters
     ----------
@@ -95,10 +108,10 @@ def von_mises(stress: Array) -> Array:
 
 
 def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | None = None) -> Array:
-    """Stresses of nodes by displacements: those of each cell at its nodes, averaged over the cells of a node.
+    """Compute nodal stresses from displacements: the stress of each cell at its nodes, averaged over the cells of a node.
 
-    Extrapolating the values of the reduced Gauss points to the nodes overshoots by a fifth below a contact with three
-    cells across it; this by a twentieth.
+    Extrapolating the values of the reduced Gauss points to the nodes would overshoot by a fifth below a contact with three
+    cells across it; this average overshoots by a twentieth.
 
     Parameters
     ----------
@@ -117,7 +130,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
         Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes of no cell.
     """
     nodes = mesh.elem.doflocs.T
-    basis = forms.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
+    basis = forms.cell_basis(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
     slope = np.stack([basis.interpolate(component).grad for component in u.T])  # du_i/dx_j
     stress = hooke(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
     at_nodes = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)
@@ -152,7 +165,7 @@ def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
 
 
 def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], scene: Scene | None = None) -> Array:
-    """Displacements of the coarse 3D stretch of the screw under all contact loads, fixed at its low end.
+    """Compute the displacements of the coarse 3D stretch of the screw, fixed at its low end, under all contact loads.
 
     Parameters
     ----------
@@ -177,11 +190,11 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     """
     refuse_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
-    return _answer(setup, mesh, forces, screw_transform(mesh, setup.dims, high), screw=True)
+    return _coarse_displacement(setup, mesh, forces, screw_transform(mesh, setup.dims, high), screw=True)
 
 
 def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch.
+    """Raise ValueError if a scene supports or loads its screw beyond the low end of the 3D stretch.
 
     Parameters
     ----------
@@ -194,13 +207,13 @@ def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
-            f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
-            f"stretch at {1e3 * low:.4g} mm; its field is recovered only where all supports and loads lie below that"
+            f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
+            f"stretch at {1e3 * low:.4g} mm; its field can be computed only if all supports and loads lie below that"
         )
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
-    """Displacements of the coarse nut under all contact loads, fixed where the scene says.
+    """Compute the displacements of the coarse mesh of the nut, fixed where the scene says, under all contact loads.
 
     Parameters
     ----------
@@ -216,15 +229,17 @@ def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) 
     (n, 3) Array
         Displacements [m].
     """
-    return _answer(setup, mesh, forces, nut_transform(mesh, setup.dims), screw=False)
+    return _coarse_displacement(setup, mesh, forces, nut_transform(mesh, setup.dims), screw=False)
 
 
-def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool) -> Array:
-    """Solve K q = Q^T V^T f on what the transform T leaves free."""
+def _coarse_displacement(
+    setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool
+) -> Array:
+    """Solve K q = Q^T V^T f for a coarse body, on the degrees of freedom that the transform T leaves free."""
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
-    sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
-    K, Q, kept = with_modes(material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings)
+    sockets = rotated_sockets(mesh, contacts_on_body(setup.layout, setup.sides, screw))
+    K, Q, kept = stiffness_and_modes(material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings)
     amplitude = [
         kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(patches[s].A)))
         for i in range(setup.layout.z.size)
@@ -234,8 +249,8 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
     return np.asarray(T @ q).reshape(-1, 3)
 
 
-def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh of the groove's patch at a flank, for a ball at azimuth 0 and z = 0.
+def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
+    """Mesh the patch of the groove at a flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
@@ -252,19 +267,19 @@ def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
         The patch.
     """
     body = meshes.screw if side < 2 else meshes.nut
-    return patch_mesh(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
+    return mesh_patch(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
 
 
-def ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh of the ball's patch at a flank, about the ball's centre."""
-    place = ball_place(setup.map, meshes.size, side, meshes.zone)[1]
-    return patch_mesh(meshes, meshes.ball.sockets[side], place, setup.settings)
+def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
+    """Mesh the patch of the ball at a flank (0 to 3), with the ball's centre as origin."""
+    place = ball_socket_and_map(setup.map, meshes.size, side, meshes.zone)[1]
+    return mesh_patch(meshes, meshes.ball.sockets[side], place, setup.settings)
 
 
 def groove_patch_field(
     setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
-    """Field of one groove patch, in the ball's frame: azimuth 0, origin on the axis.
+    """Compute displacements and stresses of one groove patch, in the ball's frame: azimuth 0, origin on the axis.
 
     Parameters
     ----------
@@ -286,22 +301,22 @@ def groove_patch_field(
     SolidField
         The field.
     """
-    mesh = groove_patch(setup, meshes, side)
+    mesh = mesh_groove_patch(setup, meshes, side)
     body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
     body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
     nodes = body.socket_nodes[ball * len(body_sides) + body_sides.index(side)]
-    R = rotation(float(setup.layout.azimuth[ball]))
+    R = rotation_about_z(float(setup.layout.azimuth[ball]))
     normals = patch_normals(mesh, np.array([setup.map.R, 0.0, 0.0]))
     return _patch_field(mesh, normals, part.material, forces[side][ball], (u[nodes] @ R).ravel())
 
 
 def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
-    u = field(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
+    u = patch_displacements(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
     return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
 
 
 def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float) -> SolidField:
-    """Field of the coarse body near a ball, in the ball's frame: azimuth 0, origin on the axis.
+    """Extract displacements and stresses of a coarse body near a ball, in the ball's frame: azimuth 0, origin on the axis.
 
     Parameters
     ----------
@@ -316,19 +331,19 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     material : Material
         Elastic material.
     reach : float
-        Distance from the ball's centre up to which cells count [m].
+        Distance from the ball's centre up to which cells are included [m].
 
     Returns
     -------
     SolidField
         The field.
     """
-    R = rotation(float(setup.layout.azimuth[ball]))
+    R = rotation_about_z(float(setup.layout.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
-    if kind == "P1":  # eight of each, cell after cell
+    body = mesh_of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
+    if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
     stress = nodal_stress(body, u @ R, material, elements)
     used, cells = np.unique(cells_of(body)[elements], return_inverse=True)
@@ -336,7 +351,7 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
 
 
 def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
-    """Fields of one ball about its centre, in its frame.
+    """Compute displacements and stresses of one ball about its centre, in its frame.
 
     Parameters
     ----------
@@ -358,14 +373,14 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     e, nu = material.youngs_modulus, material.poissons_ratio
     patches: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in patches]
-    body = of_order(mesh.mesh, kind := body_kind(setup.settings))
-    K = assemble(body, sockets, patches, e, nu)
-    held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    body = mesh_of_order(mesh.mesh, kind := body_kind(setup.settings))
+    K = assemble_body_stiffness(body, sockets, patches, e, nu)
+    held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
     for s, patch in patches.items():
         if s in forces:
-            np.add.at(load, freedoms(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
+            np.add.at(load, freedoms_of_nodes(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
     u[free] = factor(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)
@@ -373,7 +388,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
         None: SolidField(mesh.points, cells_of(body), kind, u, nodal_stress(body, u, material))
     }
     for s in forces:
-        piece = ball_patch(setup, meshes, s)
+        piece = mesh_ball_patch(setup, meshes, s)
         normals = -patch_normals(piece, np.zeros(3))
         by_side[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
     return by_side
@@ -381,12 +396,12 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
 
 @dataclass(frozen=True)
 class ContactPressure:
-    """Pressure of one contact at its c nodes."""
+    """Pressure distribution of one contact at its c nodes."""
 
-    #: Place of the nodes in the ball's tangent plane at the nominal contact, across the groove (growing contact angle)
-    #: ``(c,)`` [m].
+    #: Coordinate of the nodes in the ball's tangent plane at the nominal contact, across the groove (growing with the
+    #: contact angle) ``(c,)`` [m].
     across: Array
-    #: Place of the nodes along the groove ``(c,)`` [m].
+    #: Coordinate of the nodes along the groove ``(c,)`` [m].
     along: Array
     #: Pressures ``(c,)`` [Pa].
     pressure: Array
@@ -403,7 +418,7 @@ class ContactPressure:
 
 
 def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
-    """Pressure of one contact: nodal force over area.
+    """Compute the pressure distribution of one contact: the force of each pressure function over its area.
 
     Parameters
     ----------
@@ -443,11 +458,14 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.areas, patch.shape)
 
 
-def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array) -> dict[int, ContactPressure]:
-    """Pressures of one ball between its grooves under given loads and contact angles.
+def ball_contact_pressures(
+    scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array
+) -> dict[int, ContactPressure]:
+    """Compute the pressures of one ball that is pressed between its grooves by given loads at given contact angles.
 
-    The whole ball and the grooves' patches are elastic; the patches are fixed where they meet their bodies, whose
-    compliance hardly curves a contact. Every groove moves as it must to carry its load. Sides without load are left out.
+    The whole ball and the patches of its grooves are elastic. The patches are fixed where they meet their bodies, whose
+    compliance hardly changes the curvature at a contact. Every groove is free to move until it carries its load. Flanks
+    without load are left out.
 
     Parameters
     ----------
@@ -479,7 +497,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)
-    patches = {s: condense_side(*side_of(scene, m, dims, meshes, s, settings)) for s in sides}
+    patches = {s: condense_side(*condense_side_arguments(scene, m, dims, meshes, s, settings)) for s in sides}
     whole_ball = ball_compliance(scene.balls.material, meshes.ball, patches, settings)
     block = BallBlock(tuple(patches[s].local for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
     x3, _, z3 = m.axes()
@@ -495,7 +513,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
         start = pairs.stop
-    result, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_array(N), f)
+    result, _ = solve_balls(uncoupled_compliance(block), np.concatenate(gaps), sp.csr_array(N), f)
     if not result.converged:
         raise ValueError(f"ball {ball + 1}: {result.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])
@@ -506,9 +524,10 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
 
 
 def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Array:
-    """Von Mises stress below the centre of Hertz's ellipse.
+    """Compute the von Mises stress on the axis below the centre of a Hertzian contact ellipse.
 
-    Boussinesq's point loads integrated over p0 sqrt(1 - x^2/a^2 - y^2/b^2). Valid at depths of at least 0.2 b.
+    Boussinesq's point loads are integrated over the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2). Valid at depths of at
+    least 0.2 b.
 
     Parameters
     ----------

@@ -1,18 +1,19 @@
-"""Sparse stiffnesses: elimination order, factors, and compliance under many loads.
+"""Sparse stiffness matrices: elimination order, factorisation, and compliance under many loads.
 
-Order: degrees of freedom whose columns have the same pattern (the three of a node) are one vertex, and METIS orders the
-vertices by nested dissection. In the elimination tree i is an ancestor of j < i where only vertices up to i connect them
-(Liu, SIAM J. Matrix Anal. Appl. 11, 1990). A minimum spanning tree of edges that weigh as much as the later of their ends
-keeps these connections, so that the elimination tree follows from n - 1 edges. Supernodes are its subtrees of at most
-``LEAF`` vertices and, above them, its chains of only children, which are the separators.
+Elimination order: degrees of freedom whose columns have the same pattern (the three of a node) form one vertex, and
+METIS orders the vertices by nested dissection. In the elimination tree vertex i is an ancestor of j < i if vertices up
+to i connect the two (Liu, SIAM J. Matrix Anal. Appl. 11, 1990). A minimum spanning tree preserves these connections if
+each edge weighs as much as the later of its ends, so that the elimination tree follows from n - 1 edges. The supernodes
+are the subtrees of at most ``LEAF`` vertices and, above them, the chains of vertices with a single child, which are the
+separators.
 
-Multifrontal elimination, for B^T K^-1 B or for a factor to be solved with (Duff and Reid 1983). The front of a supernode
-is the dense matrix of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes
-to its parent. For B^T K^-1 B the factor of K is never stored, only the active fronts: the border's share, Y^T Y with Y =
-L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a
-bordered factor stores L and Y whole.
+Multifrontal elimination (Duff and Reid 1983) computes B^T K^-1 B, or a factor of K for later solutions. The front of a
+supernode is the dense matrix of its rows, bordered by the columns of B that load its subtree. The Schur complement left
+by its elimination is added to the front of its parent. For B^T K^-1 B the factor of K is never stored, only the active
+fronts: the contribution Y^T Y of the border, with Y = L^-1 B, is added to the result at once. The memory needed is that
+of K, of the result and of the fronts of one branch, whereas a bordered factor would store all of L and Y.
 
-Larger matrices have such a Cholesky factor, small ones SuperLU of scipy.
+Large matrices get this Cholesky factor, small ones scipy's SuperLU.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ LEAF = 32
 
 
 class Supernodes(NamedTuple):
-    """Symbolic factor of a matrix."""
+    """Symbolic factor of a sparse matrix: its elimination order and the rows of its supernodes."""
 
     #: Degree of freedom that is eliminated at each step ``(n,)``.
     order: Index
@@ -49,14 +50,14 @@ class Supernodes(NamedTuple):
     rows: Index
 
 
-def supernodes(K: sp.csc_array) -> Supernodes:
-    """Symbolic factor of a matrix of symmetric pattern ``(n, n)``."""
-    graph, group = vertices(K)
-    dissected = _dissected(graph, group)
+def symbolic_factor(K: sp.csc_array) -> Supernodes:
+    """Compute the elimination order and the supernodes of a matrix of symmetric pattern ``(n, n)``."""
+    graph, group = compressed_graph(K)
+    dissected = _nested_dissection(graph, group)
     tree = _elimination_tree(graph[dissected][:, dissected])
     order = dissected[(later := _postorder(tree))]
-    first = _first_columns(_renamed(tree, later))
-    rows = _rows(graph[order][:, order], first)
+    first = _first_columns(_renumbered_parents(tree, later))
+    rows = _supernode_rows(graph[order][:, order], first)
     # from vertices to their degrees of freedom
     freedoms, weights = np.argsort(group, kind="stable"), np.bincount(group)
     begin = np.concatenate([[0], np.cumsum(weights)])
@@ -64,17 +65,17 @@ def supernodes(K: sp.csc_array) -> Supernodes:
     at = np.concatenate(rows)
     starts = np.concatenate([[0], np.cumsum(weights[order[at]])])
     return Supernodes(
-        freedoms[_ranges(begin[order], weights[order])],
+        freedoms[_concatenated_ranges(begin[order], weights[order])],
         place[first],
         starts[np.concatenate([[0], np.cumsum([row.size for row in rows])])],
-        _ranges(place[at], weights[order[at]]),
+        _concatenated_ranges(place[at], weights[order[at]]),
     )
 
 
-def vertices(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
-    """Compressed graph of a matrix, without its diagonal.
+def compressed_graph(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
+    """Build the graph of a matrix in which the degrees of freedom of equal columns form one vertex; no diagonal.
 
-    The graph is symmetric, as elimination needs it, also where round-off left an entry on only one side of the diagonal.
+    The graph is symmetric, as elimination needs it, even if round-off left an entry on only one side of the diagonal.
 
     Parameters
     ----------
@@ -102,11 +103,11 @@ def vertices(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
     return graph, group
 
 
-def _dissected(graph: sp.csr_array, group: Index) -> Index:
-    """Order the vertices of a compressed graph by nested dissection.
+def _nested_dissection(graph: sp.csr_array, group: Index) -> Index:
+    """Order the vertices of a compressed graph by nested dissection; ``group``: vertex of every degree of freedom.
 
-    METIS takes SIGTERM for an internal error, and leaves it blocked. So it is called a second time after an error: what
-    recurs is an error and is raised, otherwise the signal is unblocked and raised again.
+    METIS reports the signal SIGTERM as an internal error and leaves the signal blocked. After an error it is therefore
+    called a second time. An error that recurs is raised; otherwise the signal is unblocked and raised again.
     """
     import pymetis
 
@@ -124,7 +125,7 @@ def _dissected(graph: sp.csr_array, group: Index) -> Index:
 
 
 def _elimination_tree(graph: sp.csr_array) -> Index:
-    """Parents of vertices that are eliminated in their order, ``(n,)``; n for a root.
+    """Return the parent of each vertex in the elimination tree ``(n,)``, for elimination in their order; n for a root.
 
     >>> _elimination_tree(sp.csr_array(np.array([[0, 0, 1, 0], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 0, 0]])))
     array([2, 2, 3, 4])
@@ -143,21 +144,21 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
 
 
 def _postorder(parent: Index) -> Index:
-    """Order the vertices so that every subtree is contiguous, its root last."""
+    """Order the vertices of a tree so that every subtree is contiguous and its root comes last."""
     n = parent.size
     down = sp.csr_array((np.ones(n), (parent, np.arange(n))), (n + 1, n + 1))
     return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
 
 
-def _renamed(parent: Index, order: Index) -> Index:
-    """Parents by places in an order."""
+def _renumbered_parents(parent: Index, order: Index) -> Index:
+    """Renumber the parents of a tree's vertices by the places of the vertices in an order."""
     place = np.empty(parent.size + 1, dtype=np.int64)
     place[order], place[-1] = np.arange(order.size), order.size
     return np.asarray(place[parent[order]])
 
 
 def _first_columns(parent: Index) -> Index:
-    """Find the first vertices of the supernodes of a tree in postorder, and the number of all vertices at the end."""
+    """Find the first vertex of each supernode of a tree in postorder; the number of all vertices comes last."""
     n = parent.size
     size = [1] * n + [0]
     for j, above in enumerate(parent.tolist()):
@@ -171,8 +172,8 @@ def _first_columns(parent: Index) -> Index:
     return np.concatenate([[0], 1 + np.flatnonzero(~(inside | chained)), [n]])
 
 
-def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """Rows of every supernode: its diagonal block, those of its graph edges, and those inherited from its children."""
+def _supernode_rows(graph: sp.csr_array, first: Index) -> list[Index]:
+    """List the rows of every supernode: its diagonal block, its edges in the graph, and the rows left by its children."""
     owner = np.repeat(np.arange(first.size - 1), np.diff(first))
     left: list[list[Index]] = [[] for _ in first[1:]]
     rows = []
@@ -185,22 +186,22 @@ def _rows(graph: sp.csr_array, first: Index) -> list[Index]:
     return rows
 
 
-def _ranges(first: Index, count: Index) -> Index:
-    """Ranges of ``count`` numbers from each of ``first`` on, one after another.
+def _concatenated_ranges(first: Index, count: Index) -> Index:
+    """Concatenate ranges of ``count`` consecutive numbers that begin at each of ``first``.
 
-    >>> _ranges(np.array([4, 1]), np.array([3, 2]))
+    >>> _concatenated_ranges(np.array([4, 1]), np.array([3, 2]))
     array([4, 5, 6, 1, 2])
     """
     ends = np.cumsum(count)
     return np.arange(ends[-1] if ends.size else 0) + np.repeat(first - ends + count, count)
 
 
-#: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.
+#: Columns of a front that are added at once; half as many rows above the diagonal are added needlessly.
 WIDTH = 64
 
 
-class Update(NamedTuple):
-    """Contribution of a front to its parent."""
+class FrontUpdate(NamedTuple):
+    """Contribution of an eliminated front to the front of its parent."""
 
     #: Rows of the supernode.
     rows: Index
@@ -212,8 +213,8 @@ class Update(NamedTuple):
     loads: Array
 
 
-class Eliminated(NamedTuple):
-    """An eliminated front."""
+class EliminatedFront(NamedTuple):
+    """Front of a supernode after its elimination: the factor's columns of its pivots."""
 
     #: Rows, its pivots first.
     rows: Index
@@ -228,12 +229,12 @@ class Eliminated(NamedTuple):
 
 
 def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
-    """Compute B^T K^-1 B front by front.
+    """Compute B^T K^-1 B by multifrontal elimination, without storing the factor of K.
 
     Parameters
     ----------
     K : (n, n) sparse array
-        Symmetric positive definite, stored whole.
+        Symmetric positive definite matrix, both triangles stored.
     B : (n, m) sparse array
         Loads.
     nodes : Supernodes
@@ -250,26 +251,26 @@ def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array
         K is not positive definite.
     """
     total = np.zeros((B.shape[1], B.shape[1]))
-    for front in _eliminated(K, B, nodes):
+    for front in _eliminate_fronts(K, B, nodes):
         if front.border.size:
             total[np.ix_(front.border, front.border)] += front.share @ front.share.T
     return total
 
 
 def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Array]:
-    """Factor a matrix front by front.
+    """Factorise a matrix by multifrontal elimination.
 
     Parameters
     ----------
     K : (n, n) sparse array
-        Symmetric positive definite, stored whole.
+        Symmetric positive definite matrix, both triangles stored.
     nodes : Supernodes
         Symbolic factor of K.
 
     Returns
     -------
     callable
-        Solution of K x = rhs, of shape ``(n,)`` or ``(n, k)``; keeps the factor in memory.
+        Function that solves K x = rhs, of shape ``(n,)`` or ``(n, k)``; it holds the factor in memory.
 
     Raises
     ------
@@ -277,7 +278,7 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
         K is not positive definite.
     """
     size = K.shape[0]
-    fronts = list(_eliminated(K, sp.csr_array((size, 0)), nodes))
+    fronts = list(_eliminate_fronts(K, sp.csr_array((size, 0)), nodes))
 
     def solve(rhs: Array) -> Array:
         x = rhs[nodes.order].reshape(size, -1)
@@ -295,25 +296,28 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
     return solve
 
 
-def _eliminated(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[Eliminated]:
-    """Fronts of K with columns of B as borders, one after another. Raises ArithmeticError as `gram_by_fronts` does."""
+def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[EliminatedFront]:
+    """Eliminate the fronts of K, bordered by columns of B, and yield them one by one.
+
+    Raises ArithmeticError if K is not positive definite.
+    """
     place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
     place[nodes.order] = np.arange(K.shape[0])
     owner = np.repeat(np.arange(nodes.first.size - 1), np.diff(nodes.first))
-    waiting: dict[int, list[Update]] = {}
+    waiting: dict[int, list[FrontUpdate]] = {}
     for k in range(nodes.first.size - 1):
         low, high = int(nodes.first[k]), int(nodes.first[k + 1])
         count, freedoms = high - low, nodes.order[low:high]
         rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
         local[rows] = np.arange(rows.size)
         children = waiting.pop(k, [])
-        loaded, load_of, loads = _entries(B, freedoms)
+        loaded, load_of, loads = _sparse_entries(B, freedoms)
         border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
         left = rows.size - count
         panel, block, bordering = (
             np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
         )
-        coupled, column, stiffness = _entries(K, freedoms)
+        coupled, column, stiffness = _sparse_entries(K, freedoms)
         at = place[coupled]
         kept = at >= low
         panel[local[at[kept]], column[kept]] = stiffness[kept]
@@ -321,19 +325,19 @@ def _eliminated(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator
         for child in children:
             down = local[child.rows]
             split = int(np.searchsorted(down, count))
-            _add_lower(panel, down, child.block[:, :split])
-            _add_lower(block, down[split:] - count, child.block[split:, split:])
+            _add_lower_triangle(panel, down, child.block[:, :split])
+            _add_lower_triangle(block, down[split:] - count, child.block[split:, split:])
             if child.border.size:
                 bordering[np.ix_(np.searchsorted(border, child.border), down)] += child.loads
         children.clear()
-        done, update = _eliminate(panel, block, bordering, rows, border)
+        done, update = _eliminate_front(panel, block, bordering, rows, border)
         if left:
             waiting.setdefault(int(owner[rows[count]]), []).append(update)
         yield done
 
 
-def _entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
-    """Entries of some columns of a csc matrix, or rows of a csr one: row or column, place in ``lines``, value."""
+def _sparse_entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
+    """List the entries of some columns of a csc matrix, or rows of a csr one: row or column, place in ``lines``, value."""
     begin = A.indptr[lines]
     count = A.indptr[lines + 1] - begin
     of = np.repeat(np.arange(lines.size), count)
@@ -341,10 +345,10 @@ def _entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index
     return A.indices[at].astype(np.int64), of, A.data[at]
 
 
-def _add_lower(target: Array, places: Index, block: Array) -> None:
-    """Add the first columns of a child's block, from the diagonal down, to an array in Fortran order.
+def _add_lower_triangle(target: Array, places: Index, block: Array) -> None:
+    """Add the lower triangle of the first columns of a child's block to an array in Fortran order.
 
-    places: rows of the array, and as many of its columns; ``WIDTH`` columns are added at once.
+    places: rows of the array, and as many of its columns. ``WIDTH`` columns are added at once.
     """
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
@@ -352,8 +356,10 @@ def _add_lower(target: Array, places: Index, block: Array) -> None:
         np.add.at(flat, (start[k : k + strip.shape[1], None] + places[k:]).ravel(), strip.ravel(order="F"))
 
 
-def _eliminate(panel: Array, block: Array, bordering: Array, rows: Index, border: Index) -> tuple[Eliminated, Update]:
-    """Eliminate the pivots of a front from the block of its other rows and from its border, both in place.
+def _eliminate_front(
+    panel: Array, block: Array, bordering: Array, rows: Index, border: Index
+) -> tuple[EliminatedFront, FrontUpdate]:
+    """Eliminate the pivots of a front: update the block of its other rows and its border, both in place.
 
     panel: ``(rows, pivots)``; bordering: ``(columns of B, rows)``.
     """
@@ -368,7 +374,7 @@ def _eliminate(panel: Array, block: Array, bordering: Array, rows: Index, border
     if share.size:
         share = dtrsm(1.0, L, share, side=1, lower=1, trans_a=1, overwrite_b=1)
         loads = dgemm(-1.0, share, below, 1.0, loads, trans_b=1, overwrite_c=1) if below.size else loads
-    return Eliminated(rows, border, L, below, share), Update(rows[count:], border, block, loads)
+    return EliminatedFront(rows, border, L, below, share), FrontUpdate(rows[count:], border, block, loads)
 
 
 T = TypeVar("T")
@@ -377,27 +383,27 @@ Solve = Callable[[Array], Array]
 
 SMALL = 3_000
 
-"""Degrees of freedom below which SuperLU is as fast as anything for one right-hand side."""
+"""Degrees of freedom below which SuperLU is as fast as multifrontal elimination for one right-hand side."""
 
 FEW = 100_000
 
-"""Entries of all right-hand sides below which SuperLU is as fast for them."""
+"""Entries of all right-hand sides below which SuperLU is as fast as multifrontal elimination for them."""
 
 SINGULAR = 1e13
 
-"""Response of the matrix scaled to a unit diagonal to a unit load, above which it counts as singular."""
+"""Response to a unit load, of the matrix scaled to a unit diagonal, above which the matrix counts as singular."""
 
 CHECKED = 1e-5
 
-"""Largest relative error of a known solution by fronts: soft bodies lose up to half the digits."""
+"""Largest relative error of a known solution by multifrontal elimination: soft bodies lose up to half the digits."""
 
 
 class FactorError(ArithmeticError):
-    """Error of a matrix that cannot be factored: not positive definite, or singular to working precision."""
+    """Error of a matrix that cannot be factorised: not positive definite, or singular to working precision."""
 
 
 def factor(K: sp.sparray) -> Solve:
-    """Factor a symmetric positive definite matrix; only its symmetry is not checked.
+    """Factorise a symmetric positive definite matrix. Its definiteness is checked, its symmetry is not.
 
     Parameters
     ----------
@@ -407,7 +413,7 @@ def factor(K: sp.sparray) -> Solve:
     Returns
     -------
     callable
-        Solution of K x = rhs, of shape ``(n,)`` or ``(n, k)``.
+        Function that solves K x = rhs, of shape ``(n,)`` or ``(n, k)``.
 
     Raises
     ------
@@ -420,15 +426,19 @@ def factor(K: sp.sparray) -> Solve:
     [1.0, 0.5]
     """
     matrix = sp.csc_array(K)
-    diagonal = _diagonal(matrix)
+    diagonal = _positive_diagonal(matrix)
     by_fronts = matrix.shape[0] > SMALL
-    solve = _positive(lambda: factor_by_fronts(matrix, supernodes(matrix))) if by_fronts else _splu(matrix)
+    solve = (
+        _run_elimination(lambda: factor_by_fronts(matrix, symbolic_factor(matrix)))
+        if by_fronts
+        else _superlu_solver(matrix)
+    )
     _check_response(solve, diagonal)
     return solve
 
 
 def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
-    """Compliance rows K^-1 rows^T of a constrained body, made exactly symmetric.
+    """Compute the compliance rows K^-1 rows^T of a constrained body, made exactly symmetric.
 
     Parameters
     ----------
@@ -452,16 +462,16 @@ def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
     >>> compliance(sp.csc_array(np.diag([2.0, 4.0])), sp.csr_array(np.eye(2))).tolist()
     [[0.5, 0.0], [0.0, 0.25]]
     """
-    F = gram(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
+    F = gram_of_inverse(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
     return np.asarray(0.5 * (F + F.T))
 
 
-def gram(K: sp.sparray, B: sp.sparray) -> Array:
-    """Compute B^T K^-1 B, front by front without storing the factor where K is large.
+def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
+    """Compute B^T K^-1 B, for a large K without storing its factor.
 
-    Checked by one more column, K x for a known x, whose solution is x. Where that fails, a warning says so, and the
-    factor is stored whole and solved with column by column: it names the fault of the matrix. Up to `SMALL` degrees of
-    freedom and `FEW` entries of B this is done without a warning.
+    The result is checked by an additional column K x with a known solution x. If the check fails, a warning is given,
+    and the whole factor is stored and solved with; that factorisation reports what is wrong with the matrix. Small
+    problems, up to `SMALL` degrees of freedom and `FEW` entries of B, are solved by the whole factor without a warning.
 
     Parameters
     ----------
@@ -481,54 +491,54 @@ def gram(K: sp.sparray, B: sp.sparray) -> Array:
         As `factor`.
     """
     inner, columns = sp.csc_array(K), sp.csc_array(B)
-    diagonal = _diagonal(inner)
+    diagonal = _positive_diagonal(inner)
     if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
         loads = sp.hstack([columns, sp.csc_array((inner @ known)[:, None])]).tocsr()
-        solved = _positive(lambda: gram_by_fronts(inner, loads, supernodes(inner)))
+        solved = _run_elimination(lambda: gram_by_fronts(inner, loads, symbolic_factor(inner)))
         answer = columns.T @ known
         off = np.linalg.norm(solved[:-1, -1] - answer)
         if off <= CHECKED * np.linalg.norm(answer):
             return np.asarray(solved[:-1, :-1])
-        missed = f"a known answer is missed by {off / np.linalg.norm(answer):.1g} front by front"
-        message = f"{missed}; the factor is held whole, in several times the memory and time"
+        missed = f"multifrontal elimination misses a known solution by {off / np.linalg.norm(answer):.1g} of its norm"
+        message = f"{missed}; the whole factor is stored instead, which takes several times the memory and time"
         warnings.warn(message, RuntimeWarning, stacklevel=3)
     return np.asarray(columns.T @ factor(inner)(columns.toarray()))
 
 
-def _diagonal(matrix: sp.csc_array) -> Array:
-    """Diagonal of the matrix; raises FactorError unless all of it is positive."""
+def _positive_diagonal(matrix: sp.csc_array) -> Array:
+    """Return the diagonal of a matrix; raise FactorError unless all of it is positive."""
     diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
         bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
-        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node no cell uses?)")
+        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node of no cell?)")
     return diagonal
 
 
 def _check_response(solve: Solve, diagonal: Array) -> None:
-    """Raise FactorError when the factor belongs to a matrix that is singular to working precision."""
+    """Raise FactorError if the response to a random load shows that the matrix is singular to working precision."""
     root = np.sqrt(diagonal)
     load = np.random.default_rng(1).standard_normal(len(root))
     with np.errstate(all="ignore"):
         response = root * solve(root * load)
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
-        raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body held?")
+        raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body fixed?")
 
 
-def _positive(eliminate: Callable[[], T]) -> T:
-    """Run an elimination; report its breakdown as a FactorError."""
+def _run_elimination(eliminate: Callable[[], T]) -> T:
+    """Run an elimination and report its breakdown as a FactorError."""
     try:
         return eliminate()
     except ArithmeticError as error:
         raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
 
 
-def _splu(matrix: sp.csc_array) -> Solve:
+def _superlu_solver(matrix: sp.csc_array) -> Solve:
     try:
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
-        raise FactorError(f"not positive definite: SuperLU says {error}") from error
+        raise FactorError(f"not positive definite: SuperLU reports {error}") from error
     if not (np.array_equal(lu.perm_r, lu.perm_c) and np.all(lu.U.diagonal() > 0.0)):
         raise FactorError("not positive definite: SuperLU met a pivot that is not positive")
     return lambda rhs: np.asarray(lu.solve(rhs))

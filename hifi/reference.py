@@ -1,9 +1,9 @@
-"""3D elastic-contact reference of a ball screw or bearing: the contacts of all balls of a prepared geometry.
+"""3D elastic-contact reference of a ball screw or bearing: solution of the contacts of all balls of a prepared geometry.
 
-Contact is unilateral and frictionless on matching grids of ball and groove, the balls' rigid motions free. The pressure
+Contact is unilateral and frictionless on matching grids of ball and groove; the balls' rigid motions are free. The pressure
 is bilinear on the grid (`hifi.elements.forms`), and the mean of the gap over each of its basis functions may not be
-negative. Gaps are exact distances from the ball's centre; directions and gaps follow the motion of ball and groove to
-convergence.
+negative. Gaps are exact distances from the ball's centre. Contact normals and gaps follow the motion of ball and groove,
+and are updated until the loads no longer change.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.hifi.contact.balls import ContactResult, State, solve_balls
+from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_balls
 from rollbench.hifi.coupling import (
     PlacedSet,
-    along_track,
-    compliance_of,
-    directions_matrix,
-    expected_touch,
-    modal_motion,
-    mounted_screw,
-    node_arms,
-    pressure_means,
-    relative_motion,
-    rigid_rows,
-    wave_gaps,
+    assemble_compliance,
+    average_over_pressure_functions,
+    ball_motion_relative_to_grooves,
+    expected_touching_nodes,
+    gap_closing_matrix,
+    grid_gap_corrections,
+    helical_direction,
+    mount_screw,
+    normal_motion_of_nodes,
+    rigid_body_normal_motion,
+    vectors_to_groove_nodes,
 )
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import Frame
-from rollbench.hifi.shaft.mounting import Mounted
+from rollbench.hifi.shaft.mounting import MountedShaft
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.parts import Scene
@@ -51,13 +51,13 @@ AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too
 SLOW = 5.0
 #: Parts of the reference model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
-#: Motion of balls and grooves that stay in their nominal places (`relative_motion`).
-_NOWHERE = np.zeros((1, 1, 3)), np.zeros((1, 1))
+#: Motion of balls and grooves that stay in their nominal positions (`ball_motion_relative_to_grooves`).
+_NO_MOTION = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Solution of the 3D reference, of n balls, set after set."""
+    """Solution of the 3D reference for n balls, ordered by nut or bearing."""
 
     #: "converged", or why not.
     status: str
@@ -65,35 +65,35 @@ class ReferenceResult:
     load: Array
     #: Contact angles ``(n, 4)`` [rad]; not a number where open.
     contact_angle: Array
-    #: Loads with directions and gaps frozen at the nominal state ``(n, 4)`` [N]; None where not asked for.
+    #: Contact loads with normals and gaps frozen at the nominal state ``(n, 4)`` [N]; None if not requested.
     frozen: Array | None
-    #: Stations of the centreline ``(s,)`` [m].
+    #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
     stations: Array
     #: Motion of the centreline ``(s, 6)`` [m, rad].
     centreline: Array
     #: Motion of the housings that can move ``(h, 6)`` [m, rad].
     housings: Array
-    #: Force of each set on the shaft and moment about its nut's centre ``(6,)`` [N, N m].
+    #: Force of each nut or bearing on the shaft and moment about its centre ``(6,)`` [N, N m].
     on_shaft: tuple[Array, ...]
-    #: Shift of each set's nut [m].
+    #: Axial shift of each nut relative to its housing [m].
     offsets: tuple[float, ...]
     #: Forces and gaps of all contact pairs.
     contact: ContactResult
-    #: Flanks (0 to 3) that may touch.
+    #: Flanks (0 to 3) whose contacts may close.
     sides: tuple[int, ...]
-    #: Contact normals of each set ``(balls, nodes, 3)``.
+    #: Contact normals of each nut or bearing ``(balls, nodes, 3)``.
     directions: tuple[Array, ...]
     #: Largest unbalanced force on a ball, over the largest load.
     balance: float
     #: Largest unbalanced force on a ball along its groove, over the largest load.
     along_groove: float
-    #: Unbalanced force on shaft and housings where they are free, over the largest load.
+    #: Unbalanced force on shaft and housings along their free motions, over the largest load.
     screw_balance: float
     #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
     #: Time of the solution [s].
     seconds: float
-    #: Updates of directions and gaps.
+    #: Number of updates of normals and gaps.
     updates: int
     #: Possible remaining change of a load by further updates [N], if the loads did not settle; else 0.
     moving: float
@@ -109,7 +109,7 @@ def solve_reference(
     frozen: bool = False,
     step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
-    """Solve a load case or error pattern of a prepared geometry.
+    """Solve the contacts of a prepared geometry for one load case or pattern of manufacturing errors.
 
     Parameters
     ----------
@@ -118,49 +118,50 @@ def solve_reference(
     scene : Scene
         The load case.
     updates : int, default ROUNDS
-        Largest number of updates of directions and gaps; 0: frozen at the nominal state, gaps follow only the
-        correction for the grid.
+        Largest number of updates of normals and gaps; 0: both stay frozen at the nominal state, but for the correction
+        of the gaps for the mesh grid.
     sides : tuple[int, ...] | None, default None
-        Flanks that may touch; None: all prepared ones.
+        Flanks whose contacts may close; None: all prepared ones.
     leave_out : frozenset[str], optional
-        Some of `INGREDIENTS`.
+        Parts of the model to leave out, of `INGREDIENTS`.
     frozen : bool, default False
-        Whether to find the frozen loads too, from the round that both have in common.
+        Whether to compute the contact loads with frozen normals and gaps as well; both solutions share the first round.
     step : Callable[[str], None], optional
-        Called with the progress of a solution that takes long.
+        Called with a progress text while a solution takes long.
 
     Returns
     -------
     ReferenceResult
-        The solution; failure is in its ``status``.
+        The solution; its ``judge_convergence`` tells whether it converged.
 
     Raises
     ------
     ValueError
-        Unknown ingredients.
+        ``leave_out`` contains an unknown name.
     """
     if leave_out - set(INGREDIENTS):
-        raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
+        unknown = sorted(leave_out - set(INGREDIENTS))
+        raise ValueError(f"unknown parts of the model to leave out: {unknown}; allowed: {', '.join(INGREDIENTS)}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
-    case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
-    return case.end(updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
+    case = LoadCase((placed,), Frame.from_scene(scene), mount_screw(setup, scene, leave_out), leave_out)
+    return case.solve(updates or ROUNDS, slow_round_reporter(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
-class Round(NamedTuple):
-    """Contacts for given places of balls and grooves."""
+class ContactRound(NamedTuple):
+    """Solution of all contacts for given positions of balls and grooves: one round of a `LoadCase`."""
 
     #: Forces, gaps and rigid motions.
     result: ContactResult
     #: State from which the next round starts.
-    state: State
-    #: Normals of each set ``(balls, n, 3)``.
+    state: SolverState
+    #: Contact normals of each nut or bearing ``(balls, n, 3)``.
     directions: list[Array]
-    #: Motion along them by the rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``, of each set.
-    rigid_rows: list[Array]
+    #: Motion of the nodes along their normals by rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``.
+    rigid_normal_motion: list[Array]
     #: Motion of all nodes along their normals by the unconstrained rigid motions ``(pairs, k)``.
     by_rigid: Array
-    #: Contact forces of each set ``(balls, n)`` [N].
+    #: Contact forces of each nut or bearing ``(balls, n)`` [N].
     forces: list[Array]
     #: Loads of all balls ``(balls, 4)`` [N].
     load: Array
@@ -168,81 +169,86 @@ class Round(NamedTuple):
     angle: Array
 
 
-class Case:
-    """A load case of prepared geometries on one shaft, solved round by round."""
+class LoadCase:
+    """Load case of prepared geometries on one shaft, solved in rounds that update contact normals and gaps."""
 
     def __init__(
-        self, sets: Sequence[PlacedSet], frame: Frame, mounted: Mounted, leave_out: frozenset[str] = frozenset()
+        self, sets: Sequence[PlacedSet], frame: Frame, mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
     ) -> None:
-        """Begin a case.
+        """Prepare the compliance, errors and directions of a load case.
 
         Parameters
         ----------
         sets : Sequence[PlacedSet]
-            Sets on the shaft.
+            Nuts or bearings on the shaft.
         frame : Frame
             Supports, loads and housings.
         mounted : Mounted
-            The mounted stretches.
+            The stretches of the shaft, mounted.
         leave_out : frozenset[str], optional
             As for `solve_reference`.
         """
         self.sets, self.frame, self.mounted = sets, frame, mounted
-        self.C, self.rows = compliance_of(sets, mounted, leave_out)
+        self.C, self.rows = assemble_compliance(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
         self.at_rest = np.zeros(self.rows.size)
         self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
         drawn = [specimen(p.scene, p.setup.layout) for p in sets]
         self.radii = [d.ball_radius for d in drawn]
-        self.arms = [node_arms(p, d) for p, d in zip(sets, drawn, strict=True)]
-        self.along = [along_track(p) for p in sets]
-        self.load_motion = modal_motion(self.C, self.at_rest)
-        self.balls = sum(p.count for p in sets)
+        self.arms = [vectors_to_groove_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
+        self.along = [helical_direction(p) for p in sets]
+        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
+        self.balls = sum(p.ball_count for p in sets)
 
-    def first(self) -> Round:
-        """Contacts with balls and grooves in their nominal places."""
-        return self._round([_NOWHERE for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets], None)
+    def solve_first_round(self) -> ContactRound:
+        """Solve the contacts with balls and grooves in their nominal positions."""
+        return self._solve_round([_NO_MOTION for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets], None)
 
-    def after(self, last: Round, *, moving: bool) -> Round:
-        """Contacts in the places of the last round.
+    def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
+        """Solve the contacts with normals and gaps updated by the motions of the last round.
 
         Parameters
         ----------
         last : Round
             The last round.
         moving : bool
-            Whether normals follow the motion, or only gaps the correction for the grid.
+            True: normals and gaps follow the motion; False: only the gaps are corrected for the mesh grid.
 
         Returns
         -------
         Round
             The next round.
         """
-        moved = [_NOWHERE for _ in self.sets]
+        moved = [_NO_MOTION for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
-            along = self.split(modal_motion(self.C, z) + last.by_rigid @ self.rigid(last))
+            along = self.split_by_set(normal_motion_of_nodes(self.C, z) + last.by_rigid @ self.rigid_amplitudes(last))
             each = zip(self.sets, self.ball_motions(last), along, last.directions, strict=True)
-            moved = [relative_motion(*of_set) for of_set in each]
-        level = [wave_gaps(*of_set) for of_set in zip(self.sets, last.forces, last.directions, strict=True)]
-        return self._round(moved, level, last.state)
+            moved = [ball_motion_relative_to_grooves(*of_set) for of_set in each]
+        level = [grid_gap_corrections(*of_set) for of_set in zip(self.sets, last.forces, last.directions, strict=True)]
+        return self._solve_round(moved, level, last.state)
 
-    def rigid(self, last: Round) -> Array:
-        """Amplitudes ``(k,)`` of the unconstrained rigid motions."""
+    def rigid_amplitudes(self, last: ContactRound) -> Array:
+        """Return the amplitudes ``(k,)`` of the unconstrained rigid motions of shaft and housings."""
         return last.result.motions[3 * self.balls :]
 
-    def ball_motions(self, last: Round) -> list[Array]:
-        """Displacements of the balls of each set ``(balls, 3)`` [m]."""
-        ends = np.cumsum([p.count for p in self.sets])[:-1]
+    def ball_motions(self, last: ContactRound) -> list[Array]:
+        """Return the displacements of the balls of each nut or bearing ``(balls, 3)`` [m]."""
+        ends = np.cumsum([p.ball_count for p in self.sets])[:-1]
         return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
 
-    def split(self, pairs: Array) -> list[Array]:
-        """Values of each set ``(balls, n)`` from those of all pairs."""
-        ends = np.cumsum([p.count * p.nodes for p in self.sets])[:-1]
-        return [of_set.reshape(p.count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
+    def split_by_set(self, pairs: Array) -> list[Array]:
+        """Split values at all contact nodes by nut or bearing, each ``(balls, n)``."""
+        ends = np.cumsum([p.ball_count * p.nodes_per_ball for p in self.sets])[:-1]
+        return [of_set.reshape(p.ball_count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
-    def _round(self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: State | None) -> Round:
-        """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
+    def _solve_round(
+        self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: SolverState | None
+    ) -> ContactRound:
+        """Solve the contacts for motions of the balls from their grooves and for corrections ``level`` of the gaps [m].
+
+        moved: for each nut or bearing, the motion across and along the track (`ball_motion_relative_to_grooves`).
+        """
         directions, by_rigid, rests, touching = [], [], [], []
         for k, (p, (shift, slid)) in enumerate(zip(self.sets, moved, strict=True)):
             arms = self.arms[k] - shift
@@ -250,34 +256,39 @@ class Case:
             normals = arms / length[..., None]
             back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(pressure_means(p, self._rigid_rows(p, normals)))
-            gap = pressure_means(p, gap)
-            directions.append(pressure_means(p, normals))
+            by_rigid.append(average_over_pressure_functions(p, self._rigid_normal_motion(p, normals)))
+            gap = average_over_pressure_functions(p, gap)
+            directions.append(average_over_pressure_functions(p, normals))
             rests.append((gap + level[k]).ravel())
-            touching += list(expected_touch(p, gap)) if start is None else []
+            touching += list(expected_touching_nodes(p, gap)) if start is None else []
         motions = self.mounted.motions
         free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
-        N = directions_matrix(directions, free_motions)
+        N = gap_closing_matrix(directions, free_motions)
         result, state = solve_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
-        forces = self.split(result.forces)
-        resultants = [_loads(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
+        forces = self.split_by_set(result.forces)
+        resultants = [_contact_loads_and_angles(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
-        return Round(result, state, directions, by_rigid, free_motions, forces, load, angle)
+        return ContactRound(result, state, directions, by_rigid, free_motions, forces, load, angle)
 
-    def _rigid_rows(self, p: PlacedSet, normals: Array) -> Array:
-        """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
+    def _rigid_normal_motion(self, p: PlacedSet, normals: Array) -> Array:
+        """Compute the motion of contact nodes along their normals by unit rigid motions of shaft and housings.
+
+        The result is ``(balls, n, 6 (1 + h))`` for h housings.
+        """
         out = np.zeros((*normals.shape[:2], len(self.mounted.motions)))
-        out[..., :6] = rigid_rows(p, normals, self.mounted.origin, screw=True)
+        out[..., :6] = rigid_body_normal_motion(p, normals, self.mounted.origin, screw=True)
         if p.housing is not None:
             first, at = 6 + 6 * p.housing, self.frame.housings[p.housing].at
-            out[..., first : first + 6] = rigid_rows(p, normals, at, screw=False)
+            out[..., first : first + 6] = rigid_body_normal_motion(p, normals, at, screw=False)
         return out
 
-    def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:
-        """Repeat rounds until the loads no longer change.
+    def repeat_rounds(
+        self, last: ContactRound, most: int, step: Callable[[int], None], *, moving: bool
+    ) -> tuple[ContactRound, int, float]:
+        """Repeat rounds until the contact loads no longer change.
 
         Parameters
         ----------
@@ -288,7 +299,7 @@ class Case:
         step : Callable[[int], None]
             Called with the number of each round.
         moving : bool
-            As for `after`.
+            As for `solve_next_round`.
 
         Returns
         -------
@@ -297,20 +308,20 @@ class Case:
         updates : int
             Number of updates.
         left : float
-            What further rounds may change of any load [N].
+            Largest change of any load that further rounds may cause [N].
         """
         loads = [last.load]
         for done in range(most + 1):
-            left = left_over(loads)
-            if not last.result.converged or left <= SETTLED * _mean(last.load) or done == most:
+            left = remaining_load_change(loads)
+            if not last.result.converged or left <= SETTLED * _mean_load(last.load) or done == most:
                 break
             step(done + 2)
-            last = self.after(last, moving=moving)
+            last = self.solve_next_round(last, moving=moving)
             loads = [*loads[-2:], last.load]
         return last, done, left
 
-    def status(self, last: Round, updates: int, left: float) -> tuple[str, float]:
-        """Status of a solution.
+    def judge_convergence(self, last: ContactRound, updates: int, left: float) -> tuple[str, float]:
+        """Judge whether a solution has converged.
 
         Parameters
         ----------
@@ -319,26 +330,26 @@ class Case:
         updates : int
             Number of updates.
         left : float
-            What further rounds may change of any load [N].
+            Largest change of any load that further rounds may cause [N].
 
         Returns
         -------
         status : str
             "converged", or why not.
         moving : float
-            ``left`` where the loads did not settle, else 0 [N].
+            ``left`` if the loads still change, else 0 [N].
         """
         if not last.result.converged:
             return last.result.status, 0.0
-        if any(_at_rim(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
+        if any(_presses_on_rim(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
             return AT_RIM, 0.0
-        if left > SETTLED * _mean(last.load):
-            words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
-            return f"not settled: {words}", left
+        if left > SETTLED * _mean_load(last.load):
+            left_words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
+            return f"not settled: {left_words}", left
         return "converged", 0.0
 
-    def centreline(self, last: Round) -> tuple[Array, Array, Array]:
-        """Motion of the shaft's centreline and of the housings.
+    def shaft_motion(self, last: ContactRound) -> tuple[Array, Array, Array]:
+        """Compute the motion of the shaft's centreline and of the housings.
 
         Parameters
         ----------
@@ -348,13 +359,13 @@ class Case:
         Returns
         -------
         stations : (s,) Array
-            Stations from left to right [m].
+            Axial positions from left to right [m].
         motions : (s, 6) Array
             Motion of the centreline [m, rad].
         housings : (h, 6) Array
             Motion of the housings [m, rad].
         """
-        m, z, rigid = self.mounted, np.array(self.mounted.stations), self.mounted.motions @ self.rigid(last)
+        m, z, rigid = self.mounted, np.array(self.mounted.stations), self.mounted.motions @ self.rigid_amplitudes(last)
         # contact loads press on the grooves: along the normals counted from ball to groove
         forces, rows = self.C.amplitude(last.result.forces)[self.on_mounted], self.rows[self.on_mounted]
         line = m.line + m.line_modes[:, :, rows] @ forces
@@ -363,8 +374,8 @@ class Case:
         z, first = np.unique(z, return_index=True)
         return z, line[first], housings
 
-    def unbalanced(self, last: Round) -> tuple[float, float, float]:
-        """Largest unbalanced forces over the largest load.
+    def unbalanced_forces(self, last: ContactRound) -> tuple[float, float, float]:
+        """Compute the largest unbalanced forces over the largest contact load.
 
         Parameters
         ----------
@@ -374,11 +385,11 @@ class Case:
         Returns
         -------
         ball : float
-            On a ball.
+            Force on a ball.
         along : float
-            On a ball, along its groove.
+            Force on a ball along its groove.
         rigid : float
-            On shaft and housings, by their unconstrained rigid motions.
+            Force on shaft and housings along their unconstrained rigid motions.
         """
         nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
         along = [net @ p.setup.map.axes()[1] for p, net in zip(self.sets, nets, strict=True)]
@@ -387,16 +398,16 @@ class Case:
         largest = max(float(last.load.max()), 1e-300)
         return a / largest, b / largest, c / largest
 
-    def on_shaft(self, last: Round) -> tuple[Array, ...]:
-        """Force of each set on the shaft and moment about the nut's centre ``(6,)`` [N, N m]."""
+    def forces_on_shaft(self, last: ContactRound) -> tuple[Array, ...]:
+        """Compute the force of each nut or bearing on the shaft and its moment about the nut's centre ``(6,)`` [N, N m]."""
         arms = [self.mounted.origin - p.shift - p.setup.scene.nut.position for p in self.sets]
-        each = zip(arms, last.rigid_rows, last.forces, strict=True)
+        each = zip(arms, last.rigid_normal_motion, last.forces, strict=True)
         return tuple(transport(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each)
 
-    def end(
+    def solve(
         self, most: int, report: Callable[[int], None] = lambda _: None, *, moving: bool = True, frozen: bool = False
     ) -> ReferenceResult:
-        """Solve the case until its loads no longer change.
+        """Solve the load case until its contact loads no longer change.
 
         Parameters
         ----------
@@ -405,9 +416,9 @@ class Case:
         report : Callable[[int], None], optional
             Called with the number of each round.
         moving : bool, default True
-            As for `after`.
+            As for `solve_next_round`.
         frozen : bool, default False
-            Whether to find the frozen loads too.
+            As for `solve_reference`.
 
         Returns
         -------
@@ -416,13 +427,13 @@ class Case:
         """
         begin = perf_counter()
         report(1)
-        first = self.first()
-        last, done, left = self.settled(first, most, report, moving=moving)
+        first = self.solve_first_round()
+        last, done, left = self.repeat_rounds(first, most, report, moving=moving)
         seconds = perf_counter() - begin
-        still = self.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
-        status, may_move = self.status(last, done, left)
-        stations, centreline, housings = self.centreline(last)
-        balance, along_groove, screw_balance = self.unbalanced(last)
+        still = self.repeat_rounds(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
+        status, may_move = self.judge_convergence(last, done, left)
+        stations, centreline, housings = self.shaft_motion(last)
+        balance, along_groove, screw_balance = self.unbalanced_forces(last)
         return ReferenceResult(
             status=status,
             load=last.load,
@@ -431,7 +442,7 @@ class Case:
             stations=stations,
             centreline=centreline,
             housings=housings,
-            on_shaft=self.on_shaft(last),
+            on_shaft=self.forces_on_shaft(last),
             offsets=tuple(p.offset for p in self.sets),
             contact=last.result,
             sides=tuple(sorted({s for p in self.sets for s in p.sides})),
@@ -446,8 +457,8 @@ class Case:
         )
 
 
-def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """Make a callback that reports each round of a solution that takes longer than `SLOW`."""
+def slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
+    """Make a callback that reports each round of a solution that takes longer than `SLOW` seconds."""
 
     def report(number: int) -> None:
         if perf_counter() - begin > SLOW:
@@ -456,11 +467,11 @@ def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[
     return report
 
 
-def left_over(loads: Sequence[Array]) -> float:
-    """Extrapolate how much the rounds to come would change any load.
+def remaining_load_change(loads: Sequence[Array]) -> float:
+    """Extrapolate how much further rounds would change any contact load.
 
-    The remainder of a geometric series: last change x ratio / (1 - ratio), the ratio that of the last two changes;
-    `SLOWEST` where only one change is known.
+    The estimate is the remainder of a geometric series: last change x ratio / (1 - ratio). The ratio is that of the last
+    two changes, or `SLOWEST` if only one change is known.
 
     Parameters
     ----------
@@ -474,7 +485,7 @@ def left_over(loads: Sequence[Array]) -> float:
 
     Examples
     --------
-    >>> round(left_over([np.array([1.0]), np.array([1.5]), np.array([1.75])]), 6)
+    >>> round(remaining_load_change([np.array([1.0]), np.array([1.5]), np.array([1.75])]), 6)
     0.25
     """
     changes = [float(np.abs(b - a).max()) for a, b in pairwise(loads[-3:])]
@@ -484,15 +495,15 @@ def left_over(loads: Sequence[Array]) -> float:
     return changes[-1] * ratio / (1.0 - ratio)
 
 
-def _mean(load: Array) -> float:
-    """Mean load [N] of the contacts that carry any."""
+def _mean_load(load: Array) -> float:
+    """Return the mean load [N] of the contacts that carry load; 0 if none does."""
     return float(load[load > 0.0].mean()) if load.any() else 0.0
 
 
-def _loads(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
-    """Resultant load and contact angle of every contact of a set, ``(balls, 4)`` each."""
+def _contact_loads_and_angles(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
+    """Compute resultant load [N] and contact angle [rad] of every contact of a nut or bearing, ``(balls, 4)`` each."""
     x3, _, z3 = p.setup.map.axes()
-    load, angle = np.zeros((p.count, 4)), np.full((p.count, 4), np.nan)
+    load, angle = np.zeros((p.ball_count, 4)), np.full((p.ball_count, 4), np.nan)
     for nodes, s in p.zones:
         total = (forces[:, nodes, None] * normals[:, nodes]).sum(axis=1)
         load[:, s] = np.linalg.norm(total, axis=1)
@@ -501,7 +512,7 @@ def _loads(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
     return load, angle
 
 
-def _at_rim(p: PlacedSet, forces: Array) -> bool:
-    """Whether any ball of a set presses on the outermost nodes of a contact zone."""
+def _presses_on_rim(p: PlacedSet, forces: Array) -> bool:
+    """Return whether any ball of a nut or bearing presses on the outermost nodes of a contact zone."""
     rim = np.concatenate([p.setup.patches[s].groove.rim for s in p.sides])
     return bool((forces[:, rim] > 0.0).any())

@@ -1,7 +1,8 @@
-"""One geometry of the 3D reference: meshes, condensed patches, and compliance of screw, nut and balls.
+"""Preparation of one geometry of the 3D reference: meshes, condensed patches, and compliance of screw, nut and balls.
 
-Screw, nut and one ball are meshed coarsely with a socket at every contact; one fine patch per flank is condensed exactly
-and fits every socket of that side. All load cases, supports and error patterns of the geometry share this set-up.
+Screw, nut and one ball are meshed coarsely, with a socket (a pocket for a fine patch) at every contact. One fine patch per
+flank is condensed exactly and fits every socket of that flank. All load cases, supports and error patterns of the geometry
+share this set-up.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ from rollbench.hifi.condensation import (
     SidePatches,
     ball_compliance,
     condense_side,
-    congruent,
+    condense_side_arguments,
+    is_turned_left_flank,
     nut_response,
     screw_response,
-    side_of,
-    turned,
+    turn_to_right_flank,
 )
 from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
-from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
-from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, lengths, meshed_shaft
-from rollbench.hifi.side_by_side import Job, Made, make
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
+from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_ends
+from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, meshed_shaft_flexibility, shaft_lengths
+from rollbench.hifi.side_by_side import ComputedRecord, Job, compute_records
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
@@ -49,7 +50,7 @@ TOGETHER = 160
 
 @dataclass
 class Setup:
-    """Everything of one geometry that load cases share: meshes condensed to compliance matrices."""
+    """Prepared geometry that load cases share: its meshes condensed to compliance matrices."""
 
     #: Scene from which it was prepared.
     scene: Scene
@@ -79,19 +80,19 @@ class Setup:
     unknowns: int
     #: Cells across the contact, smallest scaled Jacobians, largest deviation of the grooves [m].
     quality: dict[str, float]
-    #: Time of every stage [s]; of cached records that when they were computed; of parallel stages their share of the
-    #: clock.
+    #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
+    #: share of the elapsed time.
     seconds: dict[str, float] = field(default_factory=dict)
-    #: Sum of the peaks of memory of the other processes that helped [MB].
+    #: Sum of the memory peaks of the worker processes [MB].
     others_MB: float = 0.0
 
     def body(self, side: int) -> ScrewResponse | NutResponse | None:
-        """Body of the grooves of a flank; None: rigid."""
+        """Return the condensed screw or nut that has a flank (0 to 3); None: a rigid nut."""
         return self.screw if side < 2 else self.nut
 
 
-class _Stages:
-    """Stages of a set-up, with the seconds of each, and the memory of the processes that helped."""
+class _StageRunner:
+    """Runs the stages of a set-up, and records their times and the memory of the worker processes."""
 
     def __init__(self, cache: Cache, step: Step) -> None:
         self.cache, self.step = cache, step
@@ -99,15 +100,15 @@ class _Stages:
         self.others: dict[int, float] = {}
 
     def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
-        """Run jobs; a stage is reported with the seconds of its jobs when the last is done.
+        """Run jobs, and report each stage with the seconds of its jobs when the last of them is done.
 
-        ``seconds`` gets the stage's share of the time that all took.
+        ``seconds`` records the stage's share of the time that all jobs took together.
         """
         start = perf_counter()
-        by_stage: dict[str, list[Made]] = {job.stage: [] for job in jobs}
+        by_stage: dict[str, list[ComputedRecord]] = {job.stage: [] for job in jobs}
         wanted = Counter(job.stage for job in jobs)
 
-        def on_done(k: int, record: Made) -> None:
+        def on_done(k: int, record: ComputedRecord) -> None:
             records = by_stage[jobs[k].stage]
             records.append(record)
             if len(records) == wanted[jobs[k].stage]:
@@ -116,7 +117,7 @@ class _Stages:
                 spent = sum(x.seconds for x in records)
                 self.step(StageDone(jobs[k].stage, f"{spent:.1f} s{origin}", cached=all(cached)))
 
-        done = make(jobs, self.cache, processes, on_done)
+        done = compute_records(jobs, self.cache, processes, on_done)
         share = (perf_counter() - start) / max(sum(record.seconds for record in done), 1e-9)
         for stage, records in by_stage.items():
             self.seconds[stage] = sum((1.0 if record.cached else share) * record.cold_seconds for record in records)
@@ -136,7 +137,7 @@ def prepare(
     cache: Cache | None = None,
     processes: int = 1,
 ) -> Setup:
-    """Mesh and condense one geometry.
+    """Mesh and condense the screw, nut and balls of one geometry.
 
     Parameters
     ----------
@@ -154,7 +155,7 @@ def prepare(
     cache : Cache | None, default None
         Cache of meshes and condensed parts; None: compute everything.
     processes : int, default 1
-        Number of processes that work on meshes, then patches and shaft, then bodies.
+        Number of processes that compute the meshes, then patches and shaft, then bodies.
 
     Returns
     -------
@@ -166,9 +167,9 @@ def prepare(
     ValueError
         A mesh cannot be built.
     MemoryError
-        A process was ended from outside.
+        A worker process was ended from outside.
     """
-    stages = _Stages(cache or Cache(None), step)
+    stages = _StageRunner(cache or Cache(None), step)
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
     stations = tuple(sorted({z for case in (scene, *scenes) for z in case.stations}))
     recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
@@ -176,7 +177,7 @@ def prepare(
     jobs = _patch_jobs(scene, m, dims, meshes, sides, settings)
     records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
-    patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
+    patches = {s: condensed[s] if s in condensed else turn_to_right_flank(condensed[s - 1]) for s in sides}
     section, *meshed = records[len(jobs) :]
     homogenised = homogenise(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
 
@@ -184,7 +185,7 @@ def prepare(
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
     screw, *nuts, ball = stages.run(bodies, together)
     nut: NutResponse | None = nuts[0] if nuts else None
-    screw = _as_the_section(screw, homogenised, m, layout, sides, stations)
+    screw = _correct_screw_stiffness(screw, homogenised, m, layout, sides, stations)
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * layout.z.size
     return Setup(
@@ -201,7 +202,7 @@ def prepare(
         section=homogenised.section if homogenised else section,
         homogenised=homogenised,
         unknowns=unknowns,
-        quality=_quality(meshes, settings),
+        quality=_mesh_quality(meshes, settings),
         seconds=stages.seconds,
         others_MB=sum(stages.others.values()),
     )
@@ -210,20 +211,26 @@ def prepare(
 def _patch_jobs(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, sides: tuple[int, ...], settings: Settings
 ) -> dict[int, Job]:
-    """List the patches of the sides, as jobs; none for a right flank whose patches are those of the left one, turned."""
+    """List the jobs that condense the patches of the flanks.
+
+    A right flank whose patches are those of the left one, turned, has no job.
+    """
     jobs = {}
     for s in sides:
-        alike = s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
+        alike = s - 1 in sides and settings.element == "Q2" and is_turned_left_flank(m, s) and _sockets_match(meshes, s)
         if not alike:
-            jobs[s] = Job("patches", condense_side, side_of(scene, m, dims, meshes, s, settings), SidePatches)
+            jobs[s] = Job(
+                "patches", condense_side, condense_side_arguments(scene, m, dims, meshes, s, settings), SidePatches
+            )
     return jobs
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m].
+    """List the jobs that compute the section of the shaft beyond the 3D stretch; ``stations``: supports and loads [m].
 
-    Its section, or stiffnesses of the helical section and three meshed shafts for `homogenise`, by what they depend on,
-    so that other nuts and loads find them in the cache. Where no station lies beyond the stretch any section will do.
+    They compute a plain section, or the stiffnesses of the helical section and three meshed shafts for `homogenise`. Their
+    arguments are only those that the result depends on, so that other nuts and loads find them in the cache. If no support
+    or load lies beyond the stretch, any section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
@@ -233,8 +240,10 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     if plain is not None:
         return [section_job(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
     if m.rg == 0.0:
-        return [section_job(tube, (outer, bore, e), ShaftSection)]
-    meshed = [section_job(meshed_shaft, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in lengths(m)]
+        return [section_job(tube_section, (outer, bore, e), ShaftSection)]
+    meshed = [
+        section_job(meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in shaft_lengths(m)
+    ]
     return [section_job(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
 
 
@@ -248,7 +257,7 @@ def _body_jobs(
     patches: dict[int, SidePatches],
     stations: tuple[float, ...],
 ) -> list[Job]:
-    """Screw, nut (where it is elastic) and ball, as jobs; stations of supports and loads [m]."""
+    """List the jobs that condense the screw, an elastic nut and a ball; ``stations``: supports and loads [m]."""
     screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends(scene)
     inside = tuple(z for z in stations if ends[0] < z < ends[1])
     on_screw = {s: p.groove for s, p in patches.items() if s < 2}
@@ -263,7 +272,7 @@ def _body_jobs(
     ]
 
 
-def _as_the_section(
+def _correct_screw_stiffness(
     screw: ScrewResponse,
     homogenised: Homogenised | None,
     m: GrooveMap,
@@ -271,16 +280,16 @@ def _as_the_section(
     sides: tuple[int, ...],
     stations: tuple[float, ...],
 ) -> ScrewResponse:
-    """Correct the 3D stretch of the screw to the stiffness of the shaft's section, without its cut ends."""
+    """Correct the screw's 3D stretch to the stiffness of the shaft's section, and remove the effect of its cut ends."""
     if homogenised is None:
         return screw
     along = np.repeat(layout.z, sum(s < 2 for s in sides))
-    stretch = as_stiff_as(screw.stretch, screw.rigid, along, homogenised.section, homogenised.cut, m)
-    return replace(screw, stretch=without_cuts(stretch, homogenised.cut, m, stations))
+    stretch = correct_beam_stiffness(screw.stretch, screw.rigid, along, homogenised.section, homogenised.cut, m)
+    return replace(screw, stretch=subtract_cut_ends(stretch, homogenised.cut, m, stations))
 
 
-def _quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
-    """Elements across the contact, smallest quality of each mesh, largest deviation of the grooves [m]."""
+def _mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
+    """Collect the number of elements across a contact, the lowest quality of each mesh, and the grooves' deviation [m]."""
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     return {
         "elements across 2b": across,
@@ -291,8 +300,8 @@ def _quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
     }
 
 
-def _same_boxes(meshes: Meshes, side: int) -> bool:
-    """Whether the sockets of a right flank have the nodes of the left one's, azimuths reversed, in groove and ball."""
+def _sockets_match(meshes: Meshes, side: int) -> bool:
+    """Return whether the sockets of a right flank have the nodes of the left one's, with azimuths reversed."""
     bodies = (meshes.screw if side < 2 else meshes.nut, meshes.ball)
     return all(
         np.array_equal(x.sockets[side].xi, x.sockets[side - 1].xi * AZIMUTH_TURNED)

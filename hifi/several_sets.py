@@ -1,8 +1,8 @@
-"""3D reference of several sets on one shaft: a 3D nut and grooved stretch of shaft for each set, beams between.
+"""3D reference of several nuts or bearings on one shaft: each with its 3D body and grooved stretch of shaft, beams between.
 
-The bodies of a set are those of a scene of one set, in stations that begin at its stretch, so that equal sets share them.
-The contacts of all sets are one problem: stretches and beams are one structure (`hifi.shaft.mounting`), a nut is fixed,
-or rides on a housing that can move.
+The bodies of a nut or bearing are those that it has as the only one on its shaft. Their axial positions count from the
+start of its stretch, so that equal nuts share their meshes. The contacts of all of them are one problem: stretches and
+beams form one structure (`hifi.shaft.mounting`), and each nut is fixed or carried by a housing that can move.
 """
 
 from __future__ import annotations
@@ -16,66 +16,67 @@ import numpy as np
 
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.meshing.settings import closing
-from rollbench.hifi.reference import ROUNDS, Case, ReferenceResult, reporting
+from rollbench.hifi.meshing.settings import nut_shift_for_axial_force
+from rollbench.hifi.reference import ROUNDS, LoadCase, ReferenceResult, slow_round_reporter
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.beam import Frame, ShaftSection, tube
-from rollbench.hifi.shaft.mounting import Carried, Mounted, mount_all
+from rollbench.hifi.shaft.beam import Frame, ShaftSection, tube_section
+from rollbench.hifi.shaft.mounting import CarriedNut, MountedShaft, mount_stretches
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene, Support
 from rollbench.meshes.solid import SHAFT
 
-#: Overlap [m] of neighbouring rings that is rounding.
+#: Overlap [m] of neighbouring rings that counts as rounding error.
 NEAR = 1e-6
-#: Relative error of a preload by force that is enough, and steps that are tried: contact loads settle to a like share.
+#: Accepted relative error of a preload by force, similar to that of the contact loads; largest number of steps.
 MET, STEPS = 1e-5, 12
-#: Step of the differences that begin a preload by force, in logarithms; the part of their slope's largest singular value
-#: below which a direction is noise: nuts that press one another carry one force.
+#: Step of the differences that give the first slopes of a preload by force, in logarithms; singular value of the slopes,
+#: over the largest, below which a direction is noise: nuts that press against one another carry one force.
 DIFFERENCE, NOISE = 0.05, 1e-2
 
 
 @dataclass(frozen=True)
 class SetBodies:
-    """Bodies of a set that are meshed."""
+    """3D bodies of one nut or bearing of an assembly, which are meshed."""
 
-    #: Scene of the set without errors, in local stations.
+    #: Parts without errors, in local axial positions.
     bodies: Scene
-    #: Parts of the set with their errors.
+    #: Parts with their errors.
     parts: Scene
-    #: Station of the shaft where the local stations begin [m].
+    #: Axial position on the shaft where the local ones begin [m].
     shift: float
 
 
-def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
-    """Bodies of each set that are meshed.
+def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
+    """Describe the 3D bodies of each nut or bearing of an assembly, which are meshed.
 
-    A stretch of shaft reaches half the way to the next set, or as far beyond the nut as that of a scene of one set.
+    Its stretch of shaft reaches half the way to the next nut or bearing, but not farther beyond the nut than for a single
+    one on its shaft.
 
     Parameters
     ----------
     assembly : Assembly
-        The shaft with its sets.
+        The shaft with its nuts and bearings.
 
     Returns
     -------
     tuple[SetBodies, ...]
-        Bodies of each set, in order.
+        Bodies of each nut or bearing, in order.
 
     Raises
     ------
     ValueError
-        A set has no 3D body (rollers, an inner ring on a housing), nuts overlap, or the shaft is heated.
+        There are rollers or an inner ring on a housing, nuts overlap, or the shaft is heated.
     """
     for s in assembly.sets:
         if not isinstance(s.parts, Scene):
             raise ValueError(
-                f"{s.name}: a row of rollers has no 3D body on its shaft (mesh-study presses one of its rollers in 3D)"
+                f"{s.name}: the 3D reference has no rollers on a shaft; mesh-study computes one of the rollers in 3D"
             )
         if s.carrier is not None:
-            raise ValueError(f"{s.name}: an inner ring on a housing has no 3D body")
+            raise ValueError(f"{s.name}: the 3D reference has no inner ring on a housing")
     if assembly.thermal_strain:
-        raise ValueError("a shaft that warms is not part of the 3D reference")
+        raise ValueError("the 3D reference has no thermal expansion of the shaft")
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     faces = [(p.nut.position - p.nut.length / 2.0, p.nut.position + p.nut.length / 2.0) for _, p in sets]
     order = sorted(range(len(sets)), key=lambda k: faces[k])
@@ -84,16 +85,21 @@ def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
         gap = faces[b][0] - faces[a][1]
         if gap < -NEAR:
             names = f"{sets[a][0].name} and {sets[b][0].name}"
-            raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: a stretch of 3D shaft carries one set")
+            raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: each needs a stretch of 3D shaft of its own")
         half = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
         room[a], room[b] = min(room[a], half), min(room[b], half)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
     reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
-    return tuple(_bodies(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets))
+    return tuple(_meshed_bodies_of_set(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets))
 
 
-def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]) -> SetBodies:
-    """Bodies of a set in local stations; reach: outermost stations [m] that the shaft is needed for."""
+def _meshed_bodies_of_set(
+    parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]
+) -> SetBodies:
+    """Describe the 3D bodies of one nut or bearing; ``room``: shaft available beyond its faces [m].
+
+    reach: outermost axial positions [m] at which the shaft is needed.
+    """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
     half = parts.nut.length / 2.0 + min(wanted, room)
     position = min(parts.nut.position, half)
@@ -123,58 +129,61 @@ def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float],
 def solve_sets(
     assembly: Assembly, setups: Sequence[Setup], *, frozen: bool = False, step: Callable[[str], None] = lambda _: None
 ) -> ReferenceResult:
-    """Solve an assembly.
+    """Solve the contacts of several nuts or bearings on one shaft.
 
     Parameters
     ----------
     assembly : Assembly
-        The shaft with its sets.
+        The shaft with its nuts and bearings.
     setups : Sequence[Setup]
-        Prepared bodies of each set (`bodies_of`), in order.
+        Prepared bodies of each nut or bearing (`meshed_bodies`), in order.
     frozen, step : , default False
         As for `solve_reference`.
 
     Returns
     -------
     ReferenceResult
-        The solution; a preload that is not met is in its ``status``.
+        The solution; its ``status`` tells whether it converged and all preloads are met.
 
     Raises
     ------
     ValueError
-        As `bodies_of`, and for a rigid nut on a housing that moves.
+        As `meshed_bodies`, and for a rigid nut on a housing that moves.
     """
-    begin, frame = perf_counter(), Frame.of(assembly)
-    each = zip(assembly.sets, bodies_of(assembly), setups, strict=True)
-    placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
-    mounted = _mounted(assembly, placed, frame)
-    placed, unmet = _preloaded(assembly, placed, frame)
-    found = Case(placed, frame, mounted).end(ROUNDS, reporting(assembly.name, begin, step), frozen=frozen)
+    begin, frame = perf_counter(), Frame.from_scene(assembly)
+    each = zip(assembly.sets, meshed_bodies(assembly), setups, strict=True)
+    placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.housing_index(s.housing), s.offset) for s, b, up in each)
+    mounted = _mount_assembly(assembly, placed, frame)
+    placed, unmet = _replace_preloads_by_shifts(assembly, placed, frame)
+    found = LoadCase(placed, frame, mounted).solve(ROUNDS, slow_round_reporter(assembly.name, begin, step), frozen=frozen)
     status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
     return replace(found, status=status, seconds=perf_counter() - begin)
 
 
-def _mounted(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> Mounted:
-    """Mount the stretches on the shaft, from left to right, and the nuts that ride on housings."""
+def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> MountedShaft:
+    """Mount the stretches on the shaft, from left to right, and the nuts that movable housings carry."""
     carried = []
     for p in placed:
         if p.housing is None:
             continue
         if p.setup.nut is None:
-            raise ValueError("a rigid nut on a housing that moves is not part of the 3D reference")
+            raise ValueError("the 3D reference has no rigid nut on a housing that moves")
         at = frame.housings[p.housing].at - p.shift
-        carried.append(Carried(p.setup.nut.G, p.setup.nut.rigid @ transport(-at), p.housing))
-    stretches = [p.setup.screw.stretch.moved(p.shift) for p in placed]
+        carried.append(CarriedNut(p.setup.nut.G, p.setup.nut.rigid @ transport(-at), p.housing))
+    stretches = [p.setup.screw.stretch.shifted(p.shift) for p in placed]
     steps = [z for segment in assembly.segments for z in (segment.start, segment.end)]
-    return mount_all(stretches, frame, _sections(assembly, placed), steps, carried)
+    return mount_stretches(stretches, frame, _section_function(assembly, placed), steps, carried)
 
 
-def _sections(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
-    """Section of the shaft at a station: of its plain stretch there, or else of the first thread."""
+def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
+    """Return a function that gives the shaft's section at an axial position [m].
+
+    On plain segments it is that of the segment, elsewhere that of the first thread.
+    """
     screw, threads = assembly.screw, [p.setup for p in placed if p.setup.map.rg != 0.0]
     known = [setup for setup in threads if setup.homogenised is not None or setup.dims.shaft_radius is not None]
-    base = known[0].section if known else tube(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
-    plain = [(s.start, s.end, tube(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
+    base = known[0].section if known else tube_section(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
+    plain = [(s.start, s.end, tube_section(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
 
     def at(z: float) -> ShaftSection:
         return next((section for low, high, section in plain if low <= z <= high), base)
@@ -182,17 +191,20 @@ def _sections(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[floa
     return at
 
 
-def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) -> tuple[tuple[PlacedSet, ...], str]:
-    """Replace preloads by force with shifts of the nuts, found without loads; and a text where a preload is not met.
+def _replace_preloads_by_shifts(
+    assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame
+) -> tuple[tuple[PlacedSet, ...], str]:
+    """Replace preloads by force with the shifts of the nuts that cause them, in the absence of other loads.
 
-    Newton's method by secants on logarithms of force and shift, in which a power law is linear.
+    The shifts come from Newton's method with secants on the logarithms of force and shift, in which a power law is linear.
+    Also returned is a text that says by how much a preload is missed; it is empty if all are met.
     """
     preloaded = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not preloaded:
         return placed, ""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in frame.housings)
     bare = replace(frame, loads=(), housings=idle)
-    mounted = _mounted(replace(assembly, loads=()), placed, bare)
+    mounted = _mount_assembly(replace(assembly, loads=()), placed, bare)
     goal = np.log([assembly.sets[k].preload for k in preloaded])
 
     def shifted(depth: Array) -> tuple[PlacedSet, ...]:
@@ -203,11 +215,11 @@ def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) 
         return tuple(out)
 
     def excess(depth: Array) -> Array:
-        found = Case(shifted(depth), bare, mounted).end(ROUNDS)
+        found = LoadCase(shifted(depth), bare, mounted).solve(ROUNDS)
         force = np.abs([wrench[2] for wrench in found.on_shaft])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
-    depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
+    depth = np.log([nut_shift_for_axial_force(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
     value = excess(depth)
     slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(preloaded))])
     for _ in range(STEPS):

@@ -1,6 +1,6 @@
-"""Parts of one set-up computed in several processes of this machine.
+"""Parallel computation of the parts of one set-up in several processes of this machine.
 
-gmsh and the sparse factor serve one part at a time in each process.
+gmsh and the sparse factorisation handle one part at a time in each process.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rollbench.meshes.processes import end_with_parent, for_one_thread, peak_MB,
 
 
 class Job(NamedTuple):
-    """A record to be computed, or read from the cache; all fields can be pickled."""
+    """Record to be computed, or read from the cache; all fields can be pickled."""
 
     #: Name of its stage.
     stage: str
@@ -32,31 +32,31 @@ class Job(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Made:
-    """A record, with the time and memory that it took."""
+class ComputedRecord:
+    """Computed record, with the time and memory that it took."""
 
     #: The record.
     value: Any
-    #: Time it took [s].
+    #: Time of computing or reading it [s].
     seconds: float
     #: Whether it came from the cache.
     cached: bool
-    #: Time it took when it was computed [s].
+    #: Time of computing it, also if it came from the cache [s].
     cold_seconds: float
     #: Process that computed it.
     process: int
     #: Peak memory of that process [MB]; None: not measured.
     peak_MB: float | None
-    #: Why that process writes nothing to the cache any more; empty: it does.
+    #: Why that process no longer writes to the cache; empty if it does.
     cache_fault: str = ""
 
 
-def make(
-    jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made], None] = lambda *_: None
-) -> list[Made]:
-    """Compute the records of independent jobs in several processes, this one among them.
+def compute_records(
+    jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, ComputedRecord], None] = lambda *_: None
+) -> list[ComputedRecord]:
+    """Compute the records of independent jobs in several processes, of which this process is one.
 
-    The other processes use one thread each, unless the user's variables give more.
+    The other processes use one thread each, unless the user's environment variables allow more.
 
     Parameters
     ----------
@@ -77,12 +77,12 @@ def make(
     Raises
     ------
     MemoryError
-        A process was ended from outside.
+        A worker process was ended from outside.
     """
     if processes == 1 or len(jobs) < 2:
         alone = []
         for k, job in enumerate(jobs):
-            alone.append(_make(job, cache))
+            alone.append(_compute_or_read(job, cache))
             report(k, alone[-1])
         return alone
     from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not further ones
@@ -91,10 +91,10 @@ def make(
     helpers = min(processes, len(jobs)) - 1
     of_worker = {"initializer": end_with_parent, "initargs": (os.getpid(),), "env": for_one_thread()}
     others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
-    left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, Made](), Lock()
+    left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
-    def take(maker: Callable[[Job], Made]) -> None:
-        """Run jobs until none is left."""
+    def take_jobs(maker: Callable[[Job], ComputedRecord]) -> None:
+        """Take jobs and compute their records until none is left."""
         while left:
             try:
                 k, job = left.popleft()
@@ -104,18 +104,18 @@ def make(
             with one_at_a_time:
                 report(k, done[k])
 
-    def helped(job: Job) -> Made:
-        found: Made = others.submit(_elsewhere, job, cache).result()
+    def run_in_worker(job: Job) -> ComputedRecord:
+        found: ComputedRecord = others.submit(_compute_in_worker, job, cache).result()
         return found
 
     with restarts_unsaid(), ThreadPoolExecutor(helpers) as threads:
-        helping = [threads.submit(take, helped) for _ in range(helpers)]
+        helping = [threads.submit(take_jobs, run_in_worker) for _ in range(helpers)]
         try:
-            take(lambda job: _make(job, cache))
+            take_jobs(lambda job: _compute_or_read(job, cache))
             for future in helping:
                 future.result()
         except BrokenProcessPool as error:
-            raise MemoryError("a process of the set-up was ended from outside: is there memory for it?") from error
+            raise MemoryError("a process of the set-up was ended from outside: is there enough memory?") from error
         except KeyboardInterrupt:  # a job may take minutes: nobody waits for it
             others.terminate(kill_workers=True)
             raise
@@ -129,15 +129,16 @@ def make(
     return [done[k] for k in range(len(jobs))]
 
 
-def _elsewhere(job: Job, cache: Cache) -> Made:
-    """Run a job in another process, whose record of memory starts at zero."""
+def _compute_in_worker(job: Job, cache: Cache) -> ComputedRecord:
+    """Compute the record of a job in a worker process, whose memory peak is reset first."""
     reset_peak()
     cache.quiet = True
-    return _make(job, cache)
+    return _compute_or_read(job, cache)
 
 
-def _make(job: Job, cache: Cache) -> Made:
+def _compute_or_read(job: Job, cache: Cache) -> ComputedRecord:
+    """Compute the record of a job in this process, or read it from the cache, and measure its time and memory."""
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
     value = cache.get(job.build, job.arguments, job.type_)
     spent, known = perf_counter() - start, cache.cold_seconds - cold
-    return Made(value, spent, cache.hits > hits, known, os.getpid(), peak_MB(), cache.fault)
+    return ComputedRecord(value, spent, cache.hits > hits, known, os.getpid(), peak_MB(), cache.fault)

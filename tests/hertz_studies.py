@@ -5,4 +5,4 @@ from functools import cache
 from rollbench.hifi.contact import block
 
 GROUP = "Hertz blocks"
-study = cache(block.study)
+study = cache(block.solve_hertz_contact)

@@ -19,12 +19,12 @@ from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import nut_response
 from rollbench.hifi.meshing.part_meshes import (
     Sockets,
-    carrier_mesh,
-    patch_lines,
-    patch_mesh,
+    choose_patch_lines,
+    choose_socket_size,
+    contacts_on_body,
+    mesh_carrier_patch,
+    mesh_patch,
     patch_normals,
-    socket_size,
-    sockets_of,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.groove import BodySpec
@@ -75,11 +75,11 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     )
     m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), dimensions(near), near.nut
     sides = tuple(s for s in needed_sides(scene) if s >= 2)
-    size = socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
+    size = choose_socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
-    zone = patch_lines(choices, widths, size.depth)[1]
+    zone = choose_patch_lines(choices, widths, size.depth)[1]
     ends = nut.position - HALF * r, nut.position + HALF * r
-    places = sockets_of(layout, sides, False)
+    places = contacts_on_body(layout, sides, False)
     spec = BodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, places, size, choices.fine, choices.coarse, dims.groove_ends
     )
@@ -87,7 +87,7 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     for side in sides:
         place, socket = partial(local_points, m, size, side), body.sockets[side]
         fits = Sockets(socket, socket, size, zone, widths)
-        mesh, carrier = patch_mesh(fits, socket, place, choices), carrier_mesh(fits, socket, place, choices)
+        mesh, carrier = mesh_patch(fits, socket, place, choices), mesh_carrier_patch(fits, socket, place, choices)
         normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
         patches[side] = condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio, carrier)
     found, patch = nut_response(e, body, layout, sides, patches, choices, dims), patches[PRESSED]

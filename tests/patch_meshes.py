@@ -7,8 +7,15 @@ import numpy as np
 from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import small_screw
 
-from rollbench.hifi.bodies.patch import Lines, build_patch, build_tet_patch, condense_patch, graded, growing
-from rollbench.hifi.meshing.part_meshes import ball_place
+from rollbench.hifi.bodies.patch import (
+    PatchLines,
+    build_patch,
+    build_tet_patch,
+    condense_patch,
+    graded_boundaries,
+    growing_boundaries,
+)
+from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points
@@ -25,8 +32,8 @@ ZONE = (0.62, 0.17)
 def lines(b_over_h, growth=1.7):
     """Elements of a second-order patch with so many nodes across the short semi-axis; growth: beside the contact zone."""
     step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
-    across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
-    return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, growth))
+    across = graded_boundaries(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
+    return PatchLines(across, growing_boundaries(0.0, 1.0, 0.6 * step, 1.8), graded_boundaries(ZONE[1], step, growth))
 
 
 @cache
@@ -62,7 +69,10 @@ def flat(xi):
 def places(side):
     """Maps into groove and ball at a side, and the ball's centre in each."""
     groove = partial(local_points, MAP, SIZE, side)
-    return {"groove": (groove, np.array([MAP.R, 0.0, 0.0])), "ball": (ball_place(MAP, SIZE, side, ZONE)[1], np.zeros(3))}
+    return {
+        "groove": (groove, np.array([MAP.R, 0.0, 0.0])),
+        "ball": (ball_socket_and_map(MAP, SIZE, side, ZONE)[1], np.zeros(3)),
+    }
 
 
 @cache

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rollbench.hifi.rolling.kinematics import Rolling
-from rollbench.hifi.rolling.scenes import Material, linear_layout, scene_of, screw_layout
+from rollbench.hifi.rolling.scenes import Material, linear_layout, rolling_scene, screw_layout
 
 STEEL = Material(210e9, 0.28, 0.1, 0.1)
 #: Directions from the ball's centre at BL, BR, TR, TL.
@@ -20,7 +20,7 @@ def linear_pair(theta_deg: float = 2.0, rho: float = -0.6, *, mated: bool = Fals
     for side in (rho, -rho):
         carriage = 100.0 * np.array([side, -1.0])
         loads.append(np.concatenate([np.linalg.solve(n[:2].T, carriage), np.linalg.solve(n[2:].T, -carriage)]))
-    return scene_of(layout, STEEL, np.array([n, n]), np.array(loads))
+    return rolling_scene(layout, STEEL, np.array([n, n]), np.array(loads))
 
 
 def screw_pair(lead: float = 20e-3, turn: float = 1.0) -> Rolling:
@@ -31,4 +31,4 @@ def screw_pair(lead: float = 20e-3, turn: float = 1.0) -> Rolling:
     angles = 0.25 * np.pi + np.deg2rad([[0.0, 0.0, 0.0, 0.0], [2.0, 2.0, 0.0, 0.0]])
     across = np.array([-1.0, 1.0, -1.0, 1.0])
     n = np.stack([outward * np.cos(angles), across * np.sin(angles)], axis=-1)
-    return scene_of(layout, STEEL, n, np.array([[53.4, 18.1, 18.1, 53.4], [54.0, 18.8, 16.9, 53.3]]))
+    return rolling_scene(layout, STEEL, n, np.array([[53.4, 18.1, 18.1, 53.4], [54.0, 18.8, 16.9, 53.3]]))

@@ -24,7 +24,7 @@ from rollbench.compare.studies.run_times import SET_UP_COSTS, today
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
 from rollbench.hifi.bodies import patch
-from rollbench.hifi.condensation import condense_side, side_of, turned
+from rollbench.hifi.condensation import condense_side, condense_side_arguments, turn_to_right_flank
 from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings
@@ -45,8 +45,8 @@ from rollbench.meshes.solid import dimensions
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
     "assembly": ("assemble", (forms, cell, patch)),
-    "elimination": ("gram", (linear_algebra,)),
-    "dense": ("_eliminate", (linear_algebra,)),
+    "elimination": ("gram_of_inverse", (linear_algebra,)),
+    "dense": ("_eliminate_front", (linear_algebra,)),
 }
 #: Jobs whose stages are measured: scene and level.
 JOBS = (("new screw", 1), ("unseen-40x10", 1))
@@ -113,7 +113,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     the mean load]."""
     scene = scene_of(name)
     choices, wanted, raw, A_s, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
-    kept, finished = condensation.local_compliance, setup._as_the_section
+    kept, finished = condensation.local_compliance, setup._correct_screw_stiffness
 
     def watched(*given: Any) -> Array:
         A_s.append(kept(*given))
@@ -125,7 +125,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     with pytest.MonkeyPatch.context() as put:
         put.setattr(condensation, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
         put.setattr(condensation, "local_compliance", watched)  # of groove and ball of one side after the other
-        put.setattr(setup, "_as_the_section", lambda *given: raw.append(given) or finished(*given))
+        put.setattr(setup, "_correct_screw_stiffness", lambda *given: raw.append(given) or finished(*given))
         base = setup.prepare(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).load
 
@@ -137,11 +137,11 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     def with_own(side: int, value: Array) -> setup.Setup:
         patches = {**base.patches, side: replace(base.patches[side], local=value)}
         if len(wanted) == 4:
-            patches[side + 1] = turned(patches[side])
+            patches[side + 1] = turn_to_right_flank(patches[side])
         return replace(base, patches=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = A_s[1] if one % 2 == other % 2 else turned(replace(base.patches[one], local=A_s[1])).local
+    like = A_s[1] if one % 2 == other % 2 else turn_to_right_flank(replace(base.patches[one], local=A_s[1])).local
     out = [row("one ball's patch for screw and nut", with_own(other, base.patches[other].local - A_s[3] + like), spent[3])]
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
     out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
@@ -156,7 +156,7 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     near = replace(scene, track=track, screw=screw, nut=nut)
     m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return condense_side(*side_of(near, m, dims, meshes, wanted[0], choices)).local
+    return condense_side(*condense_side_arguments(near, m, dims, meshes, wanted[0], choices)).local
 
 
 def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:
@@ -167,11 +167,11 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
 
     def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.Setup, float]:
         begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
-        meshed = [cell.meshed_shaft(m, *radii, e, cells * choices.cell, length) for length in lengths]
+        meshed = [cell.meshed_shaft_flexibility(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
-        return replace(base, screw=setup._as_the_section(screw, found, *rest)), spent
+        return replace(base, screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
-    whole = cell.lengths(m)
+    whole = cell.shaft_lengths(m)
     lead = 2.0 * np.pi * abs(m.rg)
     usual = shafts(1.0, whole)[1]
     ways = [(f"cut's cells {size:g} times as long", size, whole) for size in CELLS]

@@ -224,14 +224,14 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
     str
         Description with old and new size.
     """
-    from rollbench.hifi.meshing.part_meshes import patch_lines, reach_along, socket_size
+    from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, contact_reach_along
     from rollbench.hifi.meshing.settings import hertz_units
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Return the half widths [m] of the patch's contact zone, across and along the groove."""
-        size = socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
+        size = choose_socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
         widths = (size.gamma * float(setup.map.radius.mean()), size.phi * setup.map.R)
-        share = patch_lines(settings, widths, size.depth)[1]
+        share = choose_patch_lines(settings, widths, size.depth)[1]
         return share[0] * widths[0], share[1] * widths[1]
 
     def mm(lengths: tuple[float, float]) -> str:
@@ -243,7 +243,7 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
         size, angle = np.cbrt(load), np.where(load > 0.0, touched, m.beta)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
-        askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
+        askew = max(askew, *(contact_reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
     words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
     refused, wide = "", max(float(reach[0]), float(needs[0]))

@@ -65,10 +65,10 @@ def _bodies(case: Solvable) -> list[Scene]:
     """Return the meshed bodies of each set; Refusal for a set without a 3D body."""
     if isinstance(case, Scene):
         return [case]
-    from rollbench.hifi.several_sets import bodies_of
+    from rollbench.hifi.several_sets import meshed_bodies
 
     try:
-        return [of_set.bodies for of_set in bodies_of(case)]
+        return [of_set.bodies for of_set in meshed_bodies(case)]
     except ValueError as error:
         raise refused(case, error) from error
 
@@ -78,7 +78,7 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
 
     For a set without load, a tenth of the mean contact load of the other sets is assumed.
     """
-    from rollbench.hifi.meshing.settings import carrying, expected_by_set, expected_contacts
+    from rollbench.hifi.meshing.settings import contacts_under_assumed_load, expected_by_set, expected_contacts
 
     try:
         if isinstance(case, Scene):
@@ -86,7 +86,10 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
         expected = expected_by_set(case)
         carried = np.concatenate([e.load[e.load > 0.0] for e in expected])
         light = 0.1 * float(carried.mean()) if carried.size else 0.0
-        return tuple(e if e.load.any() else carrying(body, e, light) for body, e in zip(bodies, expected, strict=True))
+        return tuple(
+            e if e.load.any() else contacts_under_assumed_load(body, e, light)
+            for body, e in zip(bodies, expected, strict=True)
+        )
     except ValueError as error:
         raise refused(case, error) from error
 
@@ -126,7 +129,7 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
     InputError
         If the level is unknown; as Refusal if a set has no 3D body, or no contacts can be expected.
     """
-    from rollbench.hifi.meshing.settings import Settings, rounded
+    from rollbench.hifi.meshing.settings import Settings, round_up_lengths
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
@@ -138,7 +141,9 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
     out = []
     for (body, sides), sets in shared.items():
         sizes = scaled(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
-        semi, reach = ([rounded(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach"))
+        semi, reach = (
+            [round_up_lengths(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach")
+        )
         sizes["semi"] = (min(a for a, _ in semi), min(b for _, b in semi))
         sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
         sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"

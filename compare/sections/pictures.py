@@ -245,8 +245,8 @@ def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
 
 def mesh_overview(solved: Solved) -> FieldPicture:
     """Return the picture of coarse screw and half of the nut, with all fine patches in their sockets."""
-    from rollbench.hifi.fields import groove_patch
-    from rollbench.hifi.meshing.part_meshes import body_kind, rotation
+    from rollbench.hifi.fields import mesh_groove_patch
+    from rollbench.hifi.meshing.part_meshes import body_kind, rotation_about_z
 
     setup, meshes = solved.setup, solved.meshes
     toward = np.array([0.55, -0.83, 0.0])
@@ -255,9 +255,9 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     kind = body_kind(setup.settings)
     parts = [used(meshes.screw.points, meshes.screw.cells, kind, STEEL), used(nut.points, nut.cells[behind], kind, NUT)]
     for s in setup.sides:
-        mesh = groove_patch(setup, meshes, s)
+        mesh = mesh_groove_patch(setup, meshes, s)
         for phi, z in zip(setup.layout.azimuth, setup.layout.z, strict=True):
-            points = mesh.points @ rotation(float(phi)).T + np.array([0.0, 0.0, z])
+            points = mesh.points @ rotation_about_z(float(phi)).T + np.array([0.0, 0.0, z])
             if s < 2 or points.mean(axis=0) @ toward < 0.0:
                 parts.append(MeshPart(points, mesh.cells, mesh.kind, colour=FINE))
     scene = solved.scene
@@ -272,7 +272,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
         scale_bar=10e-3,
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw.cells)} and {len(nut.cells)} second-order tetrahedra in screw and "
-            f"nut, and in every socket a patch of {len(groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
+            f"nut, and in every socket a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
             f"(orange), condensed exactly. {setup.unknowns / 1e6:.2f} million unknowns as one mesh. "
             "Balls are left out: the round hollows along the nut's cut are its groove, crossed by it."
         ),
@@ -379,7 +379,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
     It is the ball whose least loaded contact carries most. Without a stored reference its loads are those of the
     default model.
     """
-    from rollbench.hifi.fields import pressed_ball
+    from rollbench.hifi.fields import ball_contact_pressures
 
     scene, found = study.scene(name), study.reference(name)
     if found is not None:
@@ -388,7 +388,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
         low = study.solve(name, DEFAULT)
         load, angle = low.load, low.contact_angle
     ball = int(load[:, (load > 0.0).any(axis=0)].min(axis=1).argmax())
-    pressures = pressed_ball(scene, settings_of([scene], FINE_LEVEL), ball, load[ball], angle[ball])
+    pressures = ball_contact_pressures(scene, settings_of([scene], FINE_LEVEL), ball, load[ball], angle[ball])
     return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in pressures.items()}
 
 

@@ -36,9 +36,9 @@ from rollbench.hifi.contact.block import (
     SOURCE_FINE,
     SOURCE_RADIUS,
     HertzRun,
-    source_study,
+    solve_hertz_contact_like_lin,
 )
-from rollbench.hifi.contact.block import study as solve_block
+from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -94,7 +94,7 @@ def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -
         for element, refinements in wanted.items():
             step(f"job {job.name}, {NAMES[element]}")
             out += [level(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
-        out.append(level(SOURCE, source_study(job)))
+        out.append(level(SOURCE, solve_hertz_contact_like_lin(job)))
     return out
 
 

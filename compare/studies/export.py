@@ -62,14 +62,14 @@ def parts_of(scene: Scene) -> tuple[str, ...]:
 
 def placed_sets(described: Solvable) -> list[PlacedSet]:
     """Return each set of a scene at its position, with its stretch of shaft in the reference; ValueError for rollers."""
-    from rollbench.hifi.several_sets import bodies_of
+    from rollbench.hifi.several_sets import meshed_bodies
     from rollbench.meshes.exchange.step_files import PlacedSet
     from rollbench.meshes.solid import dimensions
 
     if isinstance(described, Scene):
         return [PlacedSet(described, 0.0, dimensions(described).ends(described))]
     out = []
-    for s, bodies in zip(described.sets, bodies_of(described), strict=True):
+    for s, bodies in zip(described.sets, meshed_bodies(described), strict=True):
         if not isinstance(s.parts, Scene):
             raise ValueError(f"{s.name} has rollers: only balls and their grooves are written")
         low, high = dimensions(bodies.bodies).ends(bodies.bodies)
@@ -109,8 +109,8 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         return keep_boundaries(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
         return _whole(scene, part, level)
-    from rollbench.hifi.bodies.coarse import of_order
-    from rollbench.hifi.meshing.part_meshes import ball_place, body_kind, mesh_parts, patch_mesh
+    from rollbench.hifi.bodies.coarse import mesh_of_order
+    from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, body_kind, mesh_parts, mesh_patch
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
@@ -123,14 +123,14 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-        return keep_boundaries(of_order(mesh, body_kind(settings)), *names)
+        return keep_boundaries(mesh_of_order(mesh, body_kind(settings)), *names)
     kind, _, name = part.rpartition("-")
     side = SIDES.index(name)
     body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
     place: Any = partial(local_points, m, meshes.size, side)
     if kind == "ball-patch":
-        place = ball_place(m, meshes.size, side, meshes.zone)[1]
-    return keep_boundaries(patch_mesh(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
+        place = ball_socket_and_map(m, meshes.size, side, meshes.zone)[1]
+    return keep_boundaries(mesh_patch(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
 
 
 def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
@@ -160,7 +160,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
         If the scene cannot be solved, or its screw is fixed or loaded beyond the low end.
     """
     from rollbench.hifi import fields
-    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.bodies.coarse import mesh_of_order
     from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import prepare
@@ -183,7 +183,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     if side in ("screw", "nut"):
         body, material = (meshes.screw, scene.screw.material) if side == "screw" else (meshes.nut, scene.nut.material)
         u = moved(side == "screw")
-        stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
+        stress = fields.nodal_stress(mesh_of_order(body.mesh, body_kind(settings)), u, material)
     else:
         if kind == "patch":
             u = moved(side.startswith("S"))
@@ -197,8 +197,8 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 def _whole(scene: Scene, part: str, level: int) -> Mesh:
     """Mesh a whole screw (its 3D stretch), nut or ball, finest at the expected contacts."""
-    from rollbench.hifi.bodies.coarse import of_order
-    from rollbench.hifi.meshing.part_meshes import body_kind, socket_size, sockets_of
+    from rollbench.hifi.bodies.coarse import mesh_of_order
+    from rollbench.hifi.meshing.part_meshes import body_kind, choose_socket_size, contacts_on_body
     from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
     from rollbench.meshes.groove import BodySpec
     from rollbench.meshes.groove_map import GrooveMap
@@ -214,13 +214,13 @@ def _whole(scene: Scene, part: str, level: int) -> Mesh:
         screw, half = part == "screw", scene.nut.length / 2.0
         radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
         ends = dims.ends(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
-        places, size = sockets_of(layout, sides, screw), socket_size(scene, m, layout, sides, dims, settings)
+        places, size = contacts_on_body(layout, sides, screw), choose_socket_size(scene, m, layout, sides, dims, settings)
         filled = dims.groove_ends and not screw
         flange = None if screw else scene.nut.flange
         spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
         near = np.concatenate([groove_points(m, place, middle) for place in places])
         body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
-    mesh = of_order(body.mesh, body_kind(settings))
+    mesh = mesh_of_order(body.mesh, body_kind(settings))
     return keep_boundaries(mesh, *sorted(mesh.boundaries))
 
 

@@ -151,8 +151,8 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
     from rollbench.hifi.contact import roller as hifi
 
     try:
-        bodies = hifi.condense(roller.row, hifi.LEVELS[level], roller.load)
-        states = [hifi.press(bodies, share * roller.load) for share in SHARES]
+        bodies = hifi.condense_roller(roller.row, hifi.LEVELS[level], roller.load)
+        states = [hifi.press_roller(bodies, share * roller.load) for share in SHARES]
     except hifi.RollerError as error:
         raise Refusal(", ".join(roller.sets), "3D roller", str(error), error.advice) from None
     first, now = states[0], measuring_conditions()

@@ -1,1 +1,1 @@
-"""Bodies from finite elements: coarse ones with sockets, fine patches, and pieces of a body around one contact."""
+"""Finite-element bodies: coarse ones with sockets, fine patches that fill these, and short pieces around one contact."""

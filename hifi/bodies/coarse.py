@@ -1,22 +1,22 @@
 """Elastic bodies with sockets: compliance between contact patches through the body.
 
-A body is its coarse mesh plus the condensed patches in its sockets. Only the few smooth modes in which a patch's contact
-forces reach its socket matter: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by u = A f +
+A body is its coarse mesh plus the condensed patches in its sockets. Only the few smooth modes matter in which a patch's
+contact forces act on its socket: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by u = A f +
 V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T.
 
-The local compliance of a contact comes from a submodel: a short piece of its body around it, meshed finely. A coarse body
-tied to a condensed patch carries loads from contact to contact well, but is too stiff under a contact's load: the trace
-of its socket and the cells around it take away a part of the approach that no finer patch restores. That part is local,
-the same for all contacts of a flank, and decays within a socket's size. So a contact's local compliance is taken from a
-piece of the body cut off around one contact and meshed as finely as needed, and the share of the coarse body is
-subtracted:
+The local compliance of a contact comes from a submodel: a short, finely meshed piece of its body around the contact. A
+coarse body tied to a condensed patch transfers loads from contact to contact well, but is too stiff under a contact's own
+load: the displacements of its socket and the cells around the socket suppress a part of the approach, which no finer patch
+restores. That part is local, equal for all contacts of a flank, and decays within a socket's size. So a contact's local
+compliance is computed in a piece of the body cut off around one contact and meshed as finely as needed, and the
+contribution of the coarse body is subtracted:
 
     A_own = C_fine - V G_coarse V^T,
 
 C_fine (c, c): compliance between the contact's pressure functions in the fine piece; V G_coarse V^T: the same through the
-modes V that the coarse body keeps, in the same piece cut and meshed as the coarse body is. Both pieces are constrained
-alike, so that the effect of the constraint cancels. Modes that the coarse body does not keep are in A_own too, as far as
-they act on the contact itself. (Local defect correction, Hackbusch 1984; submodelling in the field.) With A_own in place
+modes V of the coarse body, in the same piece meshed like the coarse body. Both pieces are constrained alike, so that the
+effect of the constraint cancels. Modes that the coarse body does not represent are included in A_own as well, as far as
+they act on the contact itself. (Known as local defect correction, Hackbusch 1984, or submodelling.) With A_own in place
 of A, C = blkdiag(A_own) + V G V^T.
 """
 
@@ -31,9 +31,9 @@ import scipy.sparse as sp
 from scipy.linalg import qr
 from skfem import Mesh
 
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, pressure_rows
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, pressure_mean_rows
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity, mean_weights, share
+from rollbench.hifi.elements.forms import elasticity, mean_weights, nodal_share_form
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.meshes.arrays import Array, Index
@@ -43,7 +43,7 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 
 @dataclass(frozen=True)
 class Socket:
-    """One socket of a coarse body: the box around a contact that a fine patch fills."""
+    """Socket of a coarse body: the box around one contact that a fine patch fills."""
 
     #: Nodes of the socket, in the order of the patch of its flank.
     nodes: Index
@@ -53,28 +53,29 @@ class Socket:
     side: int
 
 
-#: Sizes of the elliptic pressures that `patch_modes` has to carry, over the contact zone, and their places along each of
-#: its axes, over the free width around them.
+#: Sizes of the elliptic pressures that `reduce_to_modes` has to represent, over the contact zone, and their positions along
+#: each of its axes, over the free width around them.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
-#: Weight of all other forces against them; strength over the largest that is round-off.
+#: Weight of all other forces against these pressures; strength over the largest that counts as round-off.
 REST, ROUND_OFF = 1e-3, 1e-13
 
-#: The same for resultants: forces through the ball's centre have no moment about it.
+#: Strength of a resultant, over the largest, that counts as none: forces through the ball's centre have no moment about it.
 NO_RESULTANT = 1e-9
 
 
-def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Reduce the transfer H of contact loads to a socket to few modes: V Q approximates H.
+def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
+    """Reduce the transfer H of contact loads from a patch to its socket to few modes: V Q approximates H.
 
-    First come, for every independent resultant of contact loads, the nodal forces on the socket that contact pressures
-    cause per unit of it on average: Q^T V^T f is in equilibrium with f for all forces f. Resultants are those of the
-    forces, by the rigid motions' means over the pressure functions; H of a carrier patch has them only to some 1e-4
-    (`hifi.bodies.patch.condense_patch`). Then come the strongest of the other traces, without resultants.
+    The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
+    forces on the socket that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
+    equilibrium with all forces f. Resultants are those of the forces themselves, by the means of rigid motions over the
+    pressure functions; H of a carrier patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next
+    modes are the strongest of the remaining loads on the socket, which have no resultant.
 
-    Pressures are elliptic, of several sizes and places in the contact zone (`contact_pressures`), so that the modes do
-    not depend on the grid and few are needed; then, weighted by `REST`, single pressure functions. Last come errors of H
-    in the resultants, so that V Q is exact with all modes.
+    The pressures are elliptic, of several sizes and positions in the contact zone (`contact_pressures`), so that the modes
+    do not depend on the grid and few are needed. Single pressure functions count with the weight `REST`. The last modes are
+    errors of H in the resultants, so that V Q is exact with all modes.
 
     Parameters
     ----------
@@ -100,20 +101,20 @@ def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     traces = remainder.T @ np.hstack([pressures, REST * np.eye(len(remainder))])
     wrong = rigid.T @ traces
     least = ROUND_OFF * float(np.linalg.norm(patch.H.T @ pressures))
-    U = np.hstack([_strongest(traces - rigid @ wrong, least), rigid @ _strongest(wrong, least)])
+    U = np.hstack([_strongest_directions(traces - rigid @ wrong, least), rigid @ _strongest_directions(wrong, least)])
     U = U[:, : max(count - mean.shape[1], 0)]
     V, T = np.linalg.qr(np.hstack([resultants, remainder @ U]))
     return V, T @ np.vstack([mean.T, U.T])
 
 
-def _strongest(traces: Array, least: float) -> Array:
-    """Orthonormal directions of traces ``(n, s)``, strongest first, down to the strength ``least``."""
+def _strongest_directions(traces: Array, least: float) -> Array:
+    """Find orthonormal directions of traces ``(n, s)``, strongest first, down to the strength ``least``."""
     U, strength, _ = np.linalg.svd(traces, full_matrices=False)
     return np.asarray(U[:, strength > least])
 
 
 def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Rigid motions of a patch, at its socket and at its contact.
+    """Compute the rigid motions of a patch at its socket and at its contact.
 
     Parameters
     ----------
@@ -134,9 +135,9 @@ def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
 
 
 def contact_pressures(patch: CondensedPatch) -> Array:
-    """Hertz pressures of unit force on the pressure functions of a patch.
+    """Compute Hertz pressures of unit force on the pressure functions of a patch.
 
-    Ellipses similar to its contact zone, of `SIZES` and `SHIFTS`, sampled at the nodes.
+    The ellipses are similar to the contact zone, of the sizes `SIZES` at the positions `SHIFTS`, sampled at the nodes.
 
     Parameters
     ----------
@@ -160,8 +161,8 @@ def contact_pressures(patch: CondensedPatch) -> Array:
     return np.array(out).T
 
 
-def freedoms(nodes: Index) -> Index:
-    """Degrees of freedom 3 i + k of nodes.
+def freedoms_of_nodes(nodes: Index) -> Index:
+    """Return the degrees of freedom 3 i + k of nodes i.
 
     Parameters
     ----------
@@ -175,17 +176,17 @@ def freedoms(nodes: Index) -> Index:
 
     Examples
     --------
-    >>> freedoms(np.array([0, 2])).tolist()
+    >>> freedoms_of_nodes(np.array([0, 2])).tolist()
     [0, 1, 2, 6, 7, 8]
     """
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel(), dtype=np.int64)
 
 
-def of_order(mesh: Mesh, kind: str) -> Mesh:
-    """Mesh of 10-node tetrahedra, or of eight first-order ones in each; boundaries are kept.
+def mesh_of_order(mesh: Mesh, kind: str) -> Mesh:
+    """Convert a mesh of 10-node tetrahedra to the wanted order, with its named boundaries.
 
-    First-order ones have the same nodes and half the size; patches are then tied linearly
-    (`hifi.bodies.patch.tie_matrix`).
+    For "P1" each tetrahedron is split into eight first-order ones of half the size with the same nodes. Patches are then
+    tied linearly (`hifi.bodies.patch.tie_matrix`).
 
     Parameters
     ----------
@@ -205,7 +206,7 @@ def of_order(mesh: Mesh, kind: str) -> Mesh:
         Another kind.
     """
     if kind not in ("P1", "P2"):
-        raise ValueError(f"coarse body of {kind!r} elements: P1 or P2")
+        raise ValueError(f"elements of a coarse body must be P1 or P2, not {kind!r}")
     if kind == "P2":
         return mesh
     points = points_of(mesh)
@@ -213,10 +214,10 @@ def of_order(mesh: Mesh, kind: str) -> Mesh:
     return mesh_of(points, split_second_order(points, cells_of(mesh)), "P1", named)[0]
 
 
-def assemble(
+def assemble_body_stiffness(
     mesh: Mesh, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
-    """Stiffness of a coarse body with a condensed patch in every socket.
+    """Assemble the stiffness of a coarse body with a condensed patch in every socket.
 
     Parameters
     ----------
@@ -243,7 +244,7 @@ def assemble(
         k = len(socket.nodes)
         R = socket.rotation
         turned = np.einsum("ab,ibjc,dc->iajd", R, S.reshape(k, 3, k, 3), R).reshape(3 * k, 3 * k)
-        dof = freedoms(socket.nodes)
+        dof = freedoms_of_nodes(socket.nodes)
         rows.append(np.repeat(dof, 3 * k))
         columns.append(np.tile(dof, 3 * k))
         values.append(turned.ravel())
@@ -253,8 +254,8 @@ def assemble(
     return K
 
 
-def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
-    """Rows Q of all sockets on the body's degrees of freedom; local motion is R^T times the global one.
+def assemble_mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
+    """Assemble the rows Q of all sockets' modes on the body's degrees of freedom, from those in the local frame of a patch.
 
     Parameters
     ----------
@@ -278,14 +279,16 @@ def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> s
         turned = np.einsum("mib,ab->mia", Q.reshape(len(Q), k, 3), socket.rotation).reshape(len(Q), 3 * k)
         data.append(turned.ravel())
         row.append(np.repeat(start + np.arange(len(Q)), 3 * k))
-        column.append(np.tile(freedoms(socket.nodes), len(Q)))
+        column.append(np.tile(freedoms_of_nodes(socket.nodes), len(Q)))
         start += len(Q)
     matrix = sp.coo_array((np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, size))
     return matrix.tocsr()
 
 
-def isostatic(points: Array, avoid: Index) -> Index:
-    """Six degrees of freedom that constrain a free body without straining it: pivoted rows of its rigid motions.
+def isostatic_freedoms(points: Array, avoid: Index) -> Index:
+    """Select six degrees of freedom that constrain the rigid motions of a free body without straining it.
+
+    They are the pivoted rows of its rigid motions.
 
     Parameters
     ----------
@@ -305,11 +308,11 @@ def isostatic(points: Array, avoid: Index) -> Index:
     size = float(np.abs(points - points.mean(axis=0)).max())
     modes = modes / np.array([1, 1, 1, size, size, size])
     _, _, order = qr(modes.T, pivoting=True)
-    return np.asarray(freedoms(pick)[order[:6]])
+    return np.asarray(freedoms_of_nodes(pick)[order[:6]])
 
 
 def rigid_loads(mesh: Mesh) -> Array:
-    """Nodal forces of body forces [N/m3] that are rigid motions.
+    """Compute the nodal forces of body forces [N/m3] that are distributed like rigid motions.
 
     Parameters
     ----------
@@ -319,17 +322,17 @@ def rigid_loads(mesh: Mesh) -> Array:
     Returns
     -------
     (6, 3 n) Array
-        In the order of `rigid_modes`.
+        Nodal forces [N], in the order of `rigid_modes`.
     """
-    V = forms.cells(mesh)
-    volume = share().assemble(V)
-    loads = rigid_modes(np.stack([share(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
+    V = forms.cell_basis(mesh)
+    volume = nodal_share_form().assemble(V)
+    loads = rigid_modes(np.stack([nodal_share_form(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
     loads[..., :3] *= volume[:, None, None]
     return np.asarray(loads.reshape(-1, 6).T)
 
 
 def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
-    """Map the free degrees of freedom of a body to all of them, with some fixed.
+    """Return the matrix that maps the free degrees of freedom of a body to all of them, with some fixed.
 
     Parameters
     ----------
@@ -348,9 +351,10 @@ def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
 
 
 def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
-    """Map the free degrees of freedom of a body that is fixed at its "low end" and rigid at its "high end" to all.
+    """Return the matrix C that maps the free degrees of freedom to all, for a body fixed at its "low end".
 
-    C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes only the equations of the free degrees of freedom.
+    Its "high end" is a rigid section. C^T K C is the Galerkin stiffness; scikit-fem's `mpc` uses only the equations of the
+    free degrees of freedom.
 
     Parameters
     ----------
@@ -365,22 +369,22 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
         C; the six degrees of freedom of the section come last.
     """
     upper = nodes_on(mesh, "high end")
-    slaves = freedoms(upper)
+    slaves = freedoms_of_nodes(upper)
     free = free_transform(mesh, np.concatenate([freedoms_on(mesh, "low end"), slaves]))
     section = sp.csc_array(rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high])))
     return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
 
 
-#: Meshes of the coarse piece over which its response is averaged: sizes differ by a hundredth, so that the scatter of
-#: unstructured meshes (some ten thousandths of an approach) does not pass into all contacts of a flank.
+#: Number of meshes of the coarse piece over which its response is averaged. Their sizes differ by a hundredth, so that the
+#: scatter of unstructured meshes (some ten thousandths of an approach) does not enter all contacts of a flank.
 REALISATIONS = 3
 
 STEP = 0.01
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A short piece of a body around one contact, the submodel that gives the contact's local compliance."""
+class BodyPiece:
+    """Short piece of a body around one contact: the submodel that gives the contact's local compliance."""
 
     #: The mesh.
     mesh: Mesh
@@ -392,8 +396,8 @@ class Piece:
     held: tuple[str, ...]
 
 
-def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float, poisson: float) -> Array:
-    """Compliance C_fine between the pressure functions of a contact, in a fine piece of its body.
+def fine_compliance(piece: BodyPiece, patch: PatchMesh, normals: Array, young: float, poisson: float) -> Array:
+    """Compute the compliance C_fine between the pressure functions of a contact, in a finely meshed piece of its body.
 
     Parameters
     ----------
@@ -418,11 +422,11 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    return piece_compliance(piece, patch, pressure_rows(patch, normals), young, poisson)
+    return piece_compliance(piece, patch, pressure_mean_rows(patch, normals), young, poisson)
 
 
-def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response of a piece with a patch in its socket to loads on the patch.
+def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Compute the response of a piece of a body to loads on the patch in its socket.
 
     The patch is not condensed: it is solved together with the piece.
 
@@ -452,27 +456,27 @@ def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_array, young: 
     form = elasticity(young, poisson)
     K_patch, K_body = forms.assemble(form, patch.mesh), forms.assemble(form, piece.mesh)
     size = K_patch.shape[0]
-    outer = freedoms(patch.interface)
+    outer = freedoms_of_nodes(patch.interface)
     inner = np.setdiff1d(np.arange(size), outer)
-    free, loads = _supports(piece)
+    free, loads = _free_and_balancing_loads(piece)
     place = np.full(K_body.shape[0], -1, dtype=np.int64)
     place[free] = inner.size + np.arange(free.size)
     # the interface follows the socket's nodes: patch's frame = R^T times the body's
     turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.socket.size)
     tie = (sp.kron(patch.tie, sp.eye_array(3)) @ turn).tocoo()
     lines = np.concatenate([inner, outer[tie.row]])
-    columns = np.concatenate([np.arange(inner.size), place[freedoms(piece.socket)][tie.col]])
+    columns = np.concatenate([np.arange(inner.size), place[freedoms_of_nodes(piece.socket)][tie.col]])
     T = sp.csr_array((np.concatenate([np.ones(inner.size), tie.data]), (lines, columns)), (size, inner.size + free.size))
     body = K_body[free][:, free].tocoo()
     shape = (T.shape[1], T.shape[1])
     K = (T.T @ K_patch @ T + sp.coo_array((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
     relief = sp.hstack([sp.csr_array((loads.shape[0], inner.size)), loads[:, free]])
     F = compliance(K, sp.vstack([rows @ T, relief]).tocsr())
-    return _relieved(F, rows.shape[0], rows @ _turned_rigid(patch, piece), loads, piece)
+    return _balance_by_body_forces(F, rows.shape[0], rows @ _rigid_modes_in_patch_frame(patch, piece), loads, piece)
 
 
-def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: float, poisson: float) -> Array:
-    """Compliance G_coarse of the modes of a contact, in a piece that is meshed as the coarse body.
+def coarse_compliance(piece: BodyPiece, patch: CondensedPatch, rows: Array, young: float, poisson: float) -> Array:
+    """Compute the compliance G_coarse of the modes of a contact, in a piece that is meshed like the coarse body.
 
     Parameters
     ----------
@@ -498,15 +502,15 @@ def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: f
         The stiffness of the piece cannot be factored.
     """
     socket = Socket(piece.socket, piece.rotation, 0)
-    K = assemble(piece.mesh, [socket], {0: patch}, young, poisson)
-    free, loads = _supports(piece)
-    Q = mode_rows([socket], {0: rows}, K.shape[0])
+    K = assemble_body_stiffness(piece.mesh, [socket], {0: patch}, young, poisson)
+    free, loads = _free_and_balancing_loads(piece)
+    Q = assemble_mode_rows([socket], {0: rows}, K.shape[0])
     F = compliance(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
-    return _relieved(F, len(rows), Q @ rigid_modes(points_of(piece.mesh)), loads, piece)
+    return _balance_by_body_forces(F, len(rows), Q @ rigid_modes(points_of(piece.mesh)), loads, piece)
 
 
 def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
-    """Local compliance A_own of a contact, beyond the modes that the coarse body keeps.
+    """Compute the local compliance A_own of a contact, in addition to the modes that the coarse body represents.
 
     Parameters
     ----------
@@ -527,26 +531,26 @@ def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) ->
     return np.asarray(0.5 * (A + A.T))
 
 
-def _supports(piece: Piece) -> tuple[Index, sp.csr_array]:
-    """Free degrees of freedom of a piece, and the body forces that balance its loads.
+def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
+    """Return the free degrees of freedom of a piece, and the body forces ``(6, 3 n)`` that balance its loads.
 
-    Rigid fields ``(6, 3 n)``; none where the piece is fixed.
+    The body forces are rigid fields; there are none if the piece is fixed.
     """
     size = piece.mesh.doflocs.size
     if piece.held:
         return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_array((0, size))
-    held = isostatic(points_of(piece.mesh), piece.socket)
+    held = isostatic_freedoms(points_of(piece.mesh), piece.socket)
     return np.setdiff1d(np.arange(size), held), sp.csr_array(rigid_loads(piece.mesh))
 
 
-def _turned_rigid(patch: PatchMesh, piece: Piece) -> Array:
-    """Rigid motions of the body's frame at the patch's freedoms, in the patch's frame, ``(3 n, 6)``."""
+def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
+    """Compute the rigid motions of the body's frame at the nodes of a patch, in the patch's frame, ``(3 n, 6)``."""
     rigid = rigid_modes(points_of(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
-def _relieved(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: Piece) -> Array:
-    """Balance the responses F of ``count`` loads by rigid fields of body forces.
+def _balance_by_body_forces(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: BodyPiece) -> Array:
+    """Balance the responses F of ``count`` loads by body forces that are rigid fields (inertia relief).
 
     rigid ``(count, 6)``: work of the loads on rigid motions.
     """

@@ -1,12 +1,14 @@
-"""Effect of a contact's place on its grid on its approach, and the correction that removes it.
+"""Dependence of a contact's approach on its position on the mesh grid, and the correction that removes it.
 
-The continuous contact does not depend on the grid. On the grid the approach under a force waves as the edge of the
-contact passes rows of nodes; its slope, by which loads are distributed, waves several times as much. The wave is periodic
-in the place of the contact, in both directions, with the cells (their nodes carry unlike weights, so that not every row
-of nodes is like the next), so that it vanishes in the mean over the places in a cell; and the mean follows a smooth law
-of the force (`smooth`). So each contact's gaps are corrected by that law less the approach at its place, both of one
-contact pressed straight in with all the compliance of its submodels (the wave's phase follows the ellipse, and that
-depends on what the body adds to the gap): a correction that vanishes with the cell size.
+The continuous contact does not depend on the grid. On the grid the approach under a force oscillates as the edge of the
+contact passes rows of nodes; its slope, which governs how loads are shared, oscillates several times as much. This "grid
+wave" is periodic in the position of the contact, in both directions, with the period of a cell. (The nodes of a cell have
+unequal weights, so that a row of nodes is not like the next one.) It therefore vanishes in the mean over the positions in a
+cell, and the mean follows a smooth law of the force (`fit_force_law`).
+
+Each contact's gaps are corrected by that law less the approach at the contact's position. Both are computed for one contact
+pressed straight in, with all the compliance of its submodels, because the phase of the wave follows the ellipse, which
+depends on the body's contribution to the gap. The correction vanishes with the cell size.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
 
 from rollbench.hifi.bodies.patch import CondensedPatch
-from rollbench.hifi.contact.balls import picked_factor
+from rollbench.hifi.contact.balls import cholesky_of_selection
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.meshes.arrays import Array
@@ -29,21 +31,21 @@ from rollbench.meshes.parts import Material
 
 Flags = NDArray[np.bool_]
 
-#: Places in a cell across and along the groove, and forces, at which the wave is tabulated; the long axis of the ellipse
-#: lies across, its pointed ends pass rows of nodes more suddenly.
+#: Numbers of positions in a cell across and along the groove, and of forces, at which the grid wave is tabulated. The long
+#: axis of the ellipse lies across the groove, and its pointed ends pass rows of nodes more suddenly.
 ACROSS, ALONG, FORCES = 12, 8, 24
-#: Places in a cell across and along over which only a mean is taken.
+#: Numbers of positions in a cell across and along for a mean.
 MEAN = (8, 8)
-#: Powers of the force in an approach over Hertz's: of second-order cells at the edge of the ellipse, none, of the body
-#: around the contact (as the force), of curvatures that change over the ellipse.
+#: Powers of the force in the approach over Hertz's: second-order cells at the edge of the ellipse (-2/3), Hertz's law (0),
+#: the body around the contact, in proportion to the force (1/3), curvatures that change over the ellipse (2/3).
 POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
-#: Part of its zone that the largest ellipse fills; least short semi-axis over the cell, and over the largest one where that
-#: asks for more.
+#: Size of the largest ellipse over its contact zone; smallest short semi-axis over the cell size; smallest size over the
+#: largest one, on grids too coarse for that.
 FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
 def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
-    """Hertz contact of a flank under 1 N, x across the groove and y along it.
+    """Solve the Hertz contact of a flank under 1 N, x across the groove and y along it.
 
     The approach grows as F^(2/3), the semi-axes as F^(1/3).
 
@@ -65,7 +67,7 @@ def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
 
 
 def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
-    """Cell sizes of a contact's grid across and along the groove.
+    """Compute the cell sizes of a contact's grid across and along the groove.
 
     Parameters
     ----------
@@ -87,7 +89,7 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
         The patch has no grid.
     """
     if patch.shape is None:
-        raise ValueError("only a patch of hexahedra has a grid")
+        raise ValueError("cell sizes need a grid, which only a patch of hexahedra has")
     _, tangent, forward = directions(m, side)
     n, k = (count // 2 for count in patch.shape)
     x = patch.points.reshape(*patch.shape, 3)
@@ -95,9 +97,9 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
 
 
 def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
-    """Choose forces over which a patch resolves a contact: from a short semi-axis of one cell to the size of its zone.
+    """Choose forces for which a patch resolves the contact: from a short semi-axis of one cell to the size of its zone.
 
-    On a grid too coarse for that, from a part of the largest ellipse on.
+    If the grid is too coarse for that, the range begins at a fraction of the largest ellipse.
 
     Parameters
     ----------
@@ -133,7 +135,7 @@ def approaches_at(
     place: tuple[float, float],
     start: Flags | None = None,
 ) -> tuple[Array, Flags]:
-    """Approaches of a contact with a given place on its grid, pressed straight in along the normal.
+    """Compute the approaches of a contact at a given position on its grid, pressed straight in along the normal.
 
     Parameters
     ----------
@@ -162,7 +164,7 @@ def approaches_at(
     Raises
     ------
     ValueError
-        As `approaches`.
+        As `unilateral_approaches`.
     """
     W = mean_weights(patch.weights)
     normal, tangent, forward = directions(m, side)
@@ -175,14 +177,16 @@ def approaches_at(
     nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
     along = normal + (beside[0] * tangent + beside[1] * forward) / m.ball
     close = W @ (patch.normals @ (along / np.linalg.norm(along)))
-    approach, closed = approaches(compliance, W @ gap, close, loads, start)
+    approach, closed = unilateral_approaches(compliance, W @ gap, close, loads, start)
     return approach - nearest, closed
 
 
-def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None) -> tuple[Array, Flags]:
-    """Approaches of a unilateral contact under several loads.
+def unilateral_approaches(
+    C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None
+) -> tuple[Array, Flags]:
+    """Compute the approaches of a unilateral contact under several loads.
 
-    Forces p >= 0, C p + gap - approach close >= 0, complementary, and close . p equal to the load.
+    Forces p >= 0 and gaps C p + gap - approach close >= 0 are complementary, and close . p equals the load.
 
     Parameters
     ----------
@@ -207,7 +211,7 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | 
     Raises
     ------
     ValueError
-        The active set does not settle.
+        The active set does not converge.
     """
     active = gap / close <= np.quantile(gap / close, 0.3)
     columns = np.column_stack([close, gap])
@@ -216,7 +220,7 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | 
         active = active if start is None else start[k]
         for _ in range(200):
             i = np.flatnonzero(active)
-            unit, by_gap = dpotrs(picked_factor(C, i), columns[i], lower=1)[0].T
+            unit, by_gap = dpotrs(cholesky_of_selection(C, i), columns[i], lower=1)[0].T
             out[k] = (load + close[i] @ by_gap) / (close[i] @ unit)
             pressure = out[k] * unit - by_gap
             after = pressure @ C[i] + gap - close * out[k] < 0.0
@@ -225,15 +229,15 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | 
                 break
             active = after
         else:
-            raise ValueError(f"the contact of a patch under {load:.4g} N does not settle")
+            raise ValueError(f"the contact of a patch under {load:.4g} N does not converge")
         closed[k] = active
     return out, closed
 
 
-def smooth(loads: Array, approach: Array) -> Array:
-    """Fit a smooth law of the force to approaches: Hertz's F^(2/3) times a sum of `POWERS` of F.
+def fit_force_law(loads: Array, approach: Array) -> Array:
+    """Fit a smooth law of the force to approaches: Hertz's F^(2/3) times a sum of the `POWERS` of F.
 
-    Least squares of relative errors.
+    The fit minimises the squares of relative errors.
 
     Parameters
     ----------
@@ -250,7 +254,7 @@ def smooth(loads: Array, approach: Array) -> Array:
     Examples
     --------
     >>> force = np.array([1.0, 8.0, 27.0, 64.0, 125.0])
-    >>> bool(np.allclose(smooth(force, 1e-6 * np.cbrt(force) ** 2), 1e-6 * np.cbrt(force) ** 2))
+    >>> bool(np.allclose(fit_force_law(force, 1e-6 * np.cbrt(force) ** 2), 1e-6 * np.cbrt(force) ** 2))
     True
     """
     basis = loads[:, None] ** (2.0 / 3.0 + np.array(POWERS)) / approach[:, None]
@@ -260,10 +264,10 @@ def smooth(loads: Array, approach: Array) -> Array:
 def periodic_approaches(
     m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array, counts: tuple[int, int]
 ) -> tuple[Array, Array]:
-    """Approaches of a contact at evenly spaced places in a cell, without their trend from cell to cell.
+    """Compute the approaches of a contact at evenly spaced positions in a cell, without their trend from cell to cell.
 
-    Away from the middle of its zone a contact has another compliance beneath it, which is physical and no wave. That is
-    the trend, from places half a cell away on either side.
+    Away from the middle of its zone a contact has another compliance beneath it, which is physical and not an effect of the
+    grid. That is the trend, from positions half a cell away on either side.
 
     Parameters
     ----------
@@ -304,7 +308,7 @@ def periodic_approaches(
 
 
 def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array) -> Array:
-    """Approaches of a contact in the middle of its zone without the grid's wave: mean over a cell.
+    """Compute the approaches of a contact in the middle of its zone, as the mean over the positions in a grid cell.
 
     Parameters
     ----------
@@ -329,7 +333,7 @@ def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: 
 
 @dataclass(frozen=True)
 class GridWave:
-    """Correction of the gaps of a flank's contacts for their place on the grid."""
+    """Table of gap corrections for the positions of a flank's contacts on their mesh grid."""
 
     #: Tabulated forces ``(f,)`` [N].
     loads: Array
@@ -344,9 +348,10 @@ class GridWave:
     directions: Array
 
     def at(self, loads: Array, centres: Array) -> Array:
-        """Corrections for contacts of given loads and places.
+        """Interpolate the gap corrections of contacts of given loads and positions.
 
-        Beyond the tabulated forces as at the nearest, in proportion to Hertz's approach. No load, no correction.
+        Beyond the tabulated forces, the correction at the nearest force is scaled in proportion to Hertz's approach. A
+        contact without load has no correction.
 
         Parameters
         ----------
@@ -364,19 +369,19 @@ class GridWave:
         force = np.clip(loads, self.loads[0], self.loads[-1])
         correction = CubicSpline(np.log(self.loads), self.table, axis=2)(np.log(force))  # (p, q, n)
         for coordinate in place.T:
-            correction = _periodic(correction, coordinate)
+            correction = _interpolate_periodic(correction, coordinate)
         return np.where(loads > 0.0, correction * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
 
 
-def _periodic(values: Array, place: Array) -> Array:
-    """Interpolate values ``(p, ..., n)`` at even places of a period 1, each of the n columns at its place."""
+def _interpolate_periodic(values: Array, place: Array) -> Array:
+    """Interpolate values ``(p, ..., n)`` at even positions in a period of 1, each of the n columns at its own position."""
     grid = np.linspace(0.0, 1.0, len(values) + 1)
     around = CubicSpline(grid, np.concatenate([values, values[:1]]), bc_type="periodic")(np.mod(place, 1.0))
     return np.asarray(np.einsum("n...n->...n", around))
 
 
-def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
-    """Table of the smooth law less the approach at the place of a contact.
+def tabulate_grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
+    """Tabulate the gap correction of a flank: the smooth force law less the approach at each position on the grid.
 
     Parameters
     ----------
@@ -400,5 +405,5 @@ def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material
     table = periodic_approaches(m, side, patch, C, loads, (ACROSS, ALONG))[0]
     assert patch.shape is not None
     middle = patch.points.reshape(*patch.shape, 3)[patch.shape[0] // 2, patch.shape[1] // 2]
-    correction = smooth(loads, table.mean(axis=(0, 1))) - table
+    correction = fit_force_law(loads, table.mean(axis=(0, 1))) - table
     return GridWave(loads, correction, cell_sizes(m, side, patch), middle, directions(m, side)[1:])

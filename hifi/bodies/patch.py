@@ -1,6 +1,6 @@
 """A fine groove or ball patch, condensed once onto its socket and its contact normals.
 
-27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
+27-node hexahedra of a tensor grid, or first-order tetrahedra sized as in Lin's thesis.
 
 With the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by a
 pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H q,
@@ -32,7 +32,7 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 
 
 @dataclass(frozen=True)
-class Lines:
+class PatchLines:
     """Cell boundaries of a patch in its local coordinates."""
 
     #: Coordinates across the groove (gamma), from -1 to 1.
@@ -47,7 +47,7 @@ class Lines:
 class PatchMesh(Meshed):
     """Fine mesh around one contact, which fills a socket of a coarse body.
 
-    Boundaries "surface", "contact" (the zone on it) and "interface" (to the body).
+    Its named boundaries are "surface", "contact" (the contact zone on the surface) and "interface" (to the body).
     """
 
     #: Hexahedra or tetrahedra.
@@ -72,7 +72,7 @@ class PatchMesh(Meshed):
 
     @property
     def kind(self) -> str:
-        """P1 or Q2."""
+        """Element type: "P1" or "Q2"."""
         return kind_of(self.mesh)
 
     @property
@@ -83,9 +83,9 @@ class PatchMesh(Meshed):
 
 @dataclass(frozen=True)
 class CondensedPatch:
-    """A patch condensed to its c contact nodes and the k nodes of its socket: u_c = A f + H q, r = S q - H^T f.
+    """Fine patch condensed to its c contact nodes and the k nodes of its socket: u_c = A f + H q, r = S q - H^T f.
 
-    f: contact loads; u_c: mean displacements of the contact; q: displacements of the socket; r: forces on it.
+    f: contact loads; u_c: mean displacements of the contact; q: displacements of the socket; r: forces on the socket.
     """
 
     #: Mean displacement per contact load with the socket fixed ``(c, c)`` [m/N].
@@ -112,8 +112,8 @@ class CondensedPatch:
     unknowns: int
 
 
-def graded(inner: float, step: float, growth: float) -> Array:
-    """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing towards the ends.
+def graded_boundaries(inner: float, step: float, growth: float) -> Array:
+    """Divide [-1, 1] into equal steps over [-inner, inner] and growing steps towards the ends.
 
     Parameters
     ----------
@@ -131,16 +131,16 @@ def graded(inner: float, step: float, growth: float) -> Array:
 
     Examples
     --------
-    >>> graded(0.5, 0.5, 1.0).tolist()
+    >>> graded_boundaries(0.5, 0.5, 1.0).tolist()
     [-1.0, -0.5, 0.0, 0.5, 1.0]
     """
     cells = max(1, round(2.0 * inner / step))
-    beyond = growing(inner, 1.0, 2.0 * inner / cells, growth)[1:]
+    beyond = growing_boundaries(inner, 1.0, 2.0 * inner / cells, growth)[1:]
     return np.concatenate([-beyond[::-1], np.linspace(-inner, inner, cells + 1), beyond])
 
 
-def growing(start: float, end: float, first: float, ratio: float) -> Array:
-    """Boundaries with steps that grow by a constant ratio.
+def growing_boundaries(start: float, end: float, first: float, ratio: float) -> Array:
+    """Divide an interval into steps that grow by a constant ratio.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def growing(start: float, end: float, first: float, ratio: float) -> Array:
 
     Examples
     --------
-    >>> growing(0.0, 7.0, 0.5, 2.0).tolist()
+    >>> growing_boundaries(0.0, 7.0, 0.5, 2.0).tolist()
     [0.0, 1.0, 3.0, 7.0]
     """
     steps = [first * ratio]
@@ -168,8 +168,10 @@ def growing(start: float, end: float, first: float, ratio: float) -> Array:
     return start + np.concatenate([[0.0], np.cumsum(widths)])
 
 
-def build_patch(lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
-    """Mesh a patch with hexahedra.
+def build_patch(
+    lines: PatchLines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh
+) -> PatchMesh:
+    """Mesh a patch with 27-node hexahedra.
 
     The interface nodes are moved onto the socket's second-order triangles, so that rigid motions of the socket cause no
     strain.
@@ -196,11 +198,11 @@ def build_patch(lines: Lines, zone: tuple[float, float], place: Callable[[Array]
         An interface node lies on no triangle.
     """
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _placed(points_of(grid), place, socket)
+    points, interface, tie, nodes = _place_nodes(points_of(grid), place, socket)
     mesh = moved(grid, points)
     if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
         grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _placed(points_of(grid), place, socket)
+        points, interface, tie, nodes = _place_nodes(points_of(grid), place, socket)
         mesh = moved(grid, points)
     xi = points_of(grid)
     top = np.abs(xi[:, 1]) < 1e-12
@@ -211,13 +213,13 @@ def build_patch(lines: Lines, zone: tuple[float, float], place: Callable[[Array]
     counts = (len(np.unique(place_of[:, 0])), len(np.unique(place_of[:, 2])))
     i, k = np.divmod(np.arange(contact.size), counts[1])
     rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
-    return _patch(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
+    return _named_patch(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
 
 
 def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
-    """Put a box of first-order tetrahedra into its socket, as `build_patch`, also into that of a first-order body.
+    """Fit a box of first-order tetrahedra into its socket in a body of first or second order.
 
-    Tributary areas are thirds of the triangles around a node.
+    Tributary areas are thirds of the triangles around a node. See `build_patch` for hexahedra.
 
     Parameters
     ----------
@@ -238,7 +240,7 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
     ValueError
         The map turns cells inside out, or an interface node lies on no triangle.
     """
-    points, interface, tie, nodes = _placed(local.xi, place, socket, linear=True)
+    points, interface, tie, nodes = _place_nodes(local.xi, place, socket, linear=True)
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError("tetrahedra of a patch are turned inside out by the map to space: make the far edge shorter")
@@ -250,10 +252,10 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
     loose[local.contact] = False
     beside = np.zeros(len(points), dtype=bool)
     beside[local.top[loose[local.top].any(axis=1)]] = True
-    return _patch(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie, nodes)
+    return _named_patch(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie, nodes)
 
 
-def _patch(
+def _named_patch(
     mesh: Mesh,
     xi: Array,
     top: Flags,
@@ -264,9 +266,10 @@ def _patch(
     tie: sp.csr_array,
     socket: Array,
 ) -> PatchMesh:
-    """Record of a patch, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
+    """Collect the data of a patch, and name its boundaries.
 
-    xi: the nodes in local coordinates ``(n, 3)``.
+    A face belongs to the surface, the contact or the interface if all its corners do. xi: local coordinates of the nodes
+    ``(n, 3)``.
     """
     outer = mesh.boundary_facets()
     corners = mesh.facets[:, outer]
@@ -278,8 +281,8 @@ def _patch(
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 
-def pressure_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
-    """Rows of the mean displacements along normals over every pressure function, on a patch's degrees of freedom.
+def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
+    """Return the matrix of mean normal displacements over every pressure function, on a patch's degrees of freedom.
 
     Parameters
     ----------
@@ -288,8 +291,8 @@ def pressure_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = N
     normals : (c, 3) Array
         Directions.
     carrier : PatchMesh, optional, default None
-        Another patch in the same socket whose degrees of freedom these are; its displacements at the contact nodes
-        count.
+        Another patch in the same socket, to whose degrees of freedom the rows refer; its displacements at the contact
+        nodes are averaged.
 
     Returns
     -------
@@ -306,24 +309,24 @@ def pressure_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = N
         carrier = mesh
         place = sp.csr_array((np.ones(c), (np.arange(c), mesh.contact)), (c, mesh.mesh.doflocs.shape[1]))
     else:
-        place = _at(carrier, mesh.xi[mesh.contact])
+        place = _interpolate_on_grid(carrier, mesh.xi[mesh.contact])
     nodal = sp.csr_array((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
     return sp.csr_array(mean_weights(mesh.weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr"))
 
 
-def _at(mesh: PatchMesh, xi: Array) -> sp.csr_array:
-    """Interpolate displacements at surface points from the nodes of a grid.
+def _interpolate_on_grid(mesh: PatchMesh, xi: Array) -> sp.csr_array:
+    """Interpolate displacements at points on the surface from the nodes of a patch's grid.
 
-    xi: local coordinates ``(p, 3)``; returns weights ``(p, n)``.
+    xi: local coordinates ``(p, 3)`` of the points. Returned are the weights ``(p, n)``.
     """
     if mesh.contact_shape is None:
-        raise ValueError("only a patch of hexahedra has a grid")
+        raise ValueError("interpolation needs a grid, which only a patch of hexahedra has")
     top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)
     axes = [np.unique(np.round(mesh.xi[top, axis], 12)) for axis in (0, 2)]
     number = np.empty([a.size for a in axes], dtype=np.int64)
     number[tuple(np.searchsorted(a, mesh.xi[top, axis] - 1e-9) for a, axis in zip(axes, (0, 2), strict=True))] = top
     rows, columns, values = [], [], []
-    shapes = [_line(a, xi[:, axis]) for a, axis in zip(axes, (0, 2), strict=True)]
+    shapes = [_quadratic_line_shapes(a, xi[:, axis]) for a, axis in zip(axes, (0, 2), strict=True)]
     for (i, u), (k, v) in product(zip(*shapes[0], strict=True), zip(*shapes[1], strict=True)):
         rows.append(np.arange(len(xi)))
         columns.append(number[i, k])
@@ -332,20 +335,23 @@ def _at(mesh: PatchMesh, xi: Array) -> sp.csr_array:
     return sp.csr_array(parts, (len(xi), mesh.mesh.doflocs.shape[1]))
 
 
-def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
-    """Nodes and shape functions of second-order cells on a line at points: three of each, ``(p,)``."""
+def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
+    """Evaluate the shape functions of second-order cells on a line at points ``at``.
+
+    Returned are three node numbers and three values ``(p,)`` for p points.
+    """
     cell = np.clip((np.searchsorted(nodes[::2], at, side="right") - 1), 0, (nodes.size - 3) // 2)
     local = (at - nodes[2 * cell]) / (nodes[2 * cell + 2] - nodes[2 * cell])
     element = ElementLineP2()  # ends, then the middle
     return [2 * cell, 2 * cell + 2, 2 * cell + 1], [element.lbasis(local[None], k)[0] for k in range(3)]
 
 
-def _placed(
+def _place_nodes(
     xi: Array, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
-    """Put nodes in their places, those of the interface on the socket's triangles.
+    """Map the nodes of a patch into space, those of the interface onto the socket's triangles.
 
-    Returns points, interface, its tie, and the socket's nodes.
+    Returned are the points, the interface nodes, their interpolation from the socket's nodes, and the socket's nodes.
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
@@ -356,7 +362,7 @@ def _placed(
 
 
 def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
-    """Interpolation of points on a socket's inner faces from its nodes.
+    """Interpolate points on a socket's inner faces from the socket's nodes.
 
     Parameters
     ----------
@@ -365,7 +371,7 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
     socket : SocketMesh
         Mesh of the faces, with k nodes.
     linear : bool, default False
-        On the four first-order triangles that the nodes of each make, instead of second-order ones.
+        True: interpolate on four first-order triangles between the nodes of each second-order one.
 
     Returns
     -------
@@ -394,7 +400,7 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
         w = bary[first, found]
         rows.append(np.repeat(points[found], 6))
         columns.append(tri[first].ravel())
-        values.append((_linear_shape(w) if linear else _quadratic_shape(w)).ravel())
+        values.append((_linear_triangle_shapes(w) if linear else _quadratic_triangle_shapes(w)).ravel())
         done[points[found]] = True
     if not done.all():
         raise ValueError("a patch node lies on no triangle of its socket")
@@ -404,23 +410,24 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
     return matrix.tocsr()
 
 
-def _quadratic_shape(w: Array) -> Array:
-    """Shape functions ``(n, 6)`` of a second-order triangle at barycentric coordinates ``(n, 3)``."""
+def _quadratic_triangle_shapes(w: Array) -> Array:
+    """Evaluate the shape functions ``(n, 6)`` of a second-order triangle at barycentric coordinates ``(n, 3)``."""
     return np.hstack([w * (2 * w - 1), 4 * w * w[:, [1, 2, 0]]])
 
 
-def _linear_shape(w: Array) -> Array:
-    """Piecewise linear functions ``(n, 6)`` of its nodes on the four triangles that they make."""
+def _linear_triangle_shapes(w: Array) -> Array:
+    """Evaluate piecewise linear functions ``(n, 6)`` of a 6-node triangle, linear on the four triangles of its nodes."""
     corner, opposite = np.maximum(2 * w - 1, 0.0), np.maximum(1 - 2 * w, 0.0)
     return np.hstack([corner, opposite[:, [2, 0, 1]] - corner - corner[:, [1, 2, 0]]])
 
 
 @dataclass(frozen=True)
-class _Partition:
-    """Blocks of a patch's stiffness.
+class _StiffnessBlocks:
+    """Blocks of a patch's stiffness, split into inner and interface degrees of freedom.
 
-    Of the inner degrees of freedom, between them and the socket's, and of the interface; unit contact loads on the inner
-    ones; interface from the socket; inner degrees of freedom ``(i,)``.
+    The blocks are the stiffness of the i inner degrees of freedom, their coupling with the socket's, and the stiffness of
+    the interface. Also given are unit contact loads on the inner ones, the interpolation of the interface from the socket,
+    and the numbers ``(i,)`` of the inner ones.
     """
 
     inner_stiffness: sp.csc_array
@@ -431,9 +438,9 @@ class _Partition:
     inner: Index
 
 
-def _partition(
+def _stiffness_blocks(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
-) -> _Partition:
+) -> _StiffnessBlocks:
     base = mesh if carrier is None else carrier
     K = assemble(elasticity(young, poisson), base.mesh)
     if np.isin(mesh.contact, mesh.interface).any():
@@ -442,8 +449,8 @@ def _partition(
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.tie, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
-    forces = pressure_rows(mesh, normals, carrier)[:, inner].T.tocsc()
-    return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
+    forces = pressure_mean_rows(mesh, normals, carrier)[:, inner].T.tocsc()
+    return _StiffnessBlocks(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
 
 
 def condense_patch(
@@ -451,8 +458,8 @@ def condense_patch(
 ) -> CondensedPatch:
     """Condense a patch to its contact and its socket.
 
-    Exact, or with a coarser patch of the same socket in its place, which hardly changes H and S, smooth as they are; A
-    changes.
+    The result is exact, unless a coarser carrier patch of the same socket replaces its mesh. That hardly changes the smooth
+    H and S, but it changes A.
 
     Parameters
     ----------
@@ -477,7 +484,7 @@ def condense_patch(
     ValueError
         The contact zone reaches the patch's rim.
     """
-    blocks = _partition(mesh, normals, young, poisson, carrier)
+    blocks = _stiffness_blocks(mesh, normals, young, poisson, carrier)
     boundary = (blocks.tie.T @ (blocks.outer_stiffness @ blocks.tie)).toarray()
     c = blocks.forces.shape[1]
     F = compliance(blocks.inner_stiffness, sp.hstack([blocks.forces, blocks.coupling]).T)
@@ -497,10 +504,12 @@ def condense_patch(
     )
 
 
-def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array) -> Array:
-    """Displacements of all nodes of a patch, by solving once more.
+def patch_displacements(
+    mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array
+) -> Array:
+    """Compute the displacements of all nodes of a patch, by one more solution.
 
-    In the mean over the pressure functions, along the normals, they are A f + H q.
+    Their means over the pressure functions, along the normals, are A f + H q.
 
     Parameters
     ----------
@@ -518,7 +527,7 @@ def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces:
     (n, 3) Array
         Displacements [m].
     """
-    blocks = _partition(mesh, normals, young, poisson)
+    blocks = _stiffness_blocks(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)
     u[blocks.inner] = factor(blocks.inner_stiffness)(blocks.forces @ forces - blocks.coupling @ trace)
     u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = blocks.tie @ trace

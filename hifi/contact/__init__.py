@@ -1,1 +1,1 @@
-"""Unilateral contact of balls between elastic bodies, and Hertz's contact, against which it is verified."""
+"""Unilateral contact of balls between elastic bodies, and Hertz's contact in closed form, against which it is verified."""

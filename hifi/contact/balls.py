@@ -5,9 +5,10 @@ With C = blkdiag(D_i) + U G U^T (one block per ball), gaps g = g0 + C lambda - N
     Phi(w, y) = 1/2 w^T G w - f^T y + sum_i psi_i(g0_i + U_i G w - N_i y)
     psi_i(g) = -min_{lambda >= 0} (1/2 lambda^T D_i lambda + g^T lambda)
 
-is convex; at its minimum w = U^T lambda and the rigid motions y are in equilibrium. Each psi_i is one ball between given
-grooves, a small contact problem solved exactly by an active set, so every step has converged contacts and the energy can
-guard the step. A plain active set on all balls at once may cycle, because free balls have equality constraints.
+is convex; at its minimum w = U^T lambda and the rigid motions y are in equilibrium. Each psi_i is the energy of one ball
+between fixed grooves, a small contact problem solved exactly by an active set. So every step has converged contacts, and
+the line search can use the energy. A plain active set on all balls at once may cycle, because the equilibrium of free
+balls gives equality constraints.
 
 Contact pairs i carry forces lambda_i >= 0 [N], pressing the bodies apart, and have gaps g_i >= 0 [m]:
 
@@ -48,48 +49,48 @@ Flags = NDArray[np.bool_]
 class BallBlock:
     """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, flank after flank.
 
-    A factor costs sum n_s^3 and not (sum n_s)^3.
+    Its factorisation costs sum n_s^3 instead of (sum n_s)^3 operations.
     """
 
     #: Compliance A_s of each flank ``(n_s, n_s)`` [m/N], symmetric positive definite.
     local: tuple[Array, ...]
-    #: Smooth patterns V_s ``(n_s, k_s)`` by which a side is coupled to the ball's other sides.
+    #: Smooth modes V_s ``(n_s, k_s)`` that couple a flank to the ball's other flanks.
     modes: tuple[Array, ...]
     #: G ``(k, k)`` [m/N], k = sum k_s, symmetric positive semidefinite.
     coupling: Array
 
     @cached_property
     def sides(self) -> tuple[slice, ...]:
-        """Pairs of each flank."""
-        return _slices([len(a) for a in self.local])
+        """Slice of the ball's contact pairs that belongs to each flank."""
+        return _consecutive_slices([len(a) for a in self.local])
 
     @cached_property
     def _all_modes(self) -> Array:
-        """V of all sides (n, k)."""
+        """Modes V of all flanks as one matrix ``(n, k)``."""
         return np.asarray(block_diag(*self.modes))
 
     def __len__(self) -> int:
-        """Count the pairs."""
+        """Return the number of contact pairs of the ball."""
         return sum(len(a) for a in self.local)
 
     def apply(self, forces: Array) -> Array:
-        """Gaps D f ``(n,)`` [m] of forces f ``(n,)`` [N]."""
+        """Compute the gaps D f ``(n,)`` [m] that contact forces f ``(n,)`` [N] open."""
         alone = np.concatenate([a @ forces[pairs] for a, pairs in zip(self.local, self.sides, strict=True)])
         return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
     def dense(self) -> Array:
-        """D as a dense matrix ``(n, n)`` [m/N]; for the rare problem on which the active set cycles."""
+        """Return D as a dense matrix ``(n, n)`` [m/N], for the rare problem on which the active set cycles."""
         return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
-        """Factor of the rows and columns of active pairs.
+        """Factorise the rows and columns of the active contact pairs.
 
         Parameters
         ----------
         active : (n,) Mask
             Active pairs.
         known : BlockFactor | None, default None
-            Factor of another active set; sides on which both agree are taken from it.
+            Factor of another active set; the factors of flanks on which both sets agree are reused.
 
         Returns
         -------
@@ -103,7 +104,7 @@ class BallBlock:
                 sides.append(known.sides[s])
                 continue
             closed, V = np.flatnonzero(pick), self.modes[s][pick]
-            cholesky = picked_factor(self.local[s], closed) if closed.size else None
+            cholesky = cholesky_of_selection(self.local[s], closed) if closed.size else None
             solved = V if cholesky is None else dpotrs(cholesky, V, lower=1)[0]
             sides.append(SideFactor(pairs.start + closed, cholesky, solved, V.T @ solved))
         k, answer = len(self.coupling), self.coupling
@@ -112,8 +113,8 @@ class BallBlock:
         return BlockFactor(active.copy(), tuple(sides), answer)
 
 
-def picked_factor(matrix: Array, pick: Indices) -> Array:
-    """Lower Cholesky factor of picked rows and columns of a symmetric matrix; raises as `factored`.
+def cholesky_of_selection(matrix: Array, pick: Indices) -> Array:
+    """Compute the lower Cholesky factor of selected rows and columns of a symmetric matrix. Raises as `cholesky_in_place`.
 
     Parameters
     ----------
@@ -127,13 +128,13 @@ def picked_factor(matrix: Array, pick: Indices) -> Array:
     (k, k) Array
         Lower factor; entries above the diagonal are arbitrary.
     """
-    return factored(matrix[pick[:, None], pick].T)
+    return cholesky_in_place(matrix[pick[:, None], pick].T)
 
 
-def factored(matrix: Array) -> Array:
-    """Lower Cholesky factor of a matrix in Fortran order, in its place (entries above the diagonal are arbitrary).
+def cholesky_in_place(matrix: Array) -> Array:
+    """Compute the lower Cholesky factor of a matrix in Fortran order, in place; entries above the diagonal are arbitrary.
 
-    Calls LAPACK directly: SciPy's checks of small matrices take as long as their factors.
+    LAPACK is called directly, because SciPy's checks of small matrices take as long as their factorisation.
 
     Parameters
     ----------
@@ -157,7 +158,7 @@ def factored(matrix: Array) -> Array:
 
 
 class SideFactor(NamedTuple):
-    """Factor of one side of a `BallBlock`."""
+    """Factor of the active contact pairs on one flank of a `BallBlock`."""
 
     #: Active pairs of the flank.
     pairs: Indices
@@ -171,17 +172,20 @@ class SideFactor(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BlockFactor:
-    """Inverse D_aa^-1 on the active pairs of a `BallBlock`, by Cholesky factors and Woodbury's formula for V G V^T."""
+    """Inverse D_aa^-1 on the active contact pairs of a `BallBlock`.
+
+    It consists of Cholesky factors, and of Woodbury's formula for V G V^T.
+    """
 
     #: Active pairs ``(n,)``.
     active: Flags
-    #: Factors of the sides.
+    #: Factors of the flanks.
     sides: tuple[SideFactor, ...]
     #: (I + G V^T A_aa^-1 V)^-1 G ``(k, k)``.
     answer: Array
 
     def solve(self, rhs: Array) -> Array:
-        """Apply D_aa^-1 to the active rows.
+        """Multiply right-hand sides by D_aa^-1 on the active contact pairs.
 
         Parameters
         ----------
@@ -198,21 +202,23 @@ class BlockFactor:
             if side.cholesky is not None:
                 out[side.pairs] = dpotrs(side.cholesky, rhs[side.pairs], lower=1)[0].reshape(-1, *rhs.shape[1:])
         z = self.answer @ np.concatenate([side.inner.T @ rhs[side.pairs] for side in self.sides])
-        for side, columns in zip(self.sides, _slices([side.inner.shape[1] for side in self.sides]), strict=True):
+        for side, columns in zip(
+            self.sides, _consecutive_slices([side.inner.shape[1] for side in self.sides]), strict=True
+        ):
             out[side.pairs] -= side.inner @ z[columns]
         return out
 
 
-def plain(matrix: Array) -> BallBlock:
-    """One dense matrix ``(n, n)`` as a `BallBlock` without modes."""
+def block_of_dense_matrix(matrix: Array) -> BallBlock:
+    """Wrap one dense matrix ``(n, n)`` as a `BallBlock` without modes."""
     return BallBlock((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """Compliance C = blkdiag(D_p) + U G U^T of all balls, never formed; U = blkdiag(U_p).
+    """Compliance C = blkdiag(D_p) + U G U^T of the contacts of all balls, with U = blkdiag(U_p); C itself is never formed.
 
-    Make it with `uncoupled` or `coupled`, which check the matrices.
+    Create it with `uncoupled_compliance` or `coupled_compliance`, which check the matrices.
     """
 
     #: D_p of n_p pairs, one for each ball.
@@ -224,26 +230,26 @@ class Compliance:
 
     @cached_property
     def pairs(self) -> tuple[slice, ...]:
-        """Pairs of each block among all."""
-        return _slices([len(block) for block in self.blocks])
+        """Slice of all contact pairs that belongs to each ball."""
+        return _consecutive_slices([len(block) for block in self.blocks])
 
     @cached_property
     def columns(self) -> tuple[slice, ...]:
-        """Columns of U and rows of G of each block."""
-        return _slices([modes.shape[1] for modes in self.modes])
+        """Columns of U and rows of G that belong to each ball."""
+        return _consecutive_slices([modes.shape[1] for modes in self.modes])
 
     def amplitude(self, forces: Array) -> Array:
-        """Amplitudes U^T lambda ``(r,)`` of forces lambda ``(n,)`` [N]."""
+        """Compute the modal amplitudes U^T lambda ``(r,)`` of contact forces lambda ``(n,)`` [N]."""
         return np.concatenate([modes.T @ forces[pairs] for pairs, modes in zip(self.pairs, self.modes, strict=True)])
 
 
-def _slices(counts: Sequence[int]) -> tuple[slice, ...]:
-    """Consecutive slices of given lengths."""
+def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
+    """Build consecutive slices of the given lengths."""
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
 
-def uncoupled(block: Array | BallBlock) -> Compliance:
-    """Compliance of one ball, or of one dense matrix.
+def uncoupled_compliance(block: Array | BallBlock) -> Compliance:
+    """Create the compliance of one ball, or of one dense matrix.
 
     Parameters
     ----------
@@ -258,13 +264,13 @@ def uncoupled(block: Array | BallBlock) -> Compliance:
     Raises
     ------
     ValueError
-        As `coupled`.
+        As `coupled_compliance`.
     """
-    return coupled([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
+    return coupled_compliance([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
 
 
-def coupled(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], coupling: Array) -> Compliance:
-    """Compliance blkdiag(D_p) + U G U^T, its matrices checked; see `Compliance`.
+def coupled_compliance(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], coupling: Array) -> Compliance:
+    """Create the compliance blkdiag(D_p) + U G U^T of several balls and check its matrices; see `Compliance`.
 
     Parameters
     ----------
@@ -288,38 +294,40 @@ def coupled(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], couplin
     made: dict[int, BallBlock] = {}  # congruent balls share one block
     for p, block in enumerate(blocks):
         if id(block) not in made:
-            given = block if isinstance(block, BallBlock) else plain(block)
-            local = tuple(_symmetric(f"block {p}", matrix) for matrix in given.local)
-            made[id(block)] = BallBlock(local, given.modes, _symmetric(f"block {p}", given.coupling))
-    return Compliance(tuple(made[id(block)] for block in blocks), tuple(modes), _symmetric("the coupling", coupling))
+            given = block if isinstance(block, BallBlock) else block_of_dense_matrix(block)
+            local = tuple(_checked_symmetric(f"block {p}", matrix) for matrix in given.local)
+            made[id(block)] = BallBlock(local, given.modes, _checked_symmetric(f"block {p}", given.coupling))
+    return Compliance(
+        tuple(made[id(block)] for block in blocks), tuple(modes), _checked_symmetric("the coupling", coupling)
+    )
 
 
-def _symmetric(name: str, matrix: Array) -> Array:
-    """Check a matrix, and make it exactly symmetric."""
+def _checked_symmetric(name: str, matrix: Array) -> Array:
+    """Check that a matrix is finite and symmetric up to round-off, and make it exactly symmetric."""
     if not np.isfinite(matrix).all():
-        raise ValueError(f"{name} holds values that are not finite")
+        raise ValueError(f"{name} contains values that are not finite")
     skew = np.abs(matrix - matrix.T).max(initial=0.0)
     if skew > 1e-8 * np.abs(matrix).max(initial=0.0):
         raise ValueError(f"{name} is not symmetric: entries differ from the transposed by up to {skew:.3g}")
     return np.asarray(0.5 * (matrix + matrix.T))
 
 
-#: Rounds after which the solution over all balls is given up.
+#: Largest number of Newton iterations over all balls.
 MOST = 60
 
 #: Stiffness [N/m] that regularises, far from equilibrium, motions without contact: a ten thousandth of a contact's.
 HOLD = 1e4
 
-#: Share of the residual that a step by the factor of an earlier one may leave; where it leaves more, a new one is made.
+#: Factorised Newton equations are reused as long as each step reduces the residual below this share of the last one.
 KEPT = 0.2
 
-#: Compliance of the bodies under a pattern of forces, over the local compliance, that Newton's step neglects.
+#: Compliance of the bodies for a pattern of forces, over the local compliance, below which Newton's step neglects it.
 FEEBLE = 1e-4
 
 
 @dataclass(frozen=True)
 class ContactResult:
-    """Solution of (1), or the last state and why it is none."""
+    """Solution of the contact problem (1), or the last state and the reason why it did not converge."""
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
@@ -341,8 +349,8 @@ class ContactResult:
 
 
 @dataclass
-class Ball:
-    """State of one ball."""
+class BallContacts:
+    """Contact state of one ball: forces, active contact pairs and energy."""
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
@@ -354,10 +362,10 @@ class Ball:
     energy: float
 
 
-def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> Ball:
-    """Contact of one ball between given grooves: min 1/2 l^T D l + g^T l over l >= 0.
+def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: int = 60) -> BallContacts:
+    """Solve the contact of one ball between fixed grooves: min 1/2 l^T D l + g^T l over forces l >= 0.
 
-    By an active set; by non-negative least squares where that cycles.
+    The solution is found by an active set, or by non-negative least squares if the active set cycles.
 
     Parameters
     ----------
@@ -366,7 +374,7 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
     gap : (n,) Array
         Gaps g without forces [m].
     start : Ball | Flags
-        Active pairs to start from, or a state, of whose factor the unchanged sides are used.
+        Active pairs to start from, or a state, whose factors of unchanged flanks are reused.
     most : int, default 60
         Largest number of changes of the active set.
 
@@ -375,8 +383,8 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
     Ball
         State at the minimum.
     """
-    known = start.factor if isinstance(start, Ball) else None
-    active = (start.active if isinstance(start, Ball) else start).copy()
+    known = start.factor if isinstance(start, BallContacts) else None
+    active = (start.active if isinstance(start, BallContacts) else start).copy()
     scale = float(np.abs(gap).max(initial=0.0))
     seen: set[bytes] = set()
     for _ in range(most):
@@ -386,7 +394,7 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
         slack = gap + block.apply(forces)
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
-            return Ball(forces, active, known, -0.5 * float(forces @ (gap + slack)))
+            return BallContacts(forces, active, known, -0.5 * float(forces @ (gap + slack)))
         key = new.tobytes()
         if key in seen:
             break
@@ -396,15 +404,15 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
     forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * gap.size)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
     energy = float(-0.5 * forces @ block.apply(forces) - gap @ forces)
-    return Ball(forces, active, block.factor(active), energy)
+    return BallContacts(forces, active, block.factor(active), energy)
 
 
-class Factor(NamedTuple):
-    """Newton's equations of all balls, in the amplitudes that couple contacts and bodies."""
+class NewtonFactor(NamedTuple):
+    """Factorised Newton equations of all balls, in the amplitudes that couple contacts and bodies."""
 
     #: Traces of every ball in contact, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T.
     traces: list[tuple[slice, Array]]
-    #: Places at which each begins among all.
+    #: Index of the first column of each trace among those of all balls.
     starts: list[int]
     #: T ``(ranks, motions)`` with U^T D^-1 N = R T.
     loads: Array
@@ -414,7 +422,7 @@ class Factor(NamedTuple):
     outer: tuple[Array, Indices]
 
     def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
-        """Newton step of amplitudes and rigid motions.
+        """Compute the Newton step of modal amplitudes and rigid motions.
 
         Parameters
         ----------
@@ -430,23 +438,23 @@ class Factor(NamedTuple):
         dw, dy : Array
             Steps of w and y.
         """
-        answer = self._solved(np.concatenate([np.zeros(0), *(R.T @ moved[c] for c, R in self.traces)]))
+        answer = self._solve_inner(np.concatenate([np.zeros(0), *(R.T @ moved[c] for c, R in self.traces)]))
         dy = lu_solve(self.outer, balance + self.loads.T @ answer, check_finite=False)
-        amplitude = self._solved(self.loads @ dy) - answer
+        amplitude = self._solve_inner(self.loads @ dy) - answer
         dw = back.copy()
         for (c, R), (i, j) in zip(self.traces, pairwise(self.starts), strict=True):
             dw[c] += R @ amplitude[i:j]
         return dw, dy
 
-    def _solved(self, rhs: Array) -> Array:
-        """Apply (I + R^T G R)^-1."""
+    def _solve_inner(self, rhs: Array) -> Array:
+        """Multiply a vector by (I + R^T G R)^-1."""
         return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
-def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
-    """Factors R, T with matrix = R R^T and loads = R T.
+def low_rank_factors(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
+    """Factorise a matrix and its loads as matrix = R R^T and loads = R T, of low rank.
 
-    By Cholesky's factor with pivots, up to a remainder that, scaled from both sides, is less than `FEEBLE`.
+    R is the pivoted Cholesky factor, up to a remainder that is less than `FEEBLE` when scaled from both sides.
 
     Parameters
     ----------
@@ -473,23 +481,23 @@ def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
 
 
 @dataclass
-class State:
-    """State at which a solution ended, or one may begin."""
+class SolverState:
+    """State of all balls at the end of a solution, from which another one may start."""
 
     #: Amplitudes.
     w: Array
     #: Rigid motions.
     y: Array
     #: States of the balls, for the same compliance.
-    balls: list[Ball] | None = None
+    balls: list[BallContacts] | None = None
     #: Factor of the last step.
-    factor: Factor | None = None
+    factor: NewtonFactor | None = None
 
 
-class _System:
-    """Evaluations of Phi and its Newton step."""
+class _EnergySystem:
+    """Evaluates the energy Phi of all balls and its Newton step."""
 
-    def __init__(self, C: Compliance, gap: Array, N: sp.csr_array, f: Array, balls: list[Ball] | None) -> None:
+    def __init__(self, C: Compliance, gap: Array, N: sp.csr_array, f: Array, balls: list[BallContacts] | None) -> None:
         self.C, self.f = C, f
         self.gaps = [gap[pairs] for pairs in C.pairs]
         self.rows = []
@@ -497,47 +505,51 @@ class _System:
             block = N[pairs]
             columns = np.unique(block.indices)
             self.rows.append((columns, block[:, columns].toarray()))
-        self.balls = list(balls or (Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
+        self.balls = list(balls or (BallContacts(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
     def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
-        """Evaluate Phi, U^T lambda - w, and f - N^T lambda; the balls' states are stored."""
+        """Evaluate Phi, U^T lambda - w and f - N^T lambda, and store the states of the balls."""
         phi = 0.5 * float(w @ (self.C.coupling @ w)) - float(self.f @ y)
-        for i, gap in enumerate(self.between(w, y)):
-            self.balls[i] = press(self.C.blocks[i], gap, self.balls[i])
+        for i, gap in enumerate(self.gaps_without_local(w, y)):
+            self.balls[i] = press_ball(self.C.blocks[i], gap, self.balls[i])
             phi += self.balls[i].energy
-        return phi, *self.left(w)
+        return phi, *self.residuals(w)
 
-    def between(self, w: Array, y: Array) -> list[Array]:
-        """Gaps of each ball ``(n_i,)`` [m] by all amplitudes and motions, without its local compliance."""
+    def gaps_without_local(self, w: Array, y: Array) -> list[Array]:
+        """Compute the gaps of each ball ``(n_i,)`` [m] from amplitudes w and rigid motions y, without local compliance."""
         z = self.C.coupling @ w
         each = zip(self.gaps, self.C.modes, self.C.columns, self.rows, strict=True)
         return [gap + U @ z[c] - n @ y[columns] for gap, U, c, (columns, n) in each]
 
-    def left(self, w: Array) -> tuple[Array, Array]:
-        """Residuals U^T lambda - w and f - N^T lambda of the balls' forces."""
+    def residuals(self, w: Array) -> tuple[Array, Array]:
+        """Compute the residuals U^T lambda - w and f - N^T lambda of the balls' contact forces."""
         balance = self.f.copy()
         for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
             balance[columns] -= n.T @ ball.forces
         return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
-    def in_touch(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
-        """Amplitudes and motions if exactly these pairs of each ball touch, even where they pull."""
+    def state_of_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
+        """Compute amplitudes and rigid motions as if exactly the contact pairs ``touching`` of each ball touched.
+
+        They are starting values; some pairs may pull.
+        """
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
             factor = self.C.blocks[i].factor(active)
-            self.balls[i] = Ball(factor.solve(-gap), active, factor, 0.0)
-        back, balance = self.left(np.zeros(len(self.C.coupling)))
+            self.balls[i] = BallContacts(factor.solve(-gap), active, factor, 0.0)
+        back, balance = self.residuals(np.zeros(len(self.C.coupling)))
         return self.factor(HOLD).step(back, self.C.coupling @ back, balance)
 
-    def factor(self, shift: float) -> Factor:
-        """Newton's equations at the balls' states; shift: stiffness [N/m] that holds what contacts do not.
+    def factor(self, shift: float) -> NewtonFactor:
+        """Assemble and factorise Newton's equations at the states of the balls.
 
-        With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
+        shift: stiffness [N/m] that regularises motions not constrained by contacts. With M = U^T D^-1 U = R R^T, U^T D^-1 N
+        = R T, zero between balls, and w eliminated from
 
             (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
 
-        N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T is left for dy. R and T are those of `roots`, which keeps the matrix
-        positive; the step is Newton's up to what is too feeble to count. Raises numpy.linalg.LinAlgError where G is not
-        that of an elastic body.
+        the matrix N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T remains for dy. R and T are those of `low_rank_factors`,
+        which makes the matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G
+        is not that of an elastic body.
         """
         G = self.C.coupling
         outer, size = shift * np.eye(self.f.size), np.sqrt(G.diagonal())
@@ -549,7 +561,7 @@ class _System:
             c, r = self.C.columns[i], self.C.modes[i].shape[1]
             columns = np.hstack([self.C.modes[i], n])
             M = columns.T @ ball.factor.solve(columns)  # zero on the open pairs
-            R, T_ball = roots(M[:r, :r], M[:r, r:], size[c])
+            R, T_ball = low_rank_factors(M[:r, :r], M[:r, r:], size[c])
             T = np.zeros((len(T_ball), self.f.size))
             T[:, d] = T_ball
             outer[np.ix_(d, d)] += M[r:, r:]
@@ -562,10 +574,10 @@ class _System:
             answer = np.hstack(answers)
             inner = np.vstack([R.T @ answer[c] for c, R in traces])
             inner[np.diag_indices(len(inner))] += 1.0
-            inner = factored(inner.T)
+            inner = cholesky_in_place(inner.T)
             solved = dtrsm(1.0, inner, T, lower=1)
             outer += solved.T @ solved - T.T @ T
-        return Factor(traces, starts, T, inner, lu_factor(outer, overwrite_a=True, check_finite=False))
+        return NewtonFactor(traces, starts, T, inner, lu_factor(outer, overwrite_a=True, check_finite=False))
 
 
 def solve_balls(
@@ -574,14 +586,14 @@ def solve_balls(
     N: sp.csr_array,
     f: Array,
     *,
-    start: State | None = None,
+    start: SolverState | None = None,
     touching: Sequence[Flags] = (),
     tolerance: float = 1e-10,
-) -> tuple[ContactResult, State]:
-    """Solve (1): forces, gaps and rigid motions.
+) -> tuple[ContactResult, SolverState]:
+    """Solve the contact problem (1) of all balls: forces, gaps and rigid motions.
 
-    The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. A problem without
-    equilibrium ends with a status that says that it did not converge.
+    The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. If there is no
+    equilibrium, the status says that the solution did not converge.
 
     Parameters
     ----------
@@ -596,20 +608,20 @@ def solve_balls(
     start : State | None, default None
         State of a neighbouring solution.
     touching : sequence of (n_i,) Masks, optional, optional
-        Without a start, pairs of each ball that are expected to touch.
+        Contact pairs of each ball that are expected to touch; used if there is no ``start``.
     tolerance : float, default 1e-10
         Largest residual.
 
     Returns
     -------
     result : ContactResult
-        The solution, or why there is none.
+        The solution, or the last state and the reason why it did not converge.
     state : State
-        Its state.
+        State from which a neighbouring solution may start.
     """
-    begin = State(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
-    system = _System(C, gap, N, f, begin.balls)
-    w, y = system.in_touch(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
+    begin = SolverState(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
+    system = _EnergySystem(C, gap, N, f, begin.balls)
+    w, y = system.state_of_touching_pairs(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
     phi, back, balance = system.evaluate(w, y)
     status, iteration, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
     for iteration in range(1, MOST + 1):  # noqa: B007
@@ -638,13 +650,16 @@ def solve_balls(
         w, y = w + t * dw, y + t * dy
         phi, back, balance = trial
         if not done and kept:
-            before = 0.0  # the next step by a new factor
+            before = 0.0  # the next step uses a new factor
         elif not done:
             status = f"stalled at a relative residual of {residual:.1e}"
             break
     if not status:
         status = f"not converged after {MOST} iterations (relative residual {residual:.1e})"
     forces = [ball.forces for ball in system.balls]
-    gaps = [between + block.apply(f) for between, block, f in zip(system.between(w, y), C.blocks, forces, strict=True)]
+    gaps = [
+        between + block.apply(f)
+        for between, block, f in zip(system.gaps_without_local(w, y), C.blocks, forces, strict=True)
+    ]
     result = ContactResult(np.concatenate(forces), np.concatenate(gaps), y, iteration, status, residual)
-    return result, State(w, y, system.balls, factor)
+    return result, SolverState(w, y, system.balls, factor)

@@ -7,9 +7,9 @@ P the unit contact loads and B the displacements of the cut under them,
 
     u_i = K_ii^-1 (P - K_ic B) lambda,    C = P^T K_ii^-1 P - (K_ci K_ii^-1 P)^T B:
 
-the compliance with the cut fixed, plus what the motion of the cut adds through the reactions found with it fixed. It
-needs no more solutions than the fixed block, and replaces the rest of the half-space up to the difference between a nodal
-force and a point force, seen from the cut.
+the compliance with the cut fixed, plus the contribution of the cut's motion through the reactions computed with it fixed.
+It needs no more solutions than the fixed block, and replaces the rest of the half-space up to the difference between a
+nodal force and a point force, seen from the cut.
 
 Both bodies of a Hertz contact are half-spaces of the same material: one is modelled, and its compliance doubled.
 """
@@ -23,7 +23,7 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import solve_balls, uncoupled
+from rollbench.hifi.contact.balls import solve_balls, uncoupled_compliance
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements.forms import assemble, elasticity, nodal_areas
 from rollbench.hifi.linear_algebra import factor
@@ -37,14 +37,14 @@ CHUNK = 128
 SIZE = 3.0
 #: Ratio of neighbouring hexahedra outside the contact, and edge per distance of tetrahedra there, at b/h = 4.
 GROWTH, GRADING = 1.8, 0.5
-#: The source's tetrahedra (Lin 2.4.1) [m]: first order, edge within the body of influence and elsewhere. Its size and
-#: shape are not printed; taken as a sphere of this radius, edges growing by a fifth of the distance beyond.
+#: Tetrahedra of Lin's thesis (section 2.4.1) [m]: first order, edge within the body of influence and elsewhere. The size
+#: and shape of that body are not printed: a sphere of this radius, with edges growing by a fifth of the distance beyond.
 SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceCompliance:
-    """Compliance of the quarter half-space's surface under normal forces at m nodes."""
+    """Compliance of the surface of a quarter of a half-space under normal forces at m nodes."""
 
     #: Coordinates x, y of the nodes ``(m, 2)`` [m].
     places: Array
@@ -63,17 +63,17 @@ class SurfaceCompliance:
 
 
 def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> Array:
-    """Displacements of the half-space z > 0 under unit normal forces on its surface.
+    """Compute the displacements of the half-space z > 0 under unit normal forces on its surface, by Boussinesq.
 
-    u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), R the
-    distance from the source, r its part along the surface. Infinite at a source.
+    u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), where R
+    is the distance from the force and r its part along the surface. Infinite at a force.
 
     Parameters
     ----------
     points : (n, 3) Array
         Points [m].
     sources : (m, 2) Array
-        Places x, y of the forces, which act along +z at z = 0 [m].
+        Coordinates x, y of the forces, which act along +z at z = 0 [m].
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -103,11 +103,11 @@ def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> A
     return np.asarray((1.0 + poisson) / (2.0 * np.pi * young) * parts)
 
 
-def carried_areas(mesh: BlockMesh) -> Array:
-    """Area of the contact plane that each node carries: its consistent area.
+def nodal_contact_areas(mesh: BlockMesh) -> Array:
+    """Compute the area of the contact plane that each node carries: its consistent area.
 
-    A uniform pressure loads only the midside nodes of 6-node triangles, not the corners: only midside nodes may touch.
-    Pressures given at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
+    A uniform pressure loads only the midside nodes of 6-node triangles, not their corners, so that only midside nodes may
+    touch. Pressures defined at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
 
     Parameters
     ----------
@@ -124,14 +124,14 @@ def carried_areas(mesh: BlockMesh) -> Array:
 
 
 def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float, poisson: float) -> SurfaceCompliance:
-    """Compliance of the surface nodes within an ellipse, with and without the far field.
+    """Compute the compliance of the surface nodes within an ellipse, with and without the far field.
 
     Parameters
     ----------
     mesh : BlockMesh
         Quarter block.
     reach : tuple[float, float]
-        Semi-axes along x, y of the ellipse that may touch [m].
+        Semi-axes along x, y of the ellipse in which nodes may touch [m].
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -149,7 +149,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     """
     start = perf_counter()
     matrix = sp.csr_array(assemble(elasticity(young, poisson), mesh.mesh))
-    areas = carried_areas(mesh)
+    areas = nodal_contact_areas(mesh)
     near = ((mesh.points[:, :2] / np.array(reach)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)
     cut = freedoms_on(mesh.mesh, "cut")
@@ -166,7 +166,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         chunk = slice(first, first + CHUNK)
         answer = solve(unit[:, chunk].toarray())
         held[:, chunk], reactions[:, chunk] = unit.T @ answer, rows @ answer
-    full = held - reactions.T @ _far_field(mesh, mesh.points[nodes, :2], young, poisson)
+    full = held - reactions.T @ _far_field_at_cut(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
     return SurfaceCompliance(
         places=mesh.points[nodes, :2],
@@ -179,8 +179,8 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     )
 
 
-def _far_field(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
-    """Displacement (3 cut nodes, m) [m/N] of the cut under a unit force at each source and at its mirror images."""
+def _far_field_at_cut(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
+    """Compute displacements (3 cut nodes, m) [m/N] of the cut faces by a unit force at each source and its images."""
     points = mesh.points[nodes_on(mesh.mesh, "cut")]
     images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
     total = sum(boussinesq(points, sources * signs, young, poisson) for signs in images)
@@ -189,7 +189,7 @@ def _far_field(mesh: BlockMesh, sources: Array, young: float, poisson: float) ->
 
 @dataclass(frozen=True)
 class HertzJob:
-    """A contact to verify: gap x^2/(2 radius_x) + y^2/(2 radius_y) between two bodies of one material."""
+    """Hertz contact to be verified: gap x^2/(2 radius_x) + y^2/(2 radius_y) between two bodies of one material."""
 
     #: Name of the contact.
     name: str
@@ -206,7 +206,7 @@ class HertzJob:
 
     @property
     def exact(self) -> HertzSolution:
-        """The closed form."""
+        """Hertz's closed-form solution of the contact."""
         return hertz(self.load, self.radius_x, self.radius_y, self.young, self.poisson)
 
 
@@ -221,7 +221,7 @@ JOBS = {
 
 @dataclass(frozen=True)
 class HertzRun:
-    """Result of a verification run on one mesh, and the closed form."""
+    """Finite-element solution of a Hertz contact on one mesh, with the closed form for comparison."""
 
     #: Name of the contact.
     job: str
@@ -259,12 +259,12 @@ class HertzRun:
         return sum(self.seconds.values())
 
 
-def study(
+def solve_hertz_contact(
     job: HertzJob, element: str, b_over_h: float, *, size: float = SIZE, far_field: bool = True, aim: float = 1.0
 ) -> HertzRun:
-    """Solve a contact on a mesh graded to its ellipse.
+    """Solve a Hertz contact by finite elements, on a mesh graded to its ellipse.
 
-    Meshes of one element with growing b_over_h refine each other everywhere, so that errors can converge.
+    Meshes of one element type with growing b_over_h refine each other everywhere, so that errors can converge.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def study(
     far_field : bool, default True
         False to fix the cut instead.
     aim : float, default 1.0
-        Semi-axes that the mesh is made for over those of the contact, to move the contact's edge against the mesh.
+        Semi-axes for which the mesh is made, over those of the contact, to move the contact's edge against the mesh.
 
     Returns
     -------
@@ -305,12 +305,12 @@ def study(
         influence = Influence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
         mesh = tetrahedra(int(element[1]), influence, size * a)
     else:
-        raise ValueError(f"element {element!r}: one of P1, P2, Q1, Q2")
-    return on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
+        raise ValueError(f"element {element!r}: must be one of P1, P2, Q1, Q2")
+    return solve_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
 
 
-def source_study(job: HertzJob) -> HertzRun:
-    """Solve a contact on first-order tetrahedra of the source's size, 0.08 mm in a body of influence and 5 mm elsewhere.
+def solve_hertz_contact_like_lin(job: HertzJob) -> HertzRun:
+    """Solve a Hertz contact on first-order tetrahedra as in Lin's thesis: 0.08 mm near the contact, 5 mm elsewhere.
 
     Parameters
     ----------
@@ -329,11 +329,13 @@ def source_study(job: HertzJob) -> HertzRun:
     start = perf_counter()
     radius = SOURCE_RADIUS
     mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
-    return on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
+    return solve_on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
 
 
-def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True) -> HertzRun:
-    """Solve a contact on a mesh of a quarter block.
+def solve_on_mesh(
+    job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True
+) -> HertzRun:
+    """Solve a Hertz contact on a given mesh of a quarter block.
 
     Parameters
     ----------
@@ -366,10 +368,10 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
     matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
     closing = sp.csr_array(np.ones((len(gap), 1)))
-    result, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
+    result, _ = solve_balls(uncoupled_compliance(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
     if not result.converged:
         raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {result.status}")
-    semi, pole, fitted = read_ellipse(surface.places, surface.areas, result.forces)
+    semi, pole, fitted = fit_pressure_ellipsoid(surface.places, surface.areas, result.forces)
     return HertzRun(
         job=job.name,
         element=mesh.element,
@@ -387,8 +389,8 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     )
 
 
-def read_ellipse(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:
-    """Semi-axes and pole pressures of the ellipsoid that nodal forces follow, as `HertzRun` defines them.
+def fit_pressure_ellipsoid(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:
+    """Fit a Hertzian pressure ellipsoid to nodal forces: semi-axes and pole pressures, as `HertzRun` defines them.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Hertz's elliptical contact in closed form, against which the 3D reference is verified.
 
-Written from Johnson, Contact Mechanics (1985), section 3.3, with the integrals by quadrature, independently of the Hertz
-formulas of the low-order models, so that neither can hide a fault of the other.
+Derived from Johnson, Contact Mechanics (1985), section 3.3, with the integrals by quadrature. It is independent of the
+Hertz formulas of the low-order models, so that neither can hide an error of the other.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ THINNEST = 1e-3
 
 @dataclass(frozen=True)
 class HertzSolution:
-    """Hertz contact of two bodies."""
+    """Solution of Hertz's contact of two bodies: approach, ellipse and pressure under a normal force."""
 
     #: Approach of distant points of the bodies [m].
     approach: float
@@ -33,7 +33,7 @@ class HertzSolution:
     load: float
 
     def pressure(self, x: Array, y: Array) -> Array:
-        """Contact pressure at points of the contact plane [Pa]; zero outside the ellipse.
+        """Compute the contact pressure at points of the contact plane [Pa]; zero outside the ellipse.
 
         Parameters
         ----------
@@ -50,11 +50,11 @@ class HertzSolution:
 
 
 def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: float) -> HertzSolution:
-    """Contact of two bodies of the same material whose gap is x^2/(2 radius_x) + y^2/(2 radius_y).
+    """Solve Hertz's contact of two bodies of one material with the gap x^2/(2 radius_x) + y^2/(2 radius_y).
 
-    With m = 1 - b^2/a^2, the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) displaces a surface of contact modulus E* by p0 b /
-    E* (K - D x^2/a^2 - H y^2/a^2), where K, D, H are the integrals of `_integrals`; matching the gap gives the ratio of
-    curvatures D / H, then a^3 = 3 F D / (2 pi E* A), A = 1/(2 radius_x), and the approach p0 b K / E*. Valid for smooth
+    With m = 1 - b^2/a^2, the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) displaces a surface of contact modulus E* by p0 b / E*
+    (K - D x^2/a^2 - H y^2/a^2), where K, D, H are the integrals of `_hertz_integrals`. Matching the gap gives the ratio of
+    curvatures D / H, then a^3 = 3 F D / (2 pi E* A) with A = 1/(2 radius_x), and the approach p0 b K / E*. Valid for smooth
     half-spaces, small strain, no friction, and ellipses not thinner than `THINNEST`.
 
     Parameters
@@ -71,7 +71,7 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
     Returns
     -------
     HertzSolution
-        The closed form.
+        Approach, semi-axes and largest pressure in closed form.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
     modulus = young / (2.0 * (1.0 - poisson**2))
     low = 0.5 / radius_x
     ratio = _axis_ratio(radius_y / radius_x)
-    k, d, _ = _integrals(ratio)
+    k, d, _ = _hertz_integrals(ratio)
     a = (1.5 * load * d / (np.pi * modulus * low)) ** (1.0 / 3.0)  # a^3 = 3 F D / (2 pi E* A)
     b = ratio * a
     pole = 1.5 * load / (np.pi * a * b)  # p0 of the semi-ellipsoid with the load F
@@ -104,12 +104,12 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
 
 
 def _axis_ratio(curvature_ratio: float) -> float:
-    """Find b/a from the ratio <= 1 of the relative curvatures along a and along b."""
+    """Find the axis ratio b/a of the contact ellipse from the ratio <= 1 of the relative curvatures along a and along b."""
     if curvature_ratio > 1.0 - 1e-15:
         return 1.0
 
     def mismatch(log_ratio: float) -> float:
-        _, d, h = _integrals(float(np.exp(log_ratio)))
+        _, d, h = _hertz_integrals(float(np.exp(log_ratio)))
         return float(np.log(d / h / curvature_ratio))
 
     thinnest = float(np.log(THINNEST))
@@ -118,11 +118,12 @@ def _axis_ratio(curvature_ratio: float) -> float:
     return float(np.exp(brentq(mismatch, thinnest, 0.0, xtol=1e-15, rtol=1e-15)))
 
 
-def _integrals(ratio: float) -> tuple[float, float, float]:
-    """K, D, H = integrals over (0, pi/2) of 1/q, sin^2/q, sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2.
+def _hertz_integrals(ratio: float) -> tuple[float, float, float]:
+    """Compute Hertz's integrals K, D, H for an ellipse of axis ratio b/a = ``ratio``.
 
-    D = (K - E)/m and H = (E/(1 - m) - K)/m without their cancellation at m = 0. The trapezoidal rule converges
-    exponentially on these periodic functions, with about 20 points times 1/ratio.
+    They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2; D = (K -
+    E)/m and H = (E/(1 - m) - K)/m are then free of cancellation at m = 0. The trapezoidal rule converges exponentially on
+    these periodic functions, with about 20 points times 1/ratio.
     """
     count = 32 + int(np.ceil(24.0 / ratio))
     theta = (np.arange(count) + 0.5) * (0.5 * np.pi / count)

@@ -1,17 +1,17 @@
 """One tapered roller between its races in 3D: approach, stiffness, and pressure along and across both contact lines.
 
-Bodies are a roller and the shares of cup and cone that belong to it: up to the planes half-way to its neighbours, where
-symmetry holds as all rollers are loaded alike, and to the depth of the rings, where the cone is held and the cup moved
-along the normal of its race. The rib is rigid, frictionless, on the roller's axis: it stops the mean motion of the large
-end along the axis. The roller turns and moves between the races until it is in balance. Half of everything is meshed (the
-plane of the axes is one of symmetry), of the roller a quarter: halves of the loads are split into parts that are symmetric
-and antisymmetric about its other plane,
+The bodies are a roller and sectors of cup and cone. The sectors end at the planes half-way to the neighbouring rollers,
+where symmetry holds because all rollers are loaded alike, and at the depth of the rings, where the cone is fixed and the
+cup is moved along the normal of its race. The rib is rigid and frictionless: it stops the mean motion of the roller's large
+end along the roller's axis. The roller turns and moves between the races until it is in equilibrium. The plane of the axes
+is one of symmetry, so that half of each race is meshed. Of the roller a quarter is meshed: the loads are split into parts
+that are symmetric and antisymmetric about its other plane,
 
     C_cup,cup = C_cone,cone = (S + A)/2,   C_cup,cone = (S - A)/2,
 
-each from one stiffness. Every body is condensed to the compliance of its zone under pressures that are bilinear between
-nodes (`hifi.elements.forms`); contact is unilateral, without friction. Gaps are those of the cones, a circular crown and
-roundings of the ends. Small strains and displacements.
+each computed from one stiffness. Every body is condensed to the compliance of its contact zone under pressures that are
+bilinear between nodes (`hifi.elements.forms`). Contact is unilateral and frictionless. Gaps are those of the cones, of a
+circular crown and of the roundings of the ends. Small strains and displacements.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from time import perf_counter, process_time
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import ContactResult, State, solve_balls, uncoupled
-from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, faces, mean_weights, share
+from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_balls, uncoupled_compliance
+from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, face_basis, mean_weights, nodal_share_form
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -38,26 +38,26 @@ ZONE = 1.7
 #: Edge of a cell per distance from the zone, times the cells across the zone.
 GRADING = 5.4
 
-#: Share of the rounding's radius at both ends of a roller that is meshed: the rest stands too far off to touch.
+#: Meshed length of the rounding at both ends of a roller, over its radius: the rest is too far from the race to touch.
 FILLET = 0.6
-#: What a race is longer than the roller at either end, over the depth of the ring.
+#: Length of a race beyond either end of the roller, over the depth of the ring.
 BEYOND = 1.0
-#: Widest share of a race [rad].
+#: Largest half angle of the sector of a race [rad].
 WIDEST = np.pi / 4.0
 
 
 class RollerError(ArithmeticError):
-    """Error of a roller or load that the model does not describe."""
+    """Error of a roller or load that the model cannot describe."""
 
     def __init__(self, reason: str, advice: str) -> None:
-        """Error with its reason and what to do."""
+        """Create the error from its reason and the advice to the user."""
         super().__init__(reason)
         self.advice = advice
 
 
 @dataclass(frozen=True)
-class Bodies:
-    """Condensed bodies of a roller, independent of the load."""
+class CondensedRoller:
+    """Roller, cup and cone of a tapered roller bearing, condensed to their contact zones; independent of the load."""
 
     #: Row of the roller.
     row: RollerRow
@@ -82,11 +82,11 @@ class Bodies:
 
 @dataclass(frozen=True)
 class RollerState:
-    """A roller under one load."""
+    """Solution of a roller pressed between its races under one load."""
 
-    #: Force of each race on it [N].
+    #: Force of each race on the roller [N].
     load: float
-    #: Approach of the bases of cup and cone along the cup's normal [m], and its derivative d load/d approach [N/m].
+    #: Approach of the bases of cup and cone along the cup's normal [m], and the stiffness d load/d approach [N/m].
     approach: float
     stiffness: float
     #: Pressures of cup and cone ``(2, m, n)`` [Pa].
@@ -110,44 +110,52 @@ class RollerState:
         return np.asarray(self.line_load[:, self.line_load.shape[1] // 2])
 
 
-def half_width(row: RollerRow, load: float) -> float:
-    """Half-width of the wider contact under an even load [m], b^2 = 4 q R/(pi E*), to size a mesh."""
+def contact_half_width(row: RollerRow, load: float) -> float:
+    """Return the half width of the wider contact under an even line load q [m], b^2 = 4 q R/(pi E*), to size a mesh."""
     modulus = 0.5 * row.material.youngs_modulus / (1.0 - row.material.poissons_ratio**2)
-    r, cup = np.tan([row.roller_angle, row.cup_angle]) * _middle(row)
+    r, cup = np.tan([row.roller_angle, row.cup_angle]) * _distance_from_apex(row)
     return float(np.sqrt(4.0 * load / row.length / (1.0 / r - 1.0 / cup) / (np.pi * modulus)))
 
 
-def _middle(row: RollerRow) -> float:
-    """Distance of the middle of the contact line from the apex [m]."""
+def _distance_from_apex(row: RollerRow) -> float:
+    """Return the distance of the middle of the contact line from the common apex of the cones [m]."""
     return float(0.5 * row.diameter / np.sin(row.roller_angle))
 
 
-def drop(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return what the profile lacks at distances from the middle [m]: by the crown, by the rounding of the ends."""
+def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
+    """Return the depth of the roller's profile below a straight line at distances x from its middle [m].
+
+    Two depths are returned: that of the crown, and that of the rounding of the ends.
+    """
     beyond = np.maximum(np.abs(x) - 0.5 * row.length, 0.0)
     r = row.edge_radius
     edge = np.zeros_like(beyond) if r is None else r - np.sqrt(np.maximum(r**2 - beyond**2, 0.0))
     return x**2 / (2.0 * row.crown), edge
 
 
-def _lines(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
-    """Return ends of the cells along the roller, of the zone, and beyond on the race [m], all from the middle."""
+def _cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
+    """Return boundaries of the cells along the roller, end of the contact zone, and boundaries on the race beyond.
+
+    All are distances from the roller's middle [m].
+    """
     half, r = 0.5 * row.length, row.edge_radius
     if r is None:
         lines, touch = np.linspace(0.0, half, 2 * cells + 1), half
     else:
         # a rounding leaves the race within about b sqrt(2 r/D) of its beginning
-        end = min(FILLET * r, 2.0 * half_width(row, load) * np.sqrt(2.0 * r / row.diameter))
+        end = min(FILLET * r, 2.0 * contact_half_width(row, load) * np.sqrt(2.0 * r / row.diameter))
         step, touch = end / (cells // 2), half + end
-        lines = np.concatenate([half - _growing(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)])
+        lines = np.concatenate(
+            [half - _growing_boundaries(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)]
+        )
         if FILLET * r > end:
             lines = np.append(lines, half + FILLET * r)
-    far = lines[-1] + _growing(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
+    far = lines[-1] + _growing_boundaries(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
     return np.concatenate([-lines[:0:-1], lines]), float(touch), far
 
 
-def _growing(first: float, length: float, cells: int) -> Array:
-    """Return ends ``(cells + 1,)`` of cells from 0 to a length, growing by one ratio from the first on."""
+def _growing_boundaries(first: float, length: float, cells: int) -> Array:
+    """Return boundaries ``(cells + 1,)`` from 0 to ``length`` of cells that grow by a constant ratio from ``first`` on."""
     if first * cells >= length:
         return np.linspace(0.0, length, cells + 1)
     low, high = 1.0, (length / first) ** (1.0 / (cells - 1)) + 1.0
@@ -158,8 +166,8 @@ def _growing(first: float, length: float, cells: int) -> Array:
     return np.asarray(ends * length / ends[-1])
 
 
-def condense(row: RollerRow, cells: int, load: float) -> Bodies:
-    """Mesh a roller and its races for loads up to one, and condense them.
+def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
+    """Mesh a roller and its races for contact forces up to ``load``, and condense them to their contact zones.
 
     Parameters
     ----------
@@ -181,13 +189,13 @@ def condense(row: RollerRow, cells: int, load: float) -> Bodies:
     """
     wall, cpu = perf_counter(), process_time()
     if row.edge_radius is None and np.isinf(row.crown):
-        raise RollerError("it is straight and its ends are sharp: no finite pressure", SHARP)
-    middle, share_of = _middle(row), min(np.pi / row.count, WIDEST)
-    zone = Zone(ZONE * half_width(row, load), cells, GRADING / cells)
-    lines, touch, far = _lines(row, cells, load)
+        raise RollerError("the roller is straight and its ends are sharp: their pressure is not finite", SHARP)
+    middle, share_of = _distance_from_apex(row), min(np.pi / row.count, WIDEST)
+    zone = Zone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
+    lines, touch, far = _cell_boundaries(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
-    shape = on_roller(radius, row.roller_angle, lambda along: drop(row, along - middle)[1])
+    shape = on_roller(radius, row.roller_angle, lambda along: profile_depths(row, along - middle)[1])
     roller = swept(section(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True)
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
@@ -204,18 +212,18 @@ def condense(row: RollerRow, cells: int, load: float) -> Bodies:
     along, across = roller.along - middle, roller.across
     x, y = np.repeat(along, len(across)), np.tile(across, len(along))
     place = middle + x
-    sag = [_sag(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
-    crown, edge = drop(row, x)
+    sag = [_distance_from_tangent_plane(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
+    crown, edge = profile_depths(row, x)
     gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(crown + edge, 2)
     areas = np.asarray(contact_weights(roller.mesh, roller.contact.ravel()).sum(axis=1)).ravel()
     meshes = (roller, *rings)
-    return Bodies(
+    return CondensedRoller(
         row=row,
         along=along,
         across=across,
         matrix=matrix,
         gap=gap,
-        closing=_closing(roller, rings[0], middle * np.cos(row.roller_angle)),
+        closing=_closing_motions(roller, rings[0], middle * np.cos(row.roller_angle)),
         areas=areas.reshape(len(along), -1),
         cells=sum(len(one.cells) for one in meshes),
         unknowns=sum(3 * len(one.points) for one in meshes),
@@ -224,14 +232,14 @@ def condense(row: RollerRow, cells: int, load: float) -> Bodies:
     )
 
 
-def _sag(along: Array, across: Array, angle: float) -> Array:
-    """Distance [m] of a cone of a half included angle from its tangent plane along a generator."""
+def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> Array:
+    """Return the distance [m] of a cone with half angle ``angle`` [rad] from its tangent plane along a generator."""
     radius = along * np.sin(angle)
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
-def _loads(body: SweptBody) -> sp.csr_array:
-    """Nodal forces of unit forces by each of the zone's pressure functions, as rows: into the body."""
+def _pressure_loads(body: SweptBody) -> sp.csr_array:
+    """Assemble the nodal forces of a unit force on each pressure function of the contact zone, into the body, as rows."""
     contact = body.contact.ravel()
     W = mean_weights(contact_weights(body.mesh, contact)).tocoo()
     normal = body.inward.reshape(-1, 3)[W.col]
@@ -240,8 +248,8 @@ def _loads(body: SweptBody) -> sp.csr_array:
 
 
 def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
-    """Compliance of the quarter of a roller under loads that are even or odd about its other half."""
-    K, rows = assemble(law, body.mesh), _loads(body)
+    """Compute the compliance of a quarter roller's contact zone, for loads even or odd about its second symmetry plane."""
+    K, rows = assemble(law, body.mesh), _pressure_loads(body)
     side, points = nodes_on(body.mesh, "side"), body.points
     axis = np.intersect1d(side, nodes_on(body.mesh, "y = 0"))
     ends = axis[[points[axis, 2].argmin(), points[axis, 2].argmax()]]
@@ -251,12 +259,12 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
         along = np.zeros(3 * len(points))
         along[2::3] = 1.0
         thrust = np.zeros(3 * len(points))
-        thrust[2::3] = share().assemble(faces(body.mesh, "end"))
+        thrust[2::3] = nodal_share_form().assemble(face_basis(body.mesh, "end"))
         rows = sp.vstack([rows, sp.csr_array(thrust[None] / thrust.sum())]).tocsr()
-        carried = -(rows[:-1] @ along)  # the rib, evenly over the large end
+        carried = -(rows[:-1] @ along)  # force of the rib, even over the large end
         change = np.column_stack([np.eye(len(carried)), carried])
     else:
-        held += [3 * side + 1, 3 * side + 2, 3 * ends]  # what holds the roller carries nothing in balance
+        held += [3 * side + 1, 3 * side + 2, 3 * ends]  # this support carries no force in equilibrium
         change = np.eye(rows.shape[0])
     free = np.setdiff1d(np.arange(K.shape[0]), np.concatenate(held))
     found = compliance(K[free][:, free], rows[:, free])
@@ -264,8 +272,8 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
 
 
 def race_compliance(body: SweptBody, law: object, half: float) -> Array:
-    """Compliance of the share of a race between planes at azimuths 0 and ``half`` [rad]."""
-    K, rows = assemble(law, body.mesh), _loads(body)
+    """Compute the compliance of the contact zone of one race, on a sector between azimuths 0 and ``half`` [rad]."""
+    K, rows = assemble(law, body.mesh), _pressure_loads(body)
     side = nodes_on(body.mesh, "side")
     turn = np.ones((2, len(side))) * np.array([[np.cos(half)], [np.sin(half)]])
     x, y = 3 * side, 3 * side + 1
@@ -279,8 +287,8 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
     return compliance(K[free][:, free], rows[:, free])
 
 
-def _closing(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
-    """Gap closed by a unit of approach of the cup, and of the roller's motion towards it and tilt."""
+def _closing_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
+    """Return the gap closed by a unit of the cup's approach, of the roller's motion towards the cup, and of its tilt."""
     n = -roller.inward.reshape(-1, 3)
     arm = roller.points[roller.contact.ravel()]
     moves = np.column_stack([n[:, 0], n[:, 0] * (arm[:, 2] - middle) - n[:, 2] * arm[:, 0]])
@@ -290,15 +298,15 @@ def _closing(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
     return np.column_stack([np.concatenate([approach, nothing]), np.concatenate([moves, -moves])])
 
 
-#: What to do about sharp ends.
-SHARP = "write edge_radius under its rollers, or a crown on which the load ends before the roller does"
+#: Advice for rollers with sharp ends.
+SHARP = "add the rollers' edge_radius, or a crown with which the contact ends before the roller does"
 
-#: Relative change of the load by which the stiffness is found.
+#: Relative change of the load for the difference quotient that gives the stiffness.
 STEP = 0.01
 
 
-def press(bodies: Bodies, load: float) -> RollerState:
-    """Press a roller between its races.
+def press_roller(bodies: CondensedRoller, load: float) -> RollerState:
+    """Press a roller between its races by a given force, and find its stiffness by small changes of the force.
 
     Parameters
     ----------
@@ -313,20 +321,21 @@ def press(bodies: Bodies, load: float) -> RollerState:
         Contact fails, or reaches a sharp end of the roller or the end of its zone.
     """
     wall, cpu = perf_counter(), process_time()
-    C, N = uncoupled(bodies.matrix), sp.csr_array(bodies.closing)
+    C, N = uncoupled_compliance(bodies.matrix), sp.csr_array(bodies.closing)
     found: list[ContactResult] = []
-    state: State | None = None
+    state: SolverState | None = None
     for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
         result, state = solve_balls(C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state)
         if not result.converged:
-            raise RollerError(f"its contact did not converge: {result.status}", "try another load or level")
+            raise RollerError(f"the roller's contact did not converge: {result.status}", "try another load or level")
         found.append(result)
     forces = found[2].forces.reshape(2, *bodies.areas.shape)
     touched = forces > 0.0
     if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
-        raise RollerError("it touches with its sharp ends, whose pressure is not finite", SHARP)
+        raise RollerError("the roller touches with its sharp ends, whose pressure is not finite", SHARP)
     if touched[:, [0, -1]].any() or touched[:, :, -1].any():
-        raise RollerError("it touches beyond the zone of its mesh", "give it a larger edge_radius or a smaller load")
+        reason = "the roller touches its races beyond the contact zone of the mesh"
+        raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")
     widths = np.concatenate([[0.0], np.diff(bodies.along)]) / 2.0 + np.concatenate([np.diff(bodies.along), [0.0]]) / 2.0
     total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.areas.size)
     return RollerState(

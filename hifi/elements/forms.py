@@ -7,12 +7,13 @@ form stands (the report's table "reference-assembly" measures both).
 
 A form int c_ikjl u_i,k v_j,l dV is probed with unit gradients for its tensor c; scikit-fem's Basis gives the gradients of
 the shape functions, one matrix product for each cell their integrals, and these are scattered node by node.
-`form.assemble(basis)` of the vector space at the points of `rule` is the same matrix, and the test of this module.
+The result equals scikit-fem's `form.assemble(basis)` of the vector space at the points of `stiffness_quadrature`, as the
+tests verify.
 
-The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces make the force law of a contact wavy. The
-pressure is therefore bilinear between all nodes of the contact's grid: its nodal basis functions phat_k ("hat functions"
-on the faces' halves) give nodal forces f = W^T p and weighted gaps W g with W_ki = int phat_k N_i dA over the contact
-zone, N_i the traces of the displacement's shape functions.
+The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces would make the force law of a contact
+oscillate. The pressure is therefore bilinear between all nodes of the contact's grid: its nodal basis functions phat_k
+("hat functions" on the faces' halves) give nodal forces f = W^T p and weighted gaps W g with W_ki = int phat_k N_i dA
+over the contact zone, N_i the traces of the displacement's shape functions.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ Stress = Callable[[Any], Any]
 
 
 def hooke(young: float, poisson: float) -> Stress:
-    """Isotropic elasticity law, from strain to stress.
+    """Return the law of isotropic linear elasticity, from strain to stress.
 
     Parameters
     ----------
@@ -65,7 +66,7 @@ def hooke(young: float, poisson: float) -> Stress:
     Raises
     ------
     ValueError
-        Outside E > 0, -1 < nu < 0.5.
+        E > 0 and -1 < nu < 0.5 do not both hold.
     """
     if not (young > 0.0 and -1.0 < poisson < 0.5):
         raise ValueError(f"Young's modulus {young}, Poisson's ratio {poisson}: need E > 0 and -1 < nu < 0.5")
@@ -74,7 +75,7 @@ def hooke(young: float, poisson: float) -> Stress:
 
 
 def elasticity(young: float, poisson: float) -> Any:
-    """Bilinear form of linear elasticity, int C(eps(u)) : eps(v) dV.
+    """Return the bilinear form of linear elasticity, int C(eps(u)) : eps(v) dV.
 
     Parameters
     ----------
@@ -101,8 +102,8 @@ def elasticity(young: float, poisson: float) -> Any:
     return BilinearForm(energy)
 
 
-def share(axis: int | None = None) -> Any:
-    """Linear form int N_i dA or dV: area or volume of each node of a scalar space.
+def nodal_share_form(axis: int | None = None) -> Any:
+    """Return the linear form int N_i dA or int N_i dV, which assigns each node its share of an area or volume.
 
     Parameters
     ----------
@@ -132,109 +133,113 @@ _FACE_DEGREE = {3: 5, 4: 7}
 
 
 class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
-    """Isoparametric map of scikit-fem without Newton's method on faces, and with caching.
+    """Isoparametric map of scikit-fem without Newton's method on faces, and with cached results.
 
-    An assembly takes a fifth to a third less time. The place of a point of a face in its cell is known from their
-    corners; scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off in cells of 10 um 16 mm
-    from the origin. Faces are mapped as parts of their cells. The last results are cached.
+    It shortens an assembly by a fifth to a third. The place of a face's point in its cell follows from their corners;
+    scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off in cells of 10 um 16 mm from the
+    origin. Faces are mapped as parts of their cells.
     """
 
     def __init__(self, mesh: Mesh) -> None:
-        """Map of a mesh's element."""
+        """Map the cells of a mesh with the shape functions of its element."""
         super().__init__(mesh, mesh.elem(), mesh.bndelem)
-        self._kept: dict[str, tuple[Any, Any, Any]] = {}
+        self._cached: dict[str, tuple[Any, Any, Any]] = {}
 
-    def _once(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """Return a result for the points X in the cells or faces ``entities``, computed once."""
-        known = self._kept.get(name)
+    def _cached_result(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
+        """Return a cached result for the points X in the cells or faces ``entities``; compute it if they changed."""
+        known = self._cached.get(name)
         if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
-            known = self._kept[name] = (X, entities, compute())
+            known = self._cached[name] = (X, entities, compute())
         return known[2]
 
-    def _shapes(self, X: Array) -> tuple[Array, Array]:
-        """Shape functions ``(n, ...)`` and reference gradients ``(n, 3, ...)`` at X."""
+    def _shape_values(self, X: Array) -> tuple[Array, Array]:
+        """Evaluate the shape functions ``(n, ...)`` and their reference gradients ``(n, 3, ...)`` at X."""
 
         def compute() -> tuple[Array, Array]:
             functions = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
             return np.array([value for value, _ in functions]), np.array([slope for _, slope in functions])
 
-        found: tuple[Array, Array] = self._once("shapes", X, None, compute)
+        found: tuple[Array, Array] = self._cached_result("shapes", X, None, compute)
         return found
 
-    def _sum(self, i: int, table: Array, tind: Any) -> Array:
-        """Component i of the nodes of the cells tind times a table ``(n, q)`` or ``(n, cells, q)``: ``(cells, q)``."""
+    def _interpolate_nodes(self, i: int, table: Array, tind: Any) -> Array:
+        """Multiply coordinate i of the nodes of the cells tind by a table of shape functions.
+
+        The table has the shape ``(n, q)`` or ``(n, cells, q)``, the result ``(cells, q)``.
+        """
         nodes = self.mesh.dofs.element_dofs
         x = self.mesh.doflocs[i, nodes if tind is None else nodes[:, tind]]
         return np.asarray(x.T @ table if table.ndim == 2 else np.einsum("nc,ncq->cq", x, table))
 
     def Fmap(self, i: int, X: Array, tind: Any = None) -> Array:
-        """Component i of the points of X."""
-        return self._sum(i, self._shapes(X)[0], tind)
+        """Return coordinate i of the points in space at the reference coordinates X of the cells tind."""
+        return self._interpolate_nodes(i, self._shape_values(X)[0], tind)
 
     def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
-        """Entry (i, j) of the Jacobian at X."""
+        """Return entry (i, j) of the Jacobian at the reference coordinates X of the cells tind."""
 
         def compute() -> list[list[Array]]:
-            slopes = self._shapes(X)[1]
-            return [[self._sum(row, slopes[:, column], tind) for column in range(3)] for row in range(3)]
+            slopes = self._shape_values(X)[1]
+            return [[self._interpolate_nodes(row, slopes[:, column], tind) for column in range(3)] for row in range(3)]
 
-        return np.asarray(self._once("J", X, tind, compute)[i][j])
+        return np.asarray(self._cached_result("J", X, tind, compute)[i][j])
 
     def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
-        """Compute the determinants of the Jacobians at X in the cells tind."""
-        return np.asarray(self._once("detDF", X, tind, partial(super().detDF, X, tind, J)))
+        """Compute the determinants of the Jacobians at the reference coordinates X of the cells tind."""
+        return np.asarray(self._cached_result("detDF", X, tind, partial(super().detDF, X, tind, J)))
 
     def invDF(self, X: Array, tind: Any = None) -> Array:
-        """Inverse Jacobians at X in the cells tind."""
-        return np.asarray(self._once("invDF", X, tind, partial(super().invDF, X, tind)))
+        """Compute the inverse Jacobians at the reference coordinates X of the cells tind."""
+        return np.asarray(self._cached_result("invDF", X, tind, partial(super().invDF, X, tind)))
 
-    def _corners(self, find: Any) -> Array:
+    def _face_corners(self, find: Any) -> Array:
         """Find the corners of faces in the reference cell.
 
-        ``(3, k, f)``; ``(3, k, 1)`` where they are the same in all first cells.
+        The result is ``(3, k, f)`` for f faces of k corners, or ``(3, k, 1)`` if all faces have the same corners in their
+        cells.
         """
         faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
         corner = (cells_ == faces_[:, None]).argmax(axis=1)
         return np.asarray(self.mesh.refdom.p[:, corner[:, :1] if (corner == corner[:, :1]).all() else corner])
 
-    def _places(self, X: Array, find: Any) -> Array:
-        """Find the reference coordinates in their cells of points X of faces.
+    def _reference_points(self, X: Array, find: Any) -> Array:
+        """Find the coordinates in the reference cell of points X on faces.
 
-        ``(3, f, q)``; ``(3, q)`` where all are the same.
+        The result is ``(3, f, q)`` for q points on f faces, or ``(3, q)`` if it is the same for all faces.
         """
 
         def compute() -> Array:
-            corners = self._corners(find)
+            corners = self._face_corners(find)
             flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
             shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
             places = np.einsum("kq,dkf->dfq", shapes, corners)
             return np.asarray(places[:, 0] if corners.shape[2] == 1 else places)
 
-        return np.asarray(self._once("places", X, find, compute))
+        return np.asarray(self._cached_result("places", X, find, compute))
 
     def G(self, X: Array, find: Any = None) -> Array:
-        """Points of the faces find at X."""
-        x: Array = self.F(self._places(X, find), self.mesh.f2t[0, find])
-        self._kept["faces"] = (x, find, X)
+        """Return the points in space at the coordinates X on the reference face, for the faces find."""
+        x: Array = self.F(self._reference_points(X, find), self.mesh.f2t[0, find])
+        self._cached["faces"] = (x, find, X)
         return x
 
     def invF(self, x: Array, tind: Any = None) -> Array:
-        """Find the reference coordinates of points of faces, as they came from `G`, in their first cells tind."""
-        known, find, X = self._kept.get("faces", (None, None, None))
+        """Return the reference coordinates of points on faces, computed before by `G`, in the faces' first cells tind."""
+        known, find, X = self._cached.get("faces", (None, None, None))
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
             raise ValueError("only points of faces have a place in a cell, in the face's first one")
-        return self._places(X, find)
+        return self._reference_points(X, find)
 
     def detDG(self, X: Array, find: Any = None) -> Array:
-        """Area of the faces find at X over that of the reference face."""
-        tind, corners = self.mesh.f2t[0, find], self._corners(find)
+        """Compute the area of the faces find at X over that of the reference face."""
+        tind, corners = self.mesh.f2t[0, find], self._face_corners(find)
         sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
-        u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._places(X, find), tind), sides)
+        u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._reference_points(X, find), tind), sides)
         return np.asarray(np.linalg.norm(np.cross(u, v, axis=0), axis=0))
 
 
-def rule(mesh: Mesh) -> tuple[Array, Array]:
-    """Quadrature of a stiffness on the mesh's element.
+def stiffness_quadrature(mesh: Mesh) -> tuple[Array, Array]:
+    """Return the quadrature rule for the stiffness of the mesh's element.
 
     It passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
     integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has a negative
@@ -260,27 +265,32 @@ def rule(mesh: Mesh) -> tuple[Array, Array]:
     return bary[:, 1:].T.copy(), np.repeat([0.1362178425370874, 0.1137821574629126], 4) / 6.0
 
 
-def cells(mesh: Mesh, **options: Any) -> Basis:
-    """Scalar finite-element space on the mesh's element, at the points of `rule`.
+def cell_basis(mesh: Mesh, **options: Any) -> Basis:
+    """Create the scalar finite-element space on a mesh's cells, evaluated at the points of `stiffness_quadrature`.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     **options
-        As of `skfem.Basis`.
+        Further arguments of `skfem.Basis`.
 
     Returns
     -------
     Basis
         The space.
     """
-    defaults = {"quadrature": rule(mesh), "mapping": CurvedMap(mesh), "dofs": mesh.dofs, "disable_doflocs": True}
+    defaults = {
+        "quadrature": stiffness_quadrature(mesh),
+        "mapping": CurvedMap(mesh),
+        "dofs": mesh.dofs,
+        "disable_doflocs": True,
+    }
     return Basis(mesh, mesh.elem(), **{**defaults, **options})
 
 
-def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
-    """Finite-element space on a named boundary, scalar on the mesh's element unless given.
+def face_basis(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
+    """Create the finite-element space on a named boundary of a mesh; scalar, on the mesh's element unless another is given.
 
     Parameters
     ----------
@@ -291,7 +301,7 @@ def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> Face
     element : Any, default None
         Another element.
     **options
-        As of `skfem.FacetBasis`.
+        Further arguments of `skfem.FacetBasis`.
 
     Returns
     -------
@@ -304,8 +314,8 @@ def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> Face
     return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**defaults, **options})
 
 
-def products(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
-    """Mass matrix int v_i u_j dA of two scalar spaces on the same faces.
+def mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
+    """Assemble the mass matrix int v_i u_j dA of two scalar spaces on the same faces.
 
     Parameters
     ----------
@@ -325,9 +335,10 @@ def products(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
 
 
 def nodal_areas(mesh: Mesh, name: str) -> Array:
-    """Consistent nodal areas of a boundary: integrals of the shape functions over its curved faces.
+    """Compute the consistent nodal areas of a boundary: integrals of the shape functions over its curved faces.
 
-    Their sum is the area. Areas of corners of flat 6-node triangles vanish: such nodes carry no contact pressure.
+    Their sum is the area. The areas of the corner nodes of flat 6-node triangles vanish: these nodes carry no contact
+    pressure.
 
     Parameters
     ----------
@@ -341,11 +352,11 @@ def nodal_areas(mesh: Mesh, name: str) -> Array:
     (n,) Array
         Areas of all nodes [m2].
     """
-    return np.asarray(share().assemble(faces(mesh, name)))
+    return np.asarray(nodal_share_form().assemble(face_basis(mesh, name)))
 
 
-def tensor(form: Any) -> Array:
-    """Coefficients of a form c_ikjl u_i,k v_j,l.
+def form_coefficients(form: Any) -> Array:
+    """Extract the coefficients c_ikjl of a bilinear form c_ikjl u_i,k v_j,l.
 
     Parameters
     ----------
@@ -371,7 +382,7 @@ def tensor(form: Any) -> Array:
 
 
 def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
-    """Sparse matrix of a form in the gradients only, with constant coefficients.
+    """Assemble the sparse matrix of a form in the displacement gradients only, with constant coefficients.
 
     Parameters
     ----------
@@ -390,18 +401,18 @@ def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
     Raises
     ------
     ValueError
-        A cell is turned inside out at a quadrature point, or another form.
+        A cell is turned inside out at a quadrature point, or the form depends on more than gradients.
     """
-    c = tensor(form).transpose(0, 2, 1, 3).reshape(9, 9)
+    c = form_coefficients(form).transpose(0, 2, 1, 3).reshape(9, 9)
     nodes = np.asarray(mesh.dofs.element_dofs.T)
     count, n = mesh.doflocs.shape[1], nodes.shape[1]
-    graph = _graph(nodes, count)
+    graph = _node_graph(nodes, count)
     blocks = np.zeros((9, graph.nnz))
-    points, mapping = rule(mesh), mapping or CurvedMap(mesh)
+    points, mapping = stiffness_quadrature(mesh), mapping or CurvedMap(mesh)
     step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
     for first in range(0, len(nodes), step):
         chunk = np.arange(first, min(first + step, len(nodes)))
-        basis = cells(mesh, quadrature=points, elements=chunk, mapping=mapping)
+        basis = cell_basis(mesh, quadrature=points, elements=chunk, mapping=mapping)
         volume = basis.mapping.detDF(basis.X, basis.tind)
         if not np.all(volume > 0.0):
             bad = first + int(volume.min(axis=1).argmin())
@@ -417,8 +428,8 @@ def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
     return sp.csc_array((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned
 
 
-def _graph(nodes: Index, count: int) -> sp.csr_array:
-    """Graph of nodes that share a cell, its entries numbered row by row in ascending columns."""
+def _node_graph(nodes: Index, count: int) -> sp.csr_array:
+    """Build the graph of nodes that share a cell; its entries are numbered row by row in ascending columns."""
     n = nodes.shape[1]
     incidence = sp.csr_array(
         (np.ones(nodes.size, dtype=np.int32), nodes.ravel(), np.arange(0, nodes.size + 1, n)), shape=(len(nodes), count)
@@ -430,15 +441,15 @@ def _graph(nodes: Index, count: int) -> sp.csr_array:
 
 
 class ElementHexPressure(ElementHex2):  # type: ignore[misc]
-    """Pressure basis on the eight halves of a hexahedron.
+    """Basis functions of the contact pressure on a 27-node hexahedron, trilinear on each of its eight halves.
 
-    One function for each node of ElementHex2, trilinear on every half.
+    There is one function for each node of ElementHex2.
     """
 
     maxdeg = 3
 
     def lbasis(self, X: Array, i: int) -> tuple[Array, Array]:
-        """Value and reference gradient of function i at X."""
+        """Return the value and the reference gradient of basis function i at the reference coordinates X."""
         away = np.asarray(X) - self.doflocs[i].reshape((3,) + (1,) * (np.ndim(X) - 1))
         value = np.maximum(1.0 - 2.0 * np.abs(away), 0.0)
         slope = np.where(value > 0.0, -2.0 * np.sign(away), 0.0)
@@ -446,8 +457,8 @@ class ElementHexPressure(ElementHex2):  # type: ignore[misc]
         return np.prod(value, axis=0), np.array(gradient)
 
 
-def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
-    """Gauss rule on each of the four quarters of the unit square.
+def quarter_square_quadrature(refdom: Any, degree: int) -> tuple[Array, Array]:
+    """Build a Gauss rule on each of the four quarters of the unit square.
 
     Parameters
     ----------
@@ -469,12 +480,12 @@ def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
 
 
 def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
-    """Weights W of the pressure functions at the displacements, on the boundary "contact" of a patch.
+    """Compute the weights W of the pressure functions at the nodal displacements, on a patch's boundary "contact".
 
-    W 1 are the areas of the pressure functions, 1^T W those of the displacement's shape functions, both over the contact
-    zone. 27-node hexahedra: pressure functions are bilinear on the halves of faces. First-order tetrahedra, which
-    represent the source's mesh, keep nodal forces: W is diagonal (a consistent mass would make so coarse a contact
-    stiffer still).
+    The row sums W 1 are the areas of the pressure functions, the column sums 1^T W those of the displacement's shape
+    functions, both over the contact zone. On 27-node hexahedra pressure functions are bilinear on the halves of faces.
+    First-order tetrahedra, which represent the mesh of Lin's thesis, have nodal forces: W is diagonal (a consistent mass
+    would make so coarse a contact stiffer still).
 
     Parameters
     ----------
@@ -489,16 +500,16 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
         W [m2].
     """
     if mesh.elem is not ElementHex2:
-        return sp.csr_array(sp.diags_array(share().assemble(faces(mesh, "contact"))[contact]))
-    rule = halves(mesh.brefdom, 7)
-    u = faces(mesh, "contact", quadrature=rule)
-    p = faces(mesh, "contact", element=ElementHexPressure(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
-    W = products(u, p)
+        return sp.csr_array(sp.diags_array(nodal_share_form().assemble(face_basis(mesh, "contact"))[contact]))
+    rule = quarter_square_quadrature(mesh.brefdom, 7)
+    u = face_basis(mesh, "contact", quadrature=rule)
+    p = face_basis(mesh, "contact", element=ElementHexPressure(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
+    W = mass_matrix(u, p)
     return sp.csr_array(W[contact][:, contact])
 
 
 def mean_weights(weights: sp.csr_array) -> sp.csr_array:
-    """Scale weights to rows of sum one: means over the pressure functions instead of integrals.
+    """Scale weights to rows of sum one, so that they give means over the pressure functions instead of integrals.
 
     Parameters
     ----------

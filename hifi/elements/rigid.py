@@ -8,7 +8,7 @@ from rollbench.meshes.arrays import Array
 
 
 def rigid_modes(points: Array, centre: Array | None = None) -> Array:
-    """Displacements of nodes by the six rigid motions about a centre.
+    """Compute the displacements of nodes by the six rigid motions about a centre.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def rigid_modes(points: Array, centre: Array | None = None) -> Array:
 
 
 def transport(arm: float) -> Array:
-    """Transport matrix of small motions along the z axis.
+    """Return the matrix that carries a small rigid motion along the z axis, from one section to another.
 
     Parameters
     ----------

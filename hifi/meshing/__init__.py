@@ -1,1 +1,1 @@
-"""Mesh sizes from the expected contacts, and the meshes of one geometry."""
+"""Mesh sizes derived from the expected contacts, and the meshes of screw, nut, balls and patches."""

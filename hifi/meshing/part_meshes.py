@@ -1,6 +1,6 @@
-"""Meshes of one geometry: coarse screw, nut and ball with their sockets, and the patches that fit into these.
+"""Meshes of one geometry: coarse screw, nut and ball with sockets at their contacts, and the patches that fill the sockets.
 
-Also their sizes, the grid of the contact zone, and the ball's patch on the groove's nodes.
+Also here: mesh sizes, the grid of the contact zone, and the patch of the ball on the nodes of the groove.
 """
 
 from __future__ import annotations
@@ -13,7 +13,14 @@ from typing import Any, Literal
 import numpy as np
 
 from rollbench.hifi.bodies.coarse import Socket
-from rollbench.hifi.bodies.patch import Lines, PatchMesh, build_patch, build_tet_patch, graded, growing
+from rollbench.hifi.bodies.patch import (
+    PatchLines,
+    PatchMesh,
+    build_patch,
+    build_tet_patch,
+    graded_boundaries,
+    growing_boundaries,
+)
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody, BallSocket, ball_depth, ball_points, build_ball
@@ -27,7 +34,7 @@ from rollbench.meshes.sockets import ZONE, SocketMesh, SocketSize, fitted_socket
 from rollbench.meshes.solid import Dimensions
 from rollbench.meshes.tet_patch import build_tets, source_box
 
-#: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
+#: Half width of the contact zone over the largest expected distance of a contact's edge, across and along the groove.
 MARGIN = (1.15, 1.2)
 
 #: Largest reduction of the cell size where the socket is hardly wider than the contact.
@@ -37,8 +44,10 @@ TIGHT = 4.0
 AROUND = 73
 
 
-def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> tuple[Lines, tuple[float, float]]:
-    """Cell boundaries of a patch and its contact zone.
+def choose_patch_lines(
+    settings: Settings, width: tuple[float, float], deep: float
+) -> tuple[PatchLines, tuple[float, float]]:
+    """Choose the cell boundaries of a patch and the size of its contact zone.
 
     Parameters
     ----------
@@ -65,16 +74,16 @@ def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> 
     zone = (float(min(zone_a / width[0], ZONE)), float(min(zone_b / width[1], ZONE)))
     # near an edge, where the zone is hardly larger than the contact, smaller cells keep the outermost nodes outside
     cell_a = min(cell_a, max(4.0 * (zone[0] * width[0] - wide), cell_a / TIGHT))
-    across = graded(zone[0], cell_a / width[0], settings.growth)
-    along = graded(zone[1], cell_b / width[1], settings.growth)
-    depth = growing(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
-    return Lines(across, depth, along), zone
+    across = graded_boundaries(zone[0], cell_a / width[0], settings.growth)
+    along = graded_boundaries(zone[1], cell_b / width[1], settings.growth)
+    depth = growing_boundaries(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
+    return PatchLines(across, depth, along), zone
 
 
-def socket_size(
+def choose_socket_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
 ) -> SocketSize:
-    """Socket for the expected reach of all contacts.
+    """Choose the size of the sockets so that the expected contact ellipses fit in.
 
     Parameters
     ----------
@@ -99,7 +108,7 @@ def socket_size(
     Raises
     ------
     ValueError
-        The scene leaves no room for it.
+        The parts leave no room for the sockets.
     """
     nut, position = scene.nut, scene.nut.position
     low, high = dims.ends(scene)
@@ -108,11 +117,11 @@ def socket_size(
     return replace(fitted_socket(m, layout, sides, *radii, ends, settings.reach), cuts=settings.cuts)
 
 
-def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
-    """Distance that contact ellipses reach from their nominal middle along the lines of azimuth of a patch.
+def contact_reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
+    """Compute how far contact ellipses extend along the groove from the lines of constant azimuth of a patch.
 
-    An ellipse lies across its helix, a patch's lines at constant azimuth: by the lead angle the ends of the long axis are
-    ahead and behind.
+    An ellipse lies across its helix, but a patch's lines lie at constant azimuth. By the lead angle the ends of the
+    ellipse's long axis are ahead of these lines and behind.
 
     Parameters
     ----------
@@ -137,12 +146,12 @@ def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Arr
     return float(m.R * np.abs(ahead).max(initial=0.0))
 
 
-def ball_place(
+def ball_socket_and_map(
     m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallSocket, Callable[[Array], Array]]:
-    """Socket of the ball at a flank, and the map of local coordinates into it.
+    """Return the socket of the ball at a flank, and the map from local coordinates into it.
 
-    In the contact zone its rays pass exactly through the groove's nodes.
+    In the contact zone the map's rays pass exactly through the nodes of the groove.
 
     Parameters
     ----------
@@ -166,7 +175,7 @@ def ball_place(
     return socket, partial(ball_points, m, socket)
 
 
-#: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
+#: Edges [m] of first-order tetrahedra at a patch's rim, tried one by one; long ones may be turned inside out in space.
 RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 
 #: Cells across the short semi-axis of the carrier patch, over those of the contact's patch.
@@ -181,7 +190,7 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 @dataclass(frozen=True)
 class Sockets:
-    """Sockets that the patches of one flank fit into."""
+    """Sockets of groove and ball that the patches of one flank fit into."""
 
     #: Faces of the groove's socket.
     groove: SocketMesh
@@ -197,7 +206,7 @@ class Sockets:
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one geometry."""
+    """Coarse meshes of screw, nut and ball of one geometry."""
 
     #: Coarse screw.
     screw: GroovedBody
@@ -213,7 +222,7 @@ class Meshes:
     widths: tuple[float, float]
 
     def sockets(self, side: int) -> Sockets:
-        """Sockets that the patches of a flank fit into."""
+        """Return the sockets of groove and ball that the patches of a flank (0 to 3) fit into."""
         body = self.screw if side < 2 else self.nut
         return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
 
@@ -227,7 +236,7 @@ def mesh_parts(
     settings: Settings,
     cache: Cache | None = None,
 ) -> Meshes:
-    """Mesh screw, nut and one ball of a scene.
+    """Mesh screw, nut and one ball of a ball screw or bearing.
 
     Parameters
     ----------
@@ -254,7 +263,7 @@ def mesh_parts(
     Raises
     ------
     ValueError
-        A socket finds no room, or gmsh no good mesh.
+        There is no room for a socket, or gmsh finds no good mesh.
     """
     cache = cache or Cache(None)
     recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
@@ -264,7 +273,7 @@ def mesh_parts(
 def mesh_recipes(
     scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings
 ) -> tuple[list[Recipe], Callable[..., Meshes]]:
-    """Recipes of the meshes of screw, nut and one ball of a scene, and what collects them.
+    """List the calls that mesh screw, nut and one ball, and return a function that collects the three meshes.
 
     Parameters
     ----------
@@ -278,25 +287,25 @@ def mesh_recipes(
     gather : callable
         One record of the three meshes.
     """
-    size = socket_size(scene, m, layout, sides, dims, settings)
+    size = choose_socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
-    _, zone = patch_lines(settings, widths, size.depth)
+    _, zone = choose_patch_lines(settings, widths, size.depth)
     nut, middle = scene.nut, scene.nut.position
     ends = (middle - nut.length / 2.0, middle + nut.length / 2.0)
-    on_screw, on_nut = (sockets_of(layout, sides, screw) for screw in (True, False))
+    on_screw, on_nut = (contacts_on_body(layout, sides, screw) for screw in (True, False))
     cells = (settings.fine, settings.coarse)
     screw_spec = BodySpec(dims.hole, scene.screw.outer_diameter / 2.0, *dims.ends(scene), True, on_screw, size, *cells)
     nut_spec = BodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, on_nut, size, *cells, dims.groove_ends, nut.flange
     )
-    sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
+    sockets = tuple(ball_socket_and_map(m, size, s, zone)[0] for s in sides)
     bodies: list[Recipe] = [(build_body, (m, spec), GroovedBody) for spec in (screw_spec, nut_spec)]
     ball = (build_ball, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
     return [*bodies, ball], partial(Meshes, size=size, zone=zone, widths=widths)
 
 
-def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
-    """Contacts of all balls on the screw, or on the nut.
+def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
+    """List the contacts of all balls on the screw, or on the nut, as azimuth, axial position and flank.
 
     Parameters
     ----------
@@ -310,14 +319,14 @@ def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple
     Returns
     -------
     tuple[Place, ...]
-        Azimuth [rad], station [m] and flank of each contact, ball after ball.
+        Azimuth [rad], axial position [m] and flank of each contact, ball after ball.
     """
     body_sides = [s for s in sides if (s < 2) == screw]
     return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in body_sides)
 
 
-def rotation(phi: float) -> Array:
-    """Rotation about z by an angle phi [rad].
+def rotation_about_z(phi: float) -> Array:
+    """Return the matrix of a rotation about z by the angle phi [rad].
 
     Parameters
     ----------
@@ -333,26 +342,26 @@ def rotation(phi: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def placed(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
-    """Sockets of a body with their rotations.
+def rotated_sockets(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
+    """Create the sockets of a body, rotated to the azimuths of its contacts.
 
     Parameters
     ----------
     mesh : GroovedBody
         Mesh of the body.
     places : tuple[Place, ...]
-        Azimuth [rad], station [m] and flank of its contacts, by `sockets_of`.
+        Azimuth [rad], axial position [m] and flank of its contacts, by `contacts_on_body`.
 
     Returns
     -------
     list[Socket]
         One socket for each contact.
     """
-    return [Socket(n, rotation(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
+    return [Socket(n, rotation_about_z(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
 
 
 def body_kind(settings: Settings) -> Literal["P1", "P2"]:
-    """Elements of the coarse bodies: of the order of the patches.
+    """Return the element order of the coarse bodies ("P1" or "P2"), which is that of the patches.
 
     Parameters
     ----------
@@ -362,15 +371,15 @@ def body_kind(settings: Settings) -> Literal["P1", "P2"]:
     return "P2" if settings.element == "Q2" else "P1"
 
 
-def carrier_mesh(
+def mesh_carrier_patch(
     meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh | None:
-    """Coarser patch of hexahedra, where only the loads count that it passes on to its body; None for tetrahedra.
+    """Mesh a coarser patch of hexahedra, which only transfers loads to the body; None for tetrahedra.
 
     Parameters
     ----------
     meshes, socket, place, settings
-        As for `patch_mesh`.
+        As for `mesh_patch`.
 
     Returns
     -------
@@ -378,13 +387,13 @@ def carrier_mesh(
         The patch.
     """
     coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
-    return patch_mesh(meshes, socket, place, coarse) if settings.element == "Q2" else None
+    return mesh_patch(meshes, socket, place, coarse) if settings.element == "Q2" else None
 
 
-def patch_mesh(
+def mesh_patch(
     meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh:
-    """Mesh a patch in a socket: graded hexahedra, or the source's tetrahedra.
+    """Mesh a patch in a socket, with graded hexahedra or with tetrahedra sized as in Lin's thesis.
 
     Parameters
     ----------
@@ -407,7 +416,7 @@ def patch_mesh(
     ValueError
         No edge of `RIM_EDGES` gives tetrahedra that are not turned inside out.
     """
-    lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
+    lines, zone = choose_patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":
         return build_patch(lines, zone, place, socket)
     for far in RIM_EDGES:
@@ -421,7 +430,7 @@ def patch_mesh(
 
 
 def patch_normals(mesh: PatchMesh, centre: Array) -> Array:
-    """Compute unit vectors from the ball's centre to the contact nodes of a patch.
+    """Compute the unit vectors from the ball's centre to the contact nodes of a patch.
 
     Parameters
     ----------

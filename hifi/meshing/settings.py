@@ -1,14 +1,13 @@
-"""Mesh choices of the 3D reference, and the contact sizes that they follow; no finite elements are imported.
+"""Mesh choices of the 3D reference, and the estimated contact sizes from which they follow.
 
-The contacts of a scene are estimated with rigid nuts, a beam and Hertz springs: for the mesh only.
+The contacts are estimated with a simple model that serves only to size the mesh, and needs no finite-element packages. The
+screw is a Timoshenko beam through its supports, loads and balls (or one rigid section, where the scene says so), nuts are
+rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circular, so that the
+contact angle follows the motion: with the vector d from the groove's to the ball's centre, the approach is |d| + r_ball -
+r_groove. The energy is convex, as a convex function of |d|, so that damped Newton steps find its minimum.
 
-The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), nuts are
-rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the
-contact angle follows the motion: with the vector d from the groove's to the ball's centre, the approach is
-|d| + r_ball - r_groove. The energy of a convex function of |d| is convex, so that damped Newton steps find its minimum.
-
-Forces, moments, oversize, groove errors and prescribed displacements are included. The bodies' compliance is left out, so
-that the largest contact comes out some per cent too large and loads by prescribed displacements more.
+Forces, moments, oversize, groove errors and prescribed displacements are included. The compliance of the bodies is left
+out. The largest contact is therefore overestimated by some per cent, and loads caused by prescribed displacements by more.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ from rollbench.meshes.one_arc import sides_of_arc
 from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
 from rollbench.meshes.solid import dimensions
 
-#: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
+#: Expected semi-axes are rounded to this length [m], so that similar scenes share their patches.
 ROUNDING = 5e-6
 
 
@@ -47,7 +46,7 @@ class Settings:
     b_over_h: float = usual(4.0)
     #: Semi-axes (a, b) of a typical contact [m].
     semi: tuple[float, float] = usual((0.40e-3, 0.105e-3))
-    #: Distances that contacts reach from their nominal middle across and along the groove [m].
+    #: Distances from the nominal contact point to the edge of the contacts, across and along the groove [m].
     reach: tuple[float, float] = usual((0.40e-3, 0.105e-3))
     #: Element size of the coarse bodies at the sockets [m].
     fine: float = usual(1.0e-3)
@@ -67,20 +66,20 @@ class Settings:
     own_sizes: tuple[float, float] = usual((0.5e-3, 2.5e-3))
     #: Element sizes (near, far) of the submodels of balls [m].
     own_ball_sizes: tuple[float, float] = usual((0.3e-3, 0.6e-3))
-    #: Element size of the 3D shafts from which the effect of a cut end is found [m].
+    #: Element size of the 3D shafts that give the effect of a cut end [m].
     cell: float = usual(4.5e-3)
-    #: Smooth modes kept for each patch of screw and nut.
+    #: Number of smooth modes of each patch of screw and nut.
     modes: int = usual(16)
-    #: Smooth modes kept for each patch of a ball.
+    #: Number of smooth modes of each patch of a ball.
     ball_modes: int = usual(24)
     #: ``"Q2"``: patches of 27-node hexahedra on second-order bodies; ``"P1"``: first-order tetrahedra on first-order
-    #: bodies, as the source's mesh, without submodels.
+    #: bodies, as in Lin's thesis, without submodels.
     element: str = usual("Q2")
     #: Edge of the tetrahedra around each contact, for ``"P1"`` [m].
     tet: float = usual(0.08e-3)
 
 
-def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
+def round_up_lengths(lengths: tuple[float, float]) -> tuple[float, float]:
     """Round lengths [m] up to multiples of `ROUNDING`, so that similar scenes share their patches.
 
     Parameters
@@ -95,20 +94,20 @@ def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
 
     Examples
     --------
-    >>> rounded((0.4001e-3, 0.105e-3))
+    >>> round_up_lengths((0.4001e-3, 0.105e-3))
     (0.00040500000000000003, 0.000105)
     """
     a, b = (max(1.0, float(np.ceil(x / ROUNDING - 1e-9))) * ROUNDING for x in lengths)
     return a, b
 
 
-#: Newton steps at most, and the imbalance over the largest force at which they end.
+#: Largest number of Newton steps, and the imbalance over the largest force at which they end.
 STEPS, BALANCED = 200, 1e-6
 
-#: Stiffness that keeps open balls and unsupported screws in place, and that of supports, over that of a loaded contact.
+#: Stiffness of soft springs on unloaded balls and unsupported screws, and of supports, over that of a loaded contact.
 SOFT, HELD = 1e-7, 1e4
 
-#: Share of the largest load that the former may carry: more, and nothing else holds the screw.
+#: Largest force of the soft springs over the largest contact load: if it is larger, nothing else supports the screw.
 CARRIED = 1e-2
 
 #: Contacts that carry less than this share of the largest load do not count towards the mean.
@@ -120,7 +119,7 @@ NEAR = 0.2
 
 @dataclass(frozen=True)
 class ExpectedContacts:
-    """Estimated contacts of n balls on the flanks SL, SR, NL, NR."""
+    """Estimated contacts of n balls with the flanks SL, SR (screw left, right), NL, NR (nut left, right)."""
 
     #: Loads ``(n, 4)`` [N].
     load: Array
@@ -130,13 +129,13 @@ class ExpectedContacts:
     across: Array
     #: Semi-axes along the groove ``(n, 4)`` [m].
     along: Array
-    #: Distance of a contact's middle from the nominal one along its groove's arc, towards the edge ``(n, 4)`` [m].
+    #: Distance of a contact's centre from the nominal one along its groove's arc, towards the edge ``(n, 4)`` [m].
     shift: Array
     #: Gaps ``(n, 4)`` [m]; negative where ball and groove are pressed together.
     gap: Array
 
     def semi(self) -> tuple[float, float]:
-        """Semi-axes (a, b) [m] of a typical contact: mean over the balls of the larger contact of each."""
+        """Return the semi-axes (a, b) [m] of a typical contact: mean over the balls of the larger contact of each."""
         largest = self.load.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
         if not ball.size:
@@ -146,21 +145,21 @@ class ExpectedContacts:
         return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
 
     def reach(self) -> tuple[float, float]:
-        """Largest distances that contacts reach from their nominal middle across and along the groove [m]."""
+        """Return the largest distances from nominal contact point to a contact's edge, across and along the groove [m]."""
         return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
 
     def sides(self) -> tuple[int, ...]:
-        """Flanks (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
+        """List the flanks (0 to 3) that touch or nearly touch: with a gap of less than a fifth of the largest approach."""
         return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))
 
 
 @dataclass(frozen=True)
-class _Model:
-    """Equations of the estimate, of n balls."""
+class _EstimateModel:
+    """Equations of the contact estimate for n balls."""
 
-    #: Stiffness of the shaft's stations, the housings and what fixes them.
+    #: Stiffness of the shaft's sections, the housings and their supports.
     K: sp.csc_array
-    #: Loads on them.
+    #: Loads on shaft and housings.
     P: Array
     #: Change of all vectors from groove to ball centre ``(8 n,)`` by all degrees of freedom.
     A: sp.csr_array
@@ -168,7 +167,7 @@ class _Model:
     arms: Array
     #: Lengths of these vectors at which ball and groove touch ``(n, 4)`` [m].
     touch: Array
-    #: Hertz's F / approach^(3/2) ``(n, 4)``; zero on sides that cannot touch.
+    #: Hertz's F / approach^(3/2) ``(n, 4)``; zero on flanks that cannot touch.
     constant: Array
     #: Stiffness of a typical contact [N/m].
     stiffness: float
@@ -179,8 +178,11 @@ class _Model:
 
 
 @dataclass(frozen=True)
-class _Set:
-    """A set on the shaft: its scene, sides ``(4,)`` that can touch, shift of its nut [m], number of the nut's housing."""
+class _NutOnShaft:
+    """One nut or bearing on the shaft, as the contact estimate needs it.
+
+    Its flanks ``(4,)`` that can touch, the shift of its nut [m], and the index of the nut's housing.
+    """
 
     scene: Scene
     sides: tuple[bool, ...]
@@ -190,7 +192,7 @@ class _Set:
 
 @lru_cache(maxsize=64)
 def expected_contacts(scene: Scene) -> ExpectedContacts:
-    """Estimate the contacts of a scene.
+    """Estimate the contacts of a ball screw or bearing, to size its meshes.
 
     Parameters
     ----------
@@ -205,50 +207,50 @@ def expected_contacts(scene: Scene) -> ExpectedContacts:
     Raises
     ------
     ValueError
-        The model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
+        There is no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
-    return _expected((_Set(scene, _sides(scene, "both")),), Frame.of(scene))[0]
+    return _estimate_contacts((_NutOnShaft(scene, _touchable_flanks(scene, "both")),), Frame.from_scene(scene))[0]
 
 
 @lru_cache(maxsize=64)
 def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
-    """Estimate the contacts of each set of balls on a shaft.
+    """Estimate the contacts of each nut or bearing on a shaft, to size its meshes.
 
-    A preload by force is replaced by the shift that closes the set to it, everything else rigid.
+    A preload by force is replaced by the shift of the nut that produces it with all parts rigid but the contacts.
 
     Parameters
     ----------
     assembly : Assembly
-        The shaft with its sets.
+        The shaft with its nuts and bearings.
 
     Returns
     -------
     tuple[ExpectedContacts, ...]
-        Contacts of each set.
+        Contacts of each nut or bearing.
 
     Raises
     ------
     ValueError
         As `expected_contacts`.
     """
-    frame, sets = Frame.of(assembly), []
+    frame, sets = Frame.from_scene(assembly), []
     for s in assembly.sets:
         if isinstance(s.parts, Scene):
             away = -1.0 if s.thrust == "+z" else 1.0
-            offset = s.offset + (away * closing(s.parts, s.preload) if s.preload else 0.0)
-            sets.append(_Set(s.parts, _sides(s.parts, s.thrust), offset, frame.number(s.housing)))
-    return _expected(tuple(sets), frame)
+            offset = s.offset + (away * nut_shift_for_axial_force(s.parts, s.preload) if s.preload else 0.0)
+            sets.append(_NutOnShaft(s.parts, _touchable_flanks(s.parts, s.thrust), offset, frame.housing_index(s.housing)))
+    return _estimate_contacts(tuple(sets), frame)
 
 
-def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
-    """Contacts of an unloaded set, as if its nearest flanks carried a given load.
+def contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
+    """Estimate the contacts of an unloaded nut or bearing as if its flanks of smallest gap carried a given load.
 
     Parameters
     ----------
     scene : Scene
-        Parts of the set.
+        Parts of the nut or bearing.
     idle : ExpectedContacts
-        Its estimated contacts.
+        Its estimated contacts without load.
     load : float
         Load of each contact [N].
 
@@ -266,8 +268,8 @@ def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedConta
     return replace(idle, load=np.where(on, load, 0.0), across=across, along=along, gap=np.where(on, -1.0, np.inf))
 
 
-def closing(scene: Scene, force: float) -> float:
-    """Shift of the nut that closes all balls to an axial force, everything else rigid.
+def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
+    """Compute the shift of the nut at which all balls together carry an axial force, with all parts rigid but the contacts.
 
     Parameters
     ----------
@@ -285,16 +287,16 @@ def closing(scene: Scene, force: float) -> float:
     return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
 
 
-def _sides(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
-    """Return which flanks ``(4,)`` can touch; a groove of a single arc has one flank on each body."""
+def _touchable_flanks(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
+    """Return which flanks ``(4,)`` can touch under a direction of thrust; a single-arc groove has one on each body."""
     if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
     return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
 
 
-def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
-    model = _model(sets, frame)
-    load, vectors = _equilibrium(model)
+def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
+    model = _build_estimate(sets, frame)
+    load, vectors = _solve_equilibrium(model)
     gap = model.touch - np.linalg.norm(vectors, axis=2)
     gap[model.constant == 0.0] = np.inf
     signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
@@ -308,7 +310,7 @@ def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, .
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
-    """Hertz contacts of the flanks SL, SR, NL, NR under 1 N, x across the groove and y along it.
+    """Solve the Hertz contacts of the flanks SL, SR, NL, NR under 1 N, x across the groove and y along it.
 
     Parameters
     ----------
@@ -322,16 +324,18 @@ def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
     """
     m, units = GrooveMap.of(scene), []
     for side, part in ((0, scene.screw), (2, scene.nut)):
-        units += [hertz(1.0, *m.relative_radii(side, m.beta), 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
+        units += [
+            hertz(1.0, *m.relative_radii(side, m.beta), 2.0 * _contact_modulus(scene.balls.material, part.material), 0.0)
+        ] * 2
     return tuple(units)
 
 
-def _modulus(first: Material, second: Material) -> float:
-    """Contact modulus E* [Pa] of two bodies."""
+def _contact_modulus(first: Material, second: Material) -> float:
+    """Return the contact modulus E* [Pa] of two bodies."""
     return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
 
 
-def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
+def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
     rigid = any(s.scene.ingredients.screw == "rigid" or dimensions(s.scene).screw_held == "bore" for s in sets)
@@ -348,7 +352,7 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
     def motion(body: int, z: float) -> sp.csr_array:
-        """Motion ``(6, size)`` of a station of the screw (body 0), or of a nut in a housing, by the freedoms."""
+        """Return the matrix ``(6, size)`` of the motion at z of the screw (body 0), or of a nut in a housing."""
         if body:
             first, at = shaft + 6 * (body - 1), frame.housings[body - 1].at
         else:
@@ -368,7 +372,7 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
     P, held = np.zeros(K.shape[0]), sp.csr_array(K.shape)
     for body, at, wrench in wrenches:
         P += motion(body, at).T @ wrench
-    for body, at, k, value in frame.holds():
+    for body, at, k, value in frame.prescribed_motions():
         row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths[k] ** 2
         held = held + spring * (row.T @ row)
         P += spring * value * row.toarray()[0]
@@ -393,11 +397,11 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
     soft = SOFT * stiffness * arm**2
     K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
     P = np.append(P, np.zeros(2 * n))
-    return _Model(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
+    return _EstimateModel(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
 
 
-def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:
-    """Energy [J], loads and their slopes ``(n, 4)``, vectors ``(n, 4, 2)`` and their lengths at a state."""
+def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
+    """Evaluate energy [J], loads and their slopes ``(n, 4)``, vectors ``(n, 4, 2)`` and their lengths at the state x."""
     vectors = model.arms + (model.A @ x).reshape(model.arms.shape)
     length = np.linalg.norm(vectors, axis=2)
     closed = np.maximum(length - model.touch, 0.0)
@@ -405,10 +409,10 @@ def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array
     return energy, model.constant * closed**1.5, 1.5 * model.constant * np.sqrt(closed), vectors, length
 
 
-def _equilibrium(model: _Model) -> tuple[Array, Array]:
+def _solve_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
     """Find the loads ``(n, 4)`` [N] and the vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy."""
     x = np.zeros(model.P.size)
-    energy, load, slope, vectors, length = _contact(model, x)
+    energy, load, slope, vectors, length = _energy_and_loads(model, x)
     for step in range(STEPS):
         unit = vectors / length[..., None]
         wrong = model.P - model.K @ x - model.A.T @ (load[..., None] * unit).ravel()
@@ -425,13 +429,13 @@ def _equilibrium(model: _Model) -> tuple[Array, Array]:
         move = spsolve(H.tocsc(), wrong)
         descent, size = float(wrong @ move), 1.0
         while size > 1e-9:
-            trial = _contact(model, x + size * move)
+            trial = _energy_and_loads(model, x + size * move)
             if trial[0] <= energy - 1e-4 * size * descent or abs(size * descent) < 1e-12 * abs(energy):
                 break
             size *= 0.5
         x = x + size * move
         energy, load, slope, vectors, length = trial
     raise ValueError(
-        "no equilibrium of the contacts is found with a rigid nut and Hertz springs, which size the patches: support the "
-        "screw against the motion that its loads drive"
+        "the contact estimate that sizes the patches (rigid nut, Hertz springs) finds no equilibrium: support the screw "
+        "against the motion that its loads cause"
     )

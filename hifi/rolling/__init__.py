@@ -1,1 +1,1 @@
-"""Rolling with friction in 3D: elastic micro-slip in the contacts of balls, and between balls."""
+"""Rolling with friction in 3D: elastic micro-slip in the contacts of balls, and friction between touching balls."""

@@ -1,17 +1,16 @@
-"""Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces between balls in touch.
+"""Rolling of balls with friction: steady motion with the forces between touching balls, and motion from rest in time.
 
-Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact loads, which
-are given here (`hifi.rolling.scenes`); the other four fix its speed along the track and its rotation. Forces across the
-track that friction adds to the given ones are in the result.
+Steady rolling: of a ball's six equations of equilibrium two fix its position in the section of the track, and with it the
+contact loads, which are prescribed here (`hifi.rolling.scenes`). The other four fix its speed along the track and its
+rotation. Forces across the track that friction adds to the prescribed ones are part of the result.
 
-Balls that begin to roll from rest, in time: elastic displacements carried along by the material, gaps that close.
-
-In a step dt material moves by V dt through every contact, so that
+Rolling from rest: elastic displacements move along with the material, and gaps between balls close. In a step dt material
+moves by V dt through every contact, so that
 
     s dt = A q(t) - A_shifted q(t - dt) + rigid slip dt,
 
-A_shifted giving the old displacements where the material was: nothing is interpolated. First order in the step. Contact
-forces are given and stay; the frame moves with each ball's centre.
+where A_shifted gives the old displacements at the old place of the material; nothing is interpolated. The method is of
+first order in the step. Contact forces are prescribed and constant; the frame moves with each ball's centre.
 """
 
 from __future__ import annotations
@@ -27,15 +26,15 @@ from numpy.typing import NDArray
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import kinematics
 from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
-from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid
+from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid_friction
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
-from rollbench.hifi.rolling.patch import Patch, Regular, hertz_patch, seen_radii
+from rollbench.hifi.rolling.patch import Patch, Regular, equivalent_radii, hertz_patch
 from rollbench.meshes.arrays import Array
 
 #: Tangential compliance over the true one that represents rigid bodies where grids are compared.
 NEARLY_RIGID = 0.01
 
-#: Contact forces below this share of a ball's largest are none.
+#: Contact forces below this share of a ball's largest one count as zero.
 NEGLIGIBLE = 1e-9
 
 #: Points of the quadrature of the rigid limit along each axis of the ellipse, first and last.
@@ -44,7 +43,7 @@ FIRST, POINTS = 40, 300
 
 @dataclass(frozen=True)
 class Choices:
-    """Numerical choices."""
+    """Numerical choices of the rolling model: grids, elasticity and meshes of bodies."""
 
     #: Cells of every contact's grid along and across the groove.
     shape: tuple[int, int] = (24, 24)
@@ -58,7 +57,7 @@ class Choices:
 
 @dataclass(frozen=True)
 class ContactOut:
-    """A solved contact of n cells."""
+    """Friction solution of one contact of n cells."""
 
     #: Index of the ball.
     ball: int
@@ -86,7 +85,7 @@ class ContactOut:
 
 @dataclass(frozen=True)
 class RollingResult:
-    """Steady rolling of N balls."""
+    """Steady rolling of N balls: motions, friction forces and losses."""
 
     #: Speeds of the balls along the track ``(N,)``.
     speed: Array
@@ -122,12 +121,12 @@ class RollingResult:
 
     @property
     def groove_loss(self) -> float:
-        """Losses at all grooves [W]."""
+        """Friction losses at all grooves [W]."""
         return sum(c.loss for c in self.contacts)
 
     @property
     def loss(self) -> float:
-        """All losses of friction [W]."""
+        """All friction losses, at grooves and between balls [W]."""
         return self.groove_loss + float(self.ball_loss.sum())
 
     @property
@@ -138,9 +137,9 @@ class RollingResult:
 
 @lru_cache(maxsize=16)
 def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Contact under 1 N between half-spaces, its `Patch.transport` computed.
+    """Solve the contact of half-spaces under 1 N on a grid, with its `Patch.transport` computed.
 
-    Every force has a similar one, lengths growing by its cube root.
+    The contact under any other force is similar, with lengths in proportion to the cube root of the force.
     """
     patch = hertz_patch(1.0, radii, young, poisson, shape)
     assert patch.transport.size
@@ -151,21 +150,21 @@ def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: 
 def finite_patch(
     load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: Regular
 ) -> Patch:
-    """Contact of finite bodies under a force [N]; material: Young's modulus [Pa] and Poisson's ratio."""
+    """Solve the contact of finite bodies under a force [N]; material: Young's modulus [Pa] and Poisson's ratio."""
     return hertz_patch(load, radii, *material, shape, kernel)
 
 
-def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
-    """Compute a contact's patch under its force. Raises ValueError as `kernel_of`."""
-    kernel = kernel_of(scene, touch, choices.bodies)
+def grid_contact(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
+    """Compute the grid contact of a ball with a groove under its force. Raises ValueError as `finite_body_kernel`."""
+    kernel = finite_body_kernel(scene, touch, choices.bodies)
     if kernel is None:
         unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
         return unit.scaled(float(np.cbrt(touch.load)), touch.load)
     return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
 
 
-def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
-    """Compute the kernel of finite bodies at a contact, in its axes.
+def finite_body_kernel(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
+    """Compute the smooth compliance of finite bodies (kernel) at a contact, in the contact's axes.
 
     Parameters
     ----------
@@ -184,18 +183,20 @@ def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes 
     Raises
     ------
     ValueError
-        As `place_of` and `hifi.rolling.bodies.contact_kernel`.
+        As `contact_place` and `hifi.rolling.bodies.contact_kernel`.
     """
     if bodies is None:
         return None
-    at, bottom = place_of(scene, touch)
-    kernel = contact_kernel(at, _largest(scene), scene.young, scene.poisson, bodies)
-    axes = kinematics.axes_of(touch, scene)
+    at, bottom = contact_place(scene, touch)
+    kernel = contact_kernel(at, _largest_load(scene), scene.young, scene.poisson, bodies)
+    axes = kinematics.contact_axes(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.turned
 
 
 def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
-    """Compute the kernels of scenes of one material in several processes; see `hifi.rolling.bodies.make_kernels`.
+    """Compute the kernels of finite bodies for several scenes of one material, in several processes.
+
+    See `hifi.rolling.bodies.make_kernels`.
 
     Parameters
     ----------
@@ -213,17 +214,19 @@ def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, p
     """
     if bodies is None:
         return 0.0
-    contacts = [(place_of(s, t)[0], _largest(s)) for s in scenes for _, _, t in touching(s)]
+    contacts = [(contact_place(s, t)[0], _largest_load(s)) for s in scenes for _, _, t in loaded_contacts(s)]
     return make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
-def _largest(scene: kinematics.Rolling) -> float:
-    """Largest force of a contact [N]."""
+def _largest_load(scene: kinematics.Rolling) -> float:
+    """Return the largest contact force of all balls [N]."""
     return max(t.load for b in scene.balls for t in b.touches)
 
 
-def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
-    """Place of a contact on its groove, and the direction to the bottom. Raises ValueError where that is unknown.
+def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
+    """Describe the position of a contact on its groove, and the direction to the groove's bottom.
+
+    Raises ValueError if that direction is unknown.
 
     Parameters
     ----------
@@ -240,13 +243,13 @@ def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place,
         Unit vector from the ball's centre to the bottom of the groove.
     """
     if touch.bottom is None:
-        raise ValueError("a finite groove needs the direction of its bottom")
+        raise ValueError("the contact with a finite groove needs the direction to the groove's bottom")
     angle = float(np.arccos(touch.normal @ touch.bottom))
     return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
-def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
-    """Contacts that carry load: index of the ball, index of its contact, and the contact.
+def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
+    """List the contacts that carry load: index of the ball, index of the contact on the ball, and the contact.
 
     Parameters
     ----------
@@ -265,7 +268,7 @@ def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch
     return out
 
 
-def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
+def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
     """Prepare the loaded contacts for the friction solver.
 
     Parameters
@@ -278,17 +281,17 @@ def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
     Returns
     -------
     list[Contact]
-        Contacts in the order of `touching`.
+        Contacts in the order of `loaded_contacts`.
     """
     curved, elastic = choices.curved, choices.elastic
     return [
-        kinematics.ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
-        for b, _, t in touching(scene)
+        kinematics.ball_contact(t, scene, b, grid_contact(scene, t, choices), curved=curved, elastic=elastic)
+        for b, _, t in loaded_contacts(scene)
     ]
 
 
-def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.Together:
-    """Balance of the balls, as the friction solver needs it.
+def ball_equilibrium(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.BallEquilibrium:
+    """Create the equilibrium equations of the balls for the friction solver.
 
     Parameters
     ----------
@@ -303,11 +306,11 @@ def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinema
         Forces on the motions and complementarity of the balls in touch.
     """
     bound = max(float(c.bound.sum()) for c in contacts)
-    return kinematics.Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
+    return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
 
 
-def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
-    """Split the unknowns.
+def split_unknowns(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
+    """Split the vector of unknowns into speeds, rotations and forces between balls.
 
     Parameters
     ----------
@@ -330,14 +333,14 @@ def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
     return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, y[count:].copy()
 
 
-def meeting_losses(scene: kinematics.Rolling, y: Array) -> Array:
-    """Losses of sliding friction between balls in touch ``(M,)`` [W]."""
-    pairs = zip(moving(scene, y)[2], scene.meetings, strict=True)
+def ball_contact_losses(scene: kinematics.Rolling, y: Array) -> Array:
+    """Compute the losses of sliding friction between touching balls ``(M,)`` [W]."""
+    pairs = zip(split_unknowns(scene, y)[2], scene.meetings, strict=True)
     return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
-def start_of(scene: kinematics.Rolling) -> Array:
-    """Motions near rolling: each ball at its nominal speed, rotating so that its contacts slide least."""
+def starting_motions(scene: kinematics.Rolling) -> Array:
+    """Estimate starting motions: each ball moves at its nominal speed and rotates so that its contacts slide least."""
     y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
         y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
@@ -360,7 +363,7 @@ def solve_rolling(
     near: RollingResult | None = None,
     path: tuple[float, ...] = PATH,
 ) -> RollingResult:
-    """Solve steady rolling.
+    """Solve steady rolling of balls under prescribed contact loads.
 
     Parameters
     ----------
@@ -385,29 +388,31 @@ def solve_rolling(
     """
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
-        raise ValueError("a ball without a loaded contact has no steady motion")
-    contacts = contacts_of(scene, choices)
-    balance = balance_of(scene, contacts)
-    y = start_of(scene) if near is None else near.friction.motions
+        raise ValueError("every ball needs a loaded contact: without one it has no steady motion")
+    contacts = friction_contacts(scene, choices)
+    balance = ball_equilibrium(scene, contacts)
+    y = starting_motions(scene) if near is None else near.friction.motions
     solution = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
-    return _result(scene, choices, contacts, solution, process_time() - begin)
+    return _collect_result(scene, choices, contacts, solution, process_time() - begin)
 
 
-def _result(
+def _collect_result(
     scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
-    speed, rotation, force = moving(scene, solution.motions)
+    speed, rotation, force = split_unknowns(scene, solution.motions)
     outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
     for (b, i, t), c, q, s, stick in zip(
-        touching(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
+        loaded_contacts(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
     ):
-        patch = patch_of(scene, t, choices)
-        points, tangents = kinematics.surface(t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk)
+        patch = grid_contact(scene, t, choices)
+        points, tangents = kinematics.contact_surface(
+            t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk
+        )
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
         power -= float(q @ c.given)
-        pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, kinematics.axes_of(t, scene)
+        pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, kinematics.contact_axes(t, scene)
         loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
         outs.append(ContactOut(b, i, patch.at, patch.size, patch.normal, pull, slip, stick, axes, loss, upwind))
     between = np.zeros((len(scene.balls), 3))
@@ -415,12 +420,12 @@ def _result(
         pulls = m.forces(float(f), scene.mu_balls, (m.rows @ solution.motions[m.columns])[1:])
         for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
             between[ball] += sign * (scene.balls[ball].frame @ pulls)
-    rub, how = meeting_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
+    rub, how = ball_contact_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
     return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
-def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
-    """Copy of a scene whose balls cannot touch each other.
+def without_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
+    """Return a copy of a scene whose balls cannot touch each other.
 
     Parameters
     ----------
@@ -430,8 +435,8 @@ def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
     return replace(scene, meetings=())
 
 
-def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
-    """Semi-axes of a contact along and across the groove [m].
+def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
+    """Compute the Hertzian semi-axes of a contact along and across the groove [m].
 
     Parameters
     ----------
@@ -461,7 +466,7 @@ def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[floa
 
 @dataclass(frozen=True)
 class RigidResult:
-    """Steady rolling of N rigid balls."""
+    """Steady rolling of N rigid balls: motions, forces and losses."""
 
     #: Speeds of the balls along the track ``(N,)``.
     speed: Array
@@ -478,12 +483,12 @@ class RigidResult:
 
     @property
     def loss(self) -> float:
-        """All losses of friction [W]."""
+        """All friction losses, at grooves and between balls [W]."""
         return float(self.contact_loss.sum() + self.ball_loss.sum())
 
 
-def quadrature(points: int) -> tuple[Array, Array]:
-    """Quadrature of the unit disk; midpoints in angles that end at its edge.
+def disk_quadrature(points: int) -> tuple[Array, Array]:
+    """Build a quadrature rule of the unit disk, by midpoints in angles.
 
     Parameters
     ----------
@@ -499,7 +504,7 @@ def quadrature(points: int) -> tuple[Array, Array]:
 
     Examples
     --------
-    >>> f"{quadrature(40)[1].sum():.3f}"  # pi
+    >>> f"{disk_quadrature(40)[1].sum():.3f}"  # pi
     '3.142'
     """
     t = (np.arange(points) + 0.5) / points * np.pi
@@ -523,7 +528,7 @@ def solve_rigid_rolling(
     curved : bool, default True
         As for `Choices`.
     bodies : Sizes | None, default None
-        Finite bodies, replaced by the half-spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None:
+        Finite bodies, replaced by the half-spaces that touch as they do (`hifi.rolling.patch.equivalent_radii`); None:
         half-spaces.
 
     Returns
@@ -536,19 +541,19 @@ def solve_rigid_rolling(
     ValueError
         No balance is found.
     """
-    y = start_of(scene)
+    y = starting_motions(scene)
     for count in (FIRST, points):
         contacts = _rigid_contacts(scene, count, curved, bodies)
         path = PATH if count == FIRST else PATH[-2:]
-        y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
+        y, remainder = solve_rigid_friction(contacts, ball_equilibrium(scene, contacts), y, path)
     loss = np.array([-float(full_slip(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
-    return RigidResult(*moving(scene, y), loss, meeting_losses(scene, y), remainder)
+    return RigidResult(*split_unknowns(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
 def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
-    (unit, weight), material, contacts = quadrature(points), (scene.young, scene.poisson), []
-    for b, _, touch in touching(scene):
-        radii = seen_radii(touch.load, touch.radii, *material, kernel_of(scene, touch, bodies))
+    (unit, weight), material, contacts = disk_quadrature(points), (scene.young, scene.poisson), []
+    for b, _, touch in loaded_contacts(scene):
+        radii = equivalent_radii(touch.load, touch.radii, *material, finite_body_kernel(scene, touch, bodies))
         ellipse = hertz(touch.load, *radii, *material)
         semi = np.array([ellipse.semi_x, ellipse.semi_y])
         local = unit * semi
@@ -558,13 +563,13 @@ def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies
     return contacts
 
 
-#: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
+#: Largest distance from the zone's centre at which the kernel of finite bodies is valid, over the zone's half length.
 REACH = 1.2
 
 
 @dataclass(frozen=True)
 class TransientResult:
-    """Run in time of N balls with M ball-to-ball contacts, T steps."""
+    """Rolling from rest of N balls with M ball-to-ball contacts, in T time steps."""
 
     #: Ends of the steps ``(T,)`` [s].
     time: Array
@@ -594,10 +599,11 @@ class TransientResult:
 
 
 @dataclass(frozen=True)
-class _Carried:
-    """A contact without its history.
+class _ContactWithoutHistory:
+    """Contact without its history.
 
-    Displacements per force over the step: now (``present``), and where the material was before (``before``).
+    Tangential displacements per force over the step: at the present place of the material (``present``), and at its place
+    before the step (``before``).
     """
 
     contact: Contact
@@ -605,14 +611,14 @@ class _Carried:
     before: Array
 
     def at(self, forces: Array) -> Contact:
-        """Add the history of ``forces`` (2 n,) [N] to the contact."""
+        """Add the history to the contact: the displacements by the last step's ``forces`` (2 n,) [N]."""
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
 def run_from_rest(
     scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
 ) -> TransientResult:
-    """Run balls from rest in equal steps.
+    """Compute the motion of balls from rest, in equal time steps.
 
     Parameters
     ----------
@@ -639,19 +645,19 @@ def run_from_rest(
         of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
-        raise ValueError("need a duration > 0, at least one step and no negative gap")
-    return _run(scene, duration / steps, steps, gap, choices or Choices())
+        raise ValueError("the duration must be > 0, the number of steps at least 1, and the gap not negative")
+    return _run_steps(scene, duration / steps, steps, gap, choices or Choices())
 
 
-def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
+def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
     begin = process_time()
-    carried = _carried(scene, choices, dt)
+    carried = _contacts_without_history(scene, choices, dt)
     forces = [np.zeros(c.contact.given.size) for c in carried]
-    y, gaps, out, status = start_of(scene), np.full(len(scene.meetings), gap), [], "converged"
+    y, gaps, out, status = starting_motions(scene), np.full(len(scene.meetings), gap), [], "converged"
     for step in range(steps):
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
         contacts = [c.at(q) for c, q in zip(carried, forces, strict=True)]
-        balance = balance_of(replace(scene, meetings=meetings), contacts)
+        balance = ball_equilibrium(replace(scene, meetings=meetings), contacts)
         solution = solve_friction(contacts, balance, y, forces)
         if not solution.converged:
             status = f"step {step + 1}: {solution.status}"
@@ -659,7 +665,7 @@ def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) ->
         y, old, forces = solution.motions, forces, solution.forces
         closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
         gaps = np.maximum(gaps - dt * closing, 0.0)
-        out.append(_row(scene, carried, (old, forces), solution.slips, y, gaps))
+        out.append(_step_results(scene, carried, (old, forces), solution.slips, y, gaps))
     speed, rotation, force, gap_left, loss, power, stored = (
         np.array([row[k] for row in out], dtype=float) for k in range(7)
     )
@@ -667,33 +673,36 @@ def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) ->
     return TransientResult(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
 
 
-def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
+def _contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
     out = []
-    for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
-        patch = patch_of(scene, touch, choices)
+    for (_, _, touch), contact in zip(loaded_contacts(scene), friction_contacts(scene, choices), strict=True):
+        patch = grid_contact(scene, touch, choices)
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
+                "a time step moves material in from beyond the zone of finite bodies: use shorter steps, or half-spaces"
             )
         share = choices.elastic / dt
-        out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))
+        out.append(_ContactWithoutHistory(contact, share * patch.tangential(), share * patch.tangential(shift)))
     return out
 
 
-def _row(
+def _step_results(
     scene: Rolling,
-    carried: list[_Carried],
+    carried: list[_ContactWithoutHistory],
     forces: tuple[list[Array], list[Array]],
     slips: list[Array],
     y: Array,
     gaps: Array,
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
-    """Speeds, rotations, forces, gaps, loss, power put in and stored at the end of a step; forces: before and after it."""
+    """Collect speeds, rotations, forces, gaps, loss, power put in and power stored at the end of a time step.
+
+    forces: tangential contact forces before and after the step.
+    """
     old, new = forces
-    speed, rotation, press = moving(scene, y)
+    speed, rotation, press = split_unknowns(scene, y)
     closing = sum(float(f) * float(m.rows[0] @ y[m.columns]) for f, m in zip(press, scene.meetings, strict=True))
-    rub = -sum(float(q @ s) for q, s in zip(new, slips, strict=True)) + float(meeting_losses(scene, y).sum())
+    rub = -sum(float(q @ s) for q, s in zip(new, slips, strict=True)) + float(ball_contact_losses(scene, y).sum())
     power = -sum(float(q @ c.contact.given) for q, c in zip(new, carried, strict=True))
     stored = sum(float(q @ (c.present @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
     return speed, rotation, press, gaps, rub + closing, power, stored

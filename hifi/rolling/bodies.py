@@ -1,16 +1,15 @@
 """Kernels of finite bodies (`hifi.rolling.patch`) from finite elements: ball and groove.
 
-On rings and helices both are patches of the static reference in pieces of their bodies; on straight tracks, which it does
-not have, a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A kernel is the response of a body to smooth
-tractions on its contact zone, in all three directions, less that of a half-space whose zone has the same nodes: the
-effect of the grid on the singular part is in both.
+A kernel is the response of a body to smooth tractions on its contact zone, in all three directions, less that of a
+half-space whose zone has the same nodes. The effect of the grid on the singular part is contained in both, and cancels.
 
-Such a patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
-ring, nut or ball as `hifi.condensation` cuts it; patch and piece are solved as one
-(`hifi.bodies.coarse.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
-(`hifi.rolling.contact_bodies.Zone`).
+For rings and helices the bodies are patches of the static reference in pieces of their bodies. For straight tracks, which
+the static reference does not have, they are a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A patch is
+meshed by `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring, nut
+or ball cut as in `hifi.condensation`. Patch and piece are solved together (`hifi.bodies.coarse.piece_compliance`). The
+cells of the contact zone are those of the other bodies of rolling (`hifi.rolling.contact_bodies.Zone`).
 
-A body is free, its loads balanced by a rigid field of body forces, or fixed at its boundary "held"; the cut of a
+A body is free, with its loads balanced by a rigid field of body forces, or fixed at its boundary "held". The cut of a
 half-space's block moves by Boussinesq's and Cerruti's point forces.
 """
 
@@ -25,8 +24,8 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.bodies.coarse import Piece, isostatic, piece_compliance, rigid_loads
-from rollbench.hifi.bodies.patch import Lines, PatchMesh, build_patch, graded, growing
+from rollbench.hifi.bodies.coarse import BodyPiece, isostatic_freedoms, piece_compliance, rigid_loads
+from rollbench.hifi.bodies.patch import PatchLines, PatchMesh, build_patch, graded_boundaries, growing_boundaries
 from rollbench.hifi.condensation import BEYOND
 from rollbench.hifi.contact.block import boussinesq
 from rollbench.hifi.contact.hertz import hertz
@@ -34,10 +33,17 @@ from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import contact_weights, elasticity, mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import compliance
-from rollbench.hifi.meshing.part_meshes import ball_place
-from rollbench.hifi.rolling.contact_bodies import ContactBody, Groove, Zone, grooved_bar, half_space, whole_ball
+from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
+from rollbench.hifi.rolling.contact_bodies import (
+    ContactBody,
+    Groove,
+    Zone,
+    mesh_grooved_bar,
+    mesh_half_space,
+    mesh_whole_ball,
+)
 from rollbench.hifi.rolling.patch import Regular, monomials
-from rollbench.hifi.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache
@@ -67,7 +73,7 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 @dataclass(frozen=True)
 class Curve:
-    """Path of the balls' centres."""
+    """Path of the balls' centres: helix or ring."""
 
     #: Radius of its cylinder [m].
     radius: float
@@ -76,13 +82,13 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Cut:
-    """A patch in a piece of its body."""
+class ContactPiece:
+    """Patch of groove or ball, with the piece of its body around it."""
 
     #: The patch.
     patch: PatchMesh
     #: The piece.
-    piece: Piece
+    piece: BodyPiece
     #: Centre of the ball in the patch's frame ``(3,)`` [m].
     centre: Array
     #: Rows along the track, across it towards the bottom of the groove, and into the body ``(3, 3)``.
@@ -93,8 +99,10 @@ class Cut:
     number: Index
 
 
-def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool) -> tuple[Cut, Cut]:
-    """Cut groove and ball out around one contact.
+def mesh_contact_pieces(
+    curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
+) -> tuple[ContactPiece, ContactPiece]:
+    """Mesh pieces of groove and ball around one contact, with their fine patches.
 
     Parameters
     ----------
@@ -128,30 +136,36 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     need = (zone.half[1], zone.half[0])
     size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
     size = replace(size, cuts=CUTS)
-    lines, local = _lines(m, size, side, zone)
+    lines, local = _patch_lines_and_zone(m, size, side, zone)
     half = max(reach(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
     body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
-    ball_socket, place = ball_place(m, size, side, local)
+    ball_socket, place = ball_socket_and_map(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
     sphere = build_ball(m, (ball_socket,), near, away, CUTS)
     grooved = build_patch(lines, local, partial(local_points, m, size, side), body.sockets[side])
     round_ = build_patch(lines, local, place, sphere.sockets[side])
-    normal, axes = _axes(m, side)
+    normal, axes = _contact_normal_and_axes(m, side)
     x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
     out = []
     for patch, piece, centre, inward, depth in (
-        (grooved, Piece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS), np.array([m.R, 0.0, 0.0]), normal, size.depth),
-        (round_, Piece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
+        (
+            grooved,
+            BodyPiece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS),
+            np.array([m.R, 0.0, 0.0]),
+            normal,
+            size.depth,
+        ),
+        (round_, BodyPiece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
     ):
-        number = _number(patch, axes, centre)
-        out.append(Cut(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
+        number = _grid_numbers(patch, axes, centre)
+        out.append(ContactPiece(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
     return out[0], out[1]
 
 
 def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
-    """Map the geometry of a track whose grooves are all alike, as the static reference has it.
+    """Describe the geometry of a track whose grooves are all alike, as the static reference does.
 
     Parameters
     ----------
@@ -174,20 +188,20 @@ def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> Groove
     return GrooveMap(curve.radius, curve.rise, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1)
 
 
-def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Lines, tuple[float, float]]:
-    """Element boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
+def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
+    """Compute the cell boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
     along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
     local = (zone.half[1] / width, zone.half[0] / along)
     first = min(2.0 * h / n for h, n in zip(zone.half, zone.cells, strict=True)) / size.depth
-    across, forth = (graded(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
-    return Lines(across, growing(0.0, 1.0, first / zone.growth, zone.growth), forth), local
+    across, forth = (graded_boundaries(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
+    return PatchLines(across, growing_boundaries(0.0, 1.0, first / zone.growth, zone.growth), forth), local
 
 
-def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
-    """Compute the normal from ball to groove, and rows along the groove and across it towards its bottom.
+def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
+    """Compute the normal from ball to groove, and the directions along the groove and across it towards its bottom.
 
-    Right-handed with the normal, at the contact point.
+    They are right-handed with the normal, at the contact point.
     """
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
@@ -200,8 +214,8 @@ def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     return normal, sign * np.stack([along, across])
 
 
-def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
-    """Places of the contact's nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
+def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
+    """Return the numbers of a patch's contact nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
     assert patch.contact_shape is not None  # a grid
     places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
     at = (patch.points[patch.contact] - centre) @ axes.T
@@ -212,7 +226,9 @@ def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
 
 
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
-    """Displacements of the half-space z > 0 under unit forces along x on its surface; infinite at a force.
+    """Compute the displacements of the half-space z > 0 under unit forces along x on its surface, by Cerruti.
+
+    Infinite at a force.
 
     Parameters
     ----------
@@ -253,8 +269,8 @@ def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Arra
 
 
 @dataclass(frozen=True)
-class Frame:
-    """Contact axes in the mesh of a body."""
+class ContactAxes:
+    """Axes of the contact in the mesh of a body."""
 
     #: Point on the normal through the contact's centre ``(3,)`` [m].
     centre: Array = field(default_factory=lambda: np.zeros(3))
@@ -262,17 +278,18 @@ class Frame:
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
-def in_frame(body: ContactBody, frame: Frame) -> Array:
-    """Nodes of the contact zone along x and y ``(c, 2)`` [m]."""
+def zone_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
+    """Return the coordinates of the contact zone's nodes along x and y ``(c, 2)`` [m]."""
     return np.asarray(((points_of(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
 
 
-def tractions(
-    body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: Frame | None = None
+def traction_loads(
+    body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: ContactAxes | None = None
 ) -> sp.csr_array:
-    """Compute nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
+    """Compute the nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
-    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area.
+    Their work on a motion equals the coefficient of each monomial in the motion, fitted by least squares over the zone's
+    area.
 
     Parameters
     ----------
@@ -292,8 +309,8 @@ def tractions(
     (3 k, 3 n) sparse array
         Loads, directions slowest.
     """
-    frame = frame or Frame()
-    at = in_frame(body, frame)
+    frame = frame or ContactAxes()
+    at = zone_coordinates(body, frame)
     c = len(at)
     hats = contact_weights(body.mesh, body.contact)
     root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
@@ -311,7 +328,7 @@ def tractions(
 
 
 def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response of a free body, loads balanced and motions without rigid parts.
+    """Compute the response of a free body: loads are balanced by body forces, and rigid motions are removed.
 
     Parameters
     ----------
@@ -331,26 +348,26 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     """
     K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
+    F = _response_with_fixed(K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
 
-def _held(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
-    """Response ``(m, m)`` [m/N] of a body with the degrees of freedom ``held`` fixed."""
+def _response_with_fixed(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
+    """Compute the response ``(m, m)`` [m/N] of a body to the loads ``rows``, with the degrees of freedom ``held`` fixed."""
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     return compliance(K[free][:, free], rows.tocsr()[:, free])
 
 
 def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as of the free body's."""
-    return _held(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
+    """Compute the response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as in `free_response`."""
+    return _response_with_fixed(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
 def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Response of a block of a half-space, its cut faces in the motion of the half-space.
+    """Compute the response of a block of a half-space whose cut faces move as in the half-space.
 
-    As in `hifi.contact.block`; arguments as of the free body's.
+    The method is that of `hifi.contact.block`; arguments as in `free_response`.
 
     Returns
     -------
@@ -358,14 +375,14 @@ def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poi
         [m/N].
     """
     K, cut = forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
-    by_cut = sp.csr_array(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
-    F, m = _held(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
+    by_cut = sp.csr_array(-(K[cut].T @ _far_field_at_cut(body, rows, young, poisson)).T)
+    F, m = _response_with_fixed(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
 
-def _far_field(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Motion ``(3 cut nodes, m)`` [m/N] of the cut under the loads ``rows`` on the zone's nodes."""
+def _far_field_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+    """Compute the motion ``(3 cut nodes, m)`` [m/N] of the cut faces under the loads ``rows`` on the zone's nodes."""
     points = points_of(body.mesh)
     cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]
     shear = 0.5 * young / (1.0 + poisson)
@@ -385,13 +402,13 @@ def matched_half_space(
     young: float,
     poisson: float,
     degree: int,
-    frame: Frame | None = None,
+    frame: ContactAxes | None = None,
     near: tuple[Array, Array, Array] | None = None,
 ) -> Array:
-    """Response of a half-space whose zone has its nodes where the body's are, seen along the normal.
+    """Compute the response of a half-space whose contact zone has its nodes where the body's are, seen along the normal.
 
-    A zone that is wider by a share e responds to a linear traction by 2 e to 3 e less: the effect of its shape is then in
-    both responses, as far as the half-space has it.
+    A zone that is wider by a fraction e responds to a linear traction by 2 e to 3 e less. With equal nodes this effect is
+    in both responses, and cancels in their difference.
 
     Parameters
     ----------
@@ -410,27 +427,29 @@ def matched_half_space(
     frame : Frame | None, default None
         Contact axes in the body's mesh.
     near : tuple[Array, Array, Array] | None, default None
-        Cell boundaries, as for `hifi.rolling.contact_bodies.half_space`.
+        Cell boundaries, as for `hifi.rolling.contact_bodies.mesh_half_space`.
 
     Returns
     -------
     (3 k, 3 k) Array
         [m/N].
     """
-    block = half_space(size, zone, near)
+    block = mesh_half_space(size, zone, near)
     cells = np.array(zone.cells)
     off = np.zeros((*(2 * cells + 1), 2))
-    off[tuple(body.number.T)] = in_frame(body, frame or Frame()) - np.array(zone.half) * (body.number / cells - 1.0)
+    off[tuple(body.number.T)] = zone_coordinates(body, frame or ContactAxes()) - np.array(zone.half) * (
+        body.number / cells - 1.0
+    )
     points = points_of(block.mesh).copy()
     points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
     block = replace(block, mesh=moved(block.mesh, points))
-    return half_space_response(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
+    return half_space_response(block, traction_loads(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
 @keyed
 @dataclass(frozen=True)
 class Sizes:
-    """Numerical choices of the kernels."""
+    """Numerical choices for the kernels of finite bodies."""
 
     #: Cells of the contact zone along and across.
     cells: tuple[int, int] = usual((4, 4))
@@ -459,24 +478,24 @@ MOST = 32
 
 
 def cached_result(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function to cache its results by its hashed arguments."""
+    """Decorate a function so that its results are cached by its arguments."""
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:
-        key = _key(partial(make, *arguments, **named))
+        key = _call_key(partial(make, *arguments, **named))
         if key not in _KEPT:
-            _keep(key, make(*arguments, **named))
+            _store_result(key, make(*arguments, **named))
         value: T = _KEPT[key]
         return value
 
     return cached
 
 
-def _key(call: partial[Any]) -> tuple[object, ...]:
+def _call_key(call: partial[Any]) -> tuple[object, ...]:
     return call.func.__name__, call.args, *call.keywords.items()
 
 
-def _keep(key: tuple[object, ...], value: Any) -> None:
+def _store_result(key: tuple[object, ...], value: Any) -> None:
     _KEPT[key] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
@@ -487,8 +506,8 @@ def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
     """Compute the kernel that a whole ball of ``radius`` [m] adds to a half-space."""
-    body = whole_ball(radius, zone)
-    answer = free_response(body, tractions(body, zone, degree, bends), young, poisson)
+    body = mesh_whole_ball(radius, zone)
+    answer = free_response(body, traction_loads(body, zone, degree, bends), young, poisson)
     return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
@@ -496,10 +515,10 @@ def ball_kernel(
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
-    """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past it."""
-    body = grooved_bar(groove, size, zone)
-    answer = fixed_response(body, tractions(body, zone, degree, bends), young, poisson)
-    return of_groove(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past the bar."""
+    body = mesh_grooved_bar(groove, size, zone)
+    answer = fixed_response(body, traction_loads(body, zone, degree, bends), young, poisson)
+    return groove_kernel(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @cached_result
@@ -544,16 +563,16 @@ def patch_kernels(
         The kernels.
     """
     kernels = []
-    for cut, sense in zip(cuts_of(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
+    for cut, sense in zip(mesh_contact_pieces(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
-        frame = Frame(cut.centre, cut.axes)
-        matrix = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
+        frame = ContactAxes(cut.centre, cut.axes)
+        matrix = piece_compliance(cut.piece, cut.patch, traction_loads(body, zone, degree, bends, frame), young, poisson)
         kernels.append(matrix - matched_half_space(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return of_groove(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
+    return groove_kernel(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
 
 
-def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
-    """Kernel of a groove: forces on it and its motion along tangents count with the opposite sign.
+def groove_kernel(added: Array, zone: Zone, degree: int) -> Regular:
+    """Convert the response of a groove to a kernel: forces on it and its tangential motion change sign.
 
     Parameters
     ----------
@@ -580,7 +599,7 @@ STEP = 0.1
 
 @dataclass(frozen=True)
 class Place:
-    """Contact of a ball with a groove."""
+    """Position of a ball's contact on a groove: radii, angle and path."""
 
     #: Radius of the ball [m].
     ball: float
@@ -593,7 +612,7 @@ class Place:
 
     @property
     def arc(self) -> float:
-        """Radius of the groove [m]."""
+        """Radius of the groove's arc [m]."""
         return 1.0 / (1.0 / self.ball - 1.0 / self.radii[1])
 
     @property
@@ -608,7 +627,7 @@ class Place:
         return one, two
 
     def zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> Zone:
-        """Contact zone under a load.
+        """Compute the size of the contact zone under a load.
 
         Parameters
         ----------
@@ -630,8 +649,8 @@ class Place:
         return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
-def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
-    """List the calls for the kernels whose sum is a contact's: ball and bar, or both patches at once."""
+def _kernel_calls(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+    """List the calls that compute the kernels whose sum is a contact's: ball and bar, or both patches at once."""
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
         curve, radii = Curve(*at.curve), (at.ball, at.arc)
@@ -641,22 +660,22 @@ def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -
 
 
 @lru_cache(maxsize=8)
-def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    kernels = [call() for call in _parts(at, load, young, poisson, sizes)]
+def _summed_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+    kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
     kernel: Regular = first + second
     return kernel if len(kernels) == 1 else kernel.even
 
 
-def _shared(at: Place, load: float) -> tuple[Place, float]:
-    """Return rounded place and load [N], whose kernel is reused for all similar contacts."""
+def _rounded_for_sharing(at: Place, load: float) -> tuple[Place, float]:
+    """Round the position and the load [N] of a contact, so that all similar contacts share one kernel."""
     return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 
 def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
     """Compute the kernel that ball and groove of a contact add to half-spaces.
 
-    y towards the bottom of the groove, x right-handed with it and the normal. Other contacts of the ball are not
+    y points towards the bottom of the groove, x is right-handed with y and the normal. Other contacts of the ball are not
     included.
 
     Parameters
@@ -682,15 +701,15 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
     ValueError
         Groove, ring or nut have no room for the zone, the bar or a socket.
     """
-    return _kernel(*_shared(at, load), young, poisson, sizes)
+    return _summed_kernel(*_rounded_for_sharing(at, load), young, poisson, sizes)
 
 
 def make_kernels(
     contacts: Iterable[tuple[Place, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
-    """Compute the kernels of contacts in several processes.
+    """Compute the kernels of several contacts in several processes, and cache them.
 
-    With one process, or one missing kernel, nothing is computed before it is needed.
+    With one process, or one missing kernel, no kernel is computed before it is needed.
 
     Parameters
     ----------
@@ -715,24 +734,26 @@ def make_kernels(
     ValueError
         As `contact_kernel`.
     """
-    calls = [call for at, load in contacts for call in _parts(*_shared(at, load), young, poisson, sizes)]
-    missing = {key: call for call in calls if (key := _key(call)) not in _KEPT}
+    calls = [
+        call for at, load in contacts for call in _kernel_calls(*_rounded_for_sharing(at, load), young, poisson, sizes)
+    ]
+    missing = {key: call for call in calls if (key := _call_key(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Job("kernels", _anew, (call,), tuple) for call in missing.values()]
-    results = make(jobs, Cache(None), processes)
+    jobs = [Job("kernels", _compute_uncached, (call,), tuple) for call in missing.values()]
+    results = compute_records(jobs, Cache(None), processes)
     for key, result in zip(missing, results, strict=True):
-        _keep(key, result.value[0])
+        _store_result(key, result.value[0])
     return float(sum(result.value[1] for result in results))
 
 
-def _anew(call: partial[Any]) -> tuple[Any, float]:
-    """Run a call whose result this process does not cache; returns it and the processor time [s]."""
+def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
+    """Run a call without caching its result in this process; return the result and the processor time [s]."""
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
 def forget_kernels() -> None:
     """Clear the cache of kernels."""
-    _kernel.cache_clear()
+    _summed_kernel.cache_clear()
     _KEPT.clear()

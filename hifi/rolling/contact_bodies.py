@@ -1,8 +1,8 @@
 """Bodies around one contact as tensor grids of hexahedra: a whole ball, a grooved bar, and a block of a half-space.
 
-Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's centre is the
-origin. The cells of the contact zone are the same in all three, so that the effect of the grid on a contact's local
-response cancels.
+Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's centre is the origin.
+The cells of the contact zone are equal in all three bodies, so that the effect of the grid on a contact's local response
+cancels.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rollbench.meshes.fem import moved, named, points_of, tensor_grid
 
 @dataclass(frozen=True)
 class Zone:
-    """Contact zone."""
+    """Rectangular contact zone with its cells."""
 
     #: Half lengths along x and y [m].
     half: tuple[float, float]
@@ -52,21 +52,30 @@ class Zone:
             raise ValueError(f"a contact zone of {half:.3g} m does not fit between {low:.3g} and {high:.3g} m")
         core = np.linspace(-half, half, self.cells[axis] + 1)
         step = float(core[1] - core[0])
-        return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
+        return np.concatenate(
+            [
+                -_growing_boundaries_to_end(half, -low, step, self.growth)[::-1],
+                core,
+                _growing_boundaries_to_end(half, high, step, self.growth),
+            ]
+        )
 
     def number(self, at: Array) -> Index:
-        """Grid indices of the zone's nodes that are nearest to points ``(n, 2)`` [m], from zero ``(n, 2)``."""
+        """Find the grid indices ``(n, 2)``, from zero, of the zone's nodes that are nearest to points ``(n, 2)`` [m]."""
         cells = np.array(self.cells)
         return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
     def depths(self, deep: float) -> Array:
-        """Cell boundaries from the surface to a depth [m], the first as large as the zone's smaller ones."""
+        """Return cell boundaries from the surface to a depth [m]; the first cell is as large as the zone's smaller ones."""
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
-        return np.concatenate([[0.0, first], _beyond(first, deep, first, self.growth)])
+        return np.concatenate([[0.0, first], _growing_boundaries_to_end(first, deep, first, self.growth)])
 
 
-def _beyond(start: float, end: float, step: float, growth: float) -> Array:
-    """Boundaries after ``start`` to ``end``: cells grow from ``step`` by ``growth``; all but the last for any end."""
+def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
+    """Return the boundaries after ``start`` up to ``end`` of cells that grow from ``step`` by the ratio ``growth``.
+
+    The last cell ends at ``end``; the others do not depend on it.
+    """
     out, width = [start], step * growth
     while out[-1] + 1.5 * width < end:
         out.append(out[-1] + width)
@@ -76,7 +85,10 @@ def _beyond(start: float, end: float, step: float, growth: float) -> Array:
 
 @dataclass(frozen=True)
 class ContactBody:
-    """Mesh of a body with boundaries "contact" (the zone) and "held" (where it is fixed or cut off; a ball has none)."""
+    """Mesh of a body with named boundaries "contact" (the contact zone) and "held" (where it is fixed or cut off).
+
+    A ball has no boundary "held".
+    """
 
     #: The mesh.
     mesh: Mesh
@@ -88,10 +100,13 @@ class ContactBody:
     number: Index
 
 
-def _body(
+def _named_contact_body(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
-    """Move the nodes of a tensor grid to ``points``; held: (axis, value) of the grid's faces that are fixed."""
+    """Move the nodes of a tensor grid to ``points``, and name its boundaries.
+
+    held: (axis, value) of the grid's faces that are fixed.
+    """
     flat = tensor_grid(x, y, z, "Q2")
     xi = points_of(flat)
     mesh = moved(flat, points)
@@ -109,8 +124,8 @@ def _body(
     return ContactBody(named(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
 
 
-def whole_ball(radius: float, zone: Zone) -> ContactBody:
-    """Mesh a free ball of ``radius`` [m]: a cube whose faces are mapped onto the sphere.
+def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
+    """Mesh a free ball of ``radius`` [m] as a cube whose faces are mapped onto the sphere.
 
     Parameters
     ----------
@@ -136,12 +151,12 @@ def whole_ball(radius: float, zone: Zone) -> ContactBody:
         a, b = s[:, (k + 1) % 3], s[:, (k + 2) % 3]
         out[:, k] = radius * u[:, k] * np.sqrt(1.0 - 0.5 * a - 0.5 * b + a * b / 3.0)
     out[:, 2] = radius - out[:, 2]
-    return _body(zone, x, y, z, out, [], -1)
+    return _named_contact_body(zone, x, y, z, out, [], -1)
 
 
 @dataclass(frozen=True)
 class Groove:
-    """A groove of two arcs."""
+    """Cross-section of a groove of two arcs (gothic arch), and its curvature along the track."""
 
     #: Radius of the ball [m].
     ball: float
@@ -155,17 +170,20 @@ class Groove:
     bend: float
 
     def surface(self, theta: Array) -> Array:
-        """Distance [m] of the groove's surface from the ball's centre, ``theta`` [rad] from the contact to the bottom."""
+        """Compute the distance [m] of the groove's surface from the ball's centre at angles ``theta`` [rad].
+
+        theta counts from the contact to the bottom of the groove.
+        """
         c = self.arc - self.ball
         cos = np.cos(np.where(theta > self.angle, 2.0 * self.angle - theta, theta))
         return np.asarray(-c * cos + np.sqrt(c**2 * cos**2 + self.arc**2 - c**2))
 
 
-def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
+def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     """Mesh a bar around a groove, straight or bent into a ring.
 
-    Round outside, where it is fixed, and as long to both sides of the contact; lands beside the groove, its other flank
-    and its ends are free.
+    It is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove, its
+    other flank and the ends of the bar are free.
 
     Parameters
     ----------
@@ -196,11 +214,11 @@ def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     inner = groove.surface(theta)
     r = inner + (size - inner) * grid[:, 2] / (size - R)
     across, along = r * np.sin(theta), r * np.cos(theta) - R
-    return _body(zone, x, y, z, _bent(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1)
+    return _named_contact_body(zone, x, y, z, _bend_into_ring(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1)
 
 
-def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
-    """Carry points of the section y, z by x [m] along the track: straight, or around the axis of its ring."""
+def _bend_into_ring(groove: Groove, x: Array, y: Array, z: Array) -> Array:
+    """Map points x, y, z of a straight bar to one along the track, which may be bent into a ring; x [m]: path along it."""
     if groove.bend == 0.0:
         return np.column_stack([x, y, z])
     down = np.array([np.sin(groove.angle), np.cos(groove.angle)])  # to the bottom of the groove, in the section
@@ -209,15 +227,15 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     depth = np.column_stack([y, z + groove.ball]) @ down
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
-        raise ValueError("a bar is thicker than its ring: make it smaller")
+        raise ValueError("the bar is thicker than its ring: decrease the bar's size")
     middle = pitch + outward * groove.ball * np.cos(groove.angle)
     turn = x / middle
     lost = outward * radius * (1.0 - np.cos(turn))  # towards the axis
     return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
 
 
-def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
-    """Mesh a block of a half-space.
+def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
+    """Mesh a rectangular block of a half-space.
 
     Parameters
     ----------
@@ -237,14 +255,20 @@ def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None 
         x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
     else:
         x, y = (
-            np.concatenate([-_on(-lines[::-1], size, zone.growth)[::-1], lines, _on(lines, size, zone.growth)])
+            np.concatenate(
+                [
+                    -_continued_boundaries(-lines[::-1], size, zone.growth)[::-1],
+                    lines,
+                    _continued_boundaries(lines, size, zone.growth),
+                ]
+            )
             for lines in near[:2]
         )
-        z = np.concatenate([near[2], _on(near[2], size, zone.growth)])
+        z = np.concatenate([near[2], _continued_boundaries(near[2], size, zone.growth)])
     cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
-    return _body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
+    return _named_contact_body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
 
 
-def _on(lines: Array, size: float, growth: float) -> Array:
-    """Boundaries after the last of ``lines`` to ``size`` [m]."""
-    return _beyond(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)
+def _continued_boundaries(lines: Array, size: float, growth: float) -> Array:
+    """Continue cell boundaries ``lines`` up to ``size`` [m], growing by the ratio ``growth``."""
+    return _growing_boundaries_to_end(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)

@@ -41,7 +41,7 @@ LOST = 1e4
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact of n cells as the friction solver needs it."""
+    """Contact of n cells as the friction solver needs it."""
 
     #: Largest tangential force g ``(n,)`` [N].
     bound: Array
@@ -55,17 +55,17 @@ class Contact:
     given: Array
 
     def slip(self, q: Array, y: Array) -> Array:
-        """Slip ``(2 n,)`` [m/s] of body 1 past body 2."""
+        """Compute the slip ``(2 n,)`` [m/s] of body 1 past body 2 by tangential forces q [N] and motions y."""
         return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
 
     def rigid_slip(self, y: Array) -> Array:
-        """Slip ``(2 n,)`` [m/s] of the bodies without their elasticity."""
+        """Compute the slip ``(2 n,)`` [m/s] of the bodies by the motions y, without elasticity."""
         return np.asarray(self.motion @ y[self.columns] + self.given)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Solution of (1) and (2)."""
+    """Solution of the friction laws (1) in all contacts and of the equilibrium (2)."""
 
     #: Tangential forces q of every contact ``(2 n,)`` [N].
     forces: list[Array]
@@ -84,26 +84,26 @@ class Friction:
 
     @property
     def converged(self) -> bool:
-        """Whether (1) and (2) are satisfied."""
+        """Whether the equations (1) and (2) are satisfied."""
         return self.status == "converged"
 
 
-def no_balance(y: Array) -> tuple[Array, Array]:
-    """Balance f of prescribed motions, which are no unknowns: zero."""
+def zero_balance(y: Array) -> tuple[Array, Array]:
+    """Return zero balance f and a unit derivative, for motions y that are prescribed and not solved for."""
     return np.zeros(y.size), np.eye(y.size)
 
 
-def _pair(v: Array) -> Array:
-    """Values ``(n, 2)`` of a vector ``(2 n,)``."""
+def _as_rows(v: Array) -> Array:
+    """Rearrange a vector ``(2 n,)``, all x first, into rows ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
-def _flat(v: Array) -> Array:
+def _as_vector(v: Array) -> Array:
     return np.asarray(v.T.ravel())
 
 
 def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
-    """Friction forces against a slip, smoothed by a creeping speed.
+    """Compute friction forces opposite to a slip, smoothed by a creeping speed.
 
     Parameters
     ----------
@@ -124,19 +124,19 @@ def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
     >>> full_slip(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
     [-1.2, -1.6]
     """
-    s = _pair(slip)
+    s = _as_rows(slip)
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
-    return _flat(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
+    return _as_vector(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
 
 
 # --- one Newton step: forces dq = first + rest @ dy of every contact
 
 
-def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
-    """Residual, and dq for the smoothed law, without the elasticity if not ``elastic``."""
-    s = _pair(c.slip(q, y) if elastic else c.rigid_slip(y))
+def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
+    """Compute the residual, and dq by the smoothed law; the elasticity is left out unless ``elastic``."""
+    s = _as_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
-    left = q + _flat((c.bound / size)[:, None] * s)
+    left = q + _as_vector((c.bound / size)[:, None] * s)
     unit = s / size[:, None]
     D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
 
@@ -151,31 +151,34 @@ def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
-def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
-    """Residual, and dq for (1); one unknown for each slipping cell, two for each that sticks; grip ``(n,)``: r."""
+def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
+    """Compute the residual, and dq by Coulomb's law (1) without smoothing; grip ``(n,)``: the parameter r of each cell.
+
+    There is one unknown for each slipping cell, and two for each cell that sticks.
+    """
     n = c.bound.size
     s = c.slip(q, y)
-    pull = _pair(q) - grip[:, None] * _pair(s)  # q - r s; (1) is q = P(q - r s)
+    pull = _as_rows(q) - grip[:, None] * _as_rows(s)  # q - r s; (1) is q = P(q - r s)
     size = np.linalg.norm(pull, axis=1)
     stick = size <= c.bound
     slip = np.flatnonzero(~stick)
     unit = pull[slip] / size[slip, None]
-    left = _pair(np.tile(grip / SOFT, 2) * s)
-    left[slip] = _pair(q)[slip] - c.bound[slip, None] * unit
+    left = _as_rows(np.tile(grip / SOFT, 2) * s)
+    left[slip] = _as_rows(q)[slip] - c.bound[slip, None] * unit
     known = np.zeros((n, 2))
     known[slip] = -np.sum(left[slip] * unit, axis=1)[:, None] * unit
     across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
     held = np.flatnonzero(stick)
 
     def free_rows(A: Array) -> Array:
-        """Of a matrix (2 n, k): along ``across`` of slipping cells, then x and y of those that stick."""
+        """Select rows of a matrix (2 n, k): along ``across`` for slipping cells, then x and y for cells that stick."""
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
     MR = free_rows(c.elastic)
     K = free_rows(MR.T).T  # the same of its columns
     share = c.bound[slip] / size[slip]
     weight = np.concatenate([share * grip[slip], np.ones(2 * held.size)])
-    right = np.column_stack([MR @ _flat(known), free_rows(c.motion)]) * -weight[:, None]
+    right = np.column_stack([MR @ _as_vector(known), free_rows(c.motion)]) * -weight[:, None]
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
@@ -184,19 +187,19 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     out[:, slip] = across.T[:, :, None] * solved[: slip.size]
     out[0, held], out[1, held] = solved[slip.size : slip.size + held.size], solved[slip.size + held.size :]
     flat = out.reshape(2 * n, -1)
-    return _flat(left), flat[:, 0] + _flat(known), flat[:, 1:]
+    return _as_vector(left), flat[:, 0] + _as_vector(known), flat[:, 1:]
 
 
 # --- all contacts together
 
 
 @dataclass
-class _System:
+class _FrictionSystem:
     contacts: Sequence[Contact]
     balance: Balance
 
     def step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
-        """Newton's dq of every contact and dy."""
+        """Compute Newton's dq of every contact and dy."""
         f, S = self.balance(y)
         f, S = f.copy(), S.copy()
         for c, force, (_, first, by_y) in zip(self.contacts, q, parts, strict=True):
@@ -206,24 +209,26 @@ class _System:
         return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced(self, q: list[Array], y: Array) -> Array:
-        """Evaluate the left side of (2)."""
+        """Evaluate the left side of the equilibrium (2)."""
         f = self.balance(y)[0].copy()
         for c, force in zip(self.contacts, q, strict=True):
             f[c.columns] += c.motion.T @ force
         return f
 
 
-def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: bool) -> tuple[list[Array], Array]:
-    """Newton's method at one creeping speed, damped where the residual would grow."""
+def _damped_newton(
+    system: _FrictionSystem, q: list[Array], y: Array, eps: float, *, elastic: bool
+) -> tuple[list[Array], Array]:
+    """Run Newton's method at one creeping speed, damped where the residual would grow."""
     scale = max(float(c.bound.max()) for c in system.contacts)
 
     def size(q: list[Array], y: Array) -> float:
-        lefts = [_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        lefts = [_smoothed_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
 
     norm = size(q, y)
     for _ in range(STEPS):
-        parts = [_smooth(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        parts = [_smoothed_newton_terms(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         dq, dy = system.step(parts, q, y)
         t = 1.0
         for _ in range(12):
@@ -240,17 +245,17 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
     return q, y
 
 
-def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
+def _smoothed_residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
     return q - full_slip(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
 
 
-def _settle(system: _System, q: list[Array], y: Array) -> Friction:
-    """Newton's method on (1) and (2) without smoothing."""
-    grips = [_grip(c) for c in system.contacts]
+def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
+    """Run Newton's method on (1) and (2) without smoothing."""
+    grips = [_projection_parameter(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
     for steps in range(1, MOST + 1):  # noqa: B007
-        parts = [_sharp(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
+        parts = [_exact_newton_terms(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
         residual = max(float(np.abs(p[0]).max()) for p in parts) / largest
         residual = max(residual, float(np.abs(system.unbalanced(q, y)).max(initial=0.0)) / largest)
         if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
@@ -264,23 +269,25 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
-    pulls = [np.linalg.norm(_pair(v) - g[:, None] * _pair(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)]
+    pulls = [
+        np.linalg.norm(_as_rows(v) - g[:, None] * _as_rows(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)
+    ]
     stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
     status = "converged" if good else f"not converged after {steps} steps (remainder {residual:.1e})"
     return Friction(q, slips, y, steps, status, residual, stick)
 
 
-def _grip(c: Contact) -> Array:
-    """Parameter r of each cell ``(n,)`` [N s/m]: a share of its stiffness."""
+def _projection_parameter(c: Contact) -> Array:
+    """Choose the parameter r of each cell ``(n,)`` [N s/m]: a fraction of its stiffness over speed."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
 
-def solve_rigid(
+def solve_rigid_friction(
     contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
-    """Find the motions of rigid bodies that balance friction.
+    """Find the motions of rigid bodies at which the friction of all contacts is in equilibrium.
 
     Parameters
     ----------
@@ -298,37 +305,37 @@ def solve_rigid(
     y : Array
         Motions.
     remainder : float
-        Change of slip by the last ten times in creeping speed, over the largest slip: what smoothing leaves.
+        Error left by smoothing: change of slip by the last tenfold decrease of the creeping speed, over the largest slip.
 
     Raises
     ------
     ValueError
         The search ends out of balance.
     """
-    system = _System(contacts, balance)
+    system = _FrictionSystem(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
     for ratio in path:
         last = y
-        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
+        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
-        raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
+        raise ValueError(f"the rigid bodies are not in equilibrium: the unbalanced force is {left:.1e} of the friction")
     slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
     return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
 
 
 def solve_friction(
     contacts: Sequence[Contact],
-    balance: Balance = no_balance,
+    balance: Balance = zero_balance,
     y: Array | None = None,
     q: list[Array] | None = None,
     path: tuple[float, ...] = PATH,
 ) -> Friction:
-    """Solve (1) and (2): tangential forces, slips and motions of contacts.
+    """Solve (1) and (2) for the tangential forces, slips and motions of several contacts.
 
-    Where the exact law does not converge from the start, the smoothed one leads there. Failure is data: see
-    `Friction.status`.
+    If the exact law does not converge from the starting values, the smoothed one provides better ones. `Friction.status`
+    tells whether the solution converged.
 
     Parameters
     ----------
@@ -348,27 +355,27 @@ def solve_friction(
     Friction
         The solution.
     """
-    system = _System(contacts, balance)
+    system = _FrictionSystem(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
     if q is not None:
-        solution = _settle(system, [v.copy() for v in q], y)
+        solution = _newton_without_smoothing(system, [v.copy() for v in q], y)
         if solution.converged:
             return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
-        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
-    solution = _settle(system, forces, y)
+        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
+    solution = _newton_without_smoothing(system, forces, y)
     if solution.converged:
         return solution
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
-        forces, y = _descend(system, forces, y, ratio * speed, elastic=True)
+        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:
             continue
-        solution = _settle(system, [v.copy() for v in forces], y)
+        solution = _newton_without_smoothing(system, [v.copy() for v in forces], y)
         if solution.converged:
             return solution
     return solution

@@ -22,7 +22,7 @@ MOTIONS = 4
 
 @dataclass(frozen=True)
 class Track:
-    """Screw motion seen from a ball."""
+    """Screw motion of a track as seen from a ball."""
 
     #: Axis of rotation ``(3,)``, zero or of unit length.
     axis: Array
@@ -36,19 +36,19 @@ class Track:
 
     @property
     def curve(self) -> tuple[float, float] | None:
-        """Radius of the path's cylinder [m] and rise per angle [m/rad] of a ring or a helix; None of a straight track."""
+        """Radius of the path's cylinder [m] and rise per angle [m/rad], for a ring or a helix; None: a straight track."""
         if not self.axis.any():
             return None
         rise = float(self.axis @ self.forward)
         return float(np.sqrt(self.length**2 - rise**2)), rise
 
     def field(self, at: Array) -> Array:
-        """Velocity field H ``(..., 3)`` at points ``(..., 3)`` [m] from the ball's centre."""
+        """Compute the velocity field H ``(..., 3)`` at points ``(..., 3)`` [m] from the ball's centre."""
         return np.asarray(self.forward + np.cross(self.axis, at))
 
 
-def motion_rows(track: Track, radius: float, at: Array) -> Array:
-    """Velocity of the ball's material at points, per motion of the ball (`MOTIONS`).
+def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
+    """Compute the velocity of a ball's material at points, per unit of each of its motions (`MOTIONS`).
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def motion_rows(track: Track, radius: float, at: Array) -> Array:
 
 @dataclass(frozen=True)
 class Touch:
-    """Contact of a ball with a groove."""
+    """Contact of a ball with a groove: direction, force, radii and the groove's speed."""
 
     #: Direction from the ball's centre ``(3,)``.
     normal: Array
@@ -90,7 +90,7 @@ class Touch:
 
 @dataclass(frozen=True)
 class Meeting:
-    """Contact of two balls."""
+    """Contact of two neighbouring balls."""
 
     #: Index of the first ball.
     one: int
@@ -104,7 +104,7 @@ class Meeting:
     apart: float
 
     def forces(self, force: float, mu: float, slide: Array) -> Array:
-        """Force on ball one, in common axes; the other's is its opposite.
+        """Compute the force on the first ball, in common axes; the force on the second is its opposite.
 
         Parameters
         ----------
@@ -132,7 +132,7 @@ class Meeting:
 
 @dataclass(frozen=True)
 class Ball:
-    """A ball."""
+    """Axes of a ball and its contacts with grooves."""
 
     #: Axes of the ball as rows, in common coordinates ``(3, 3)``.
     frame: Array
@@ -142,7 +142,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class Rolling:
-    """Balls on a track, of one material with their grooves."""
+    """Rolling balls on a track, of the same material as their grooves."""
 
     #: Screw motion.
     track: Track
@@ -164,8 +164,8 @@ class Rolling:
     meetings: tuple[Meeting, ...] = ()
 
 
-def axes_of(touch: Touch, scene: Rolling) -> Array:
-    """Local axes of a contact: x against the flow of material, y, and the normal.
+def contact_axes(touch: Touch, scene: Rolling) -> Array:
+    """Compute the local axes of a contact: x against the flow of material, y, and the normal.
 
     Parameters
     ----------
@@ -189,13 +189,13 @@ def axes_of(touch: Touch, scene: Rolling) -> Array:
     flow = flow - (flow @ touch.normal) * touch.normal
     speed = float(np.linalg.norm(flow))
     if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
-        raise ValueError("a ball that moves with a groove does not roll on it")
+        raise ValueError("a ball that moves at the speed of its groove does not roll on the groove")
     x = -flow / speed
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
 
 
-def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
-    """Points and tangents of a contact's surface.
+def contact_surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
+    """Compute points and tangents of a contact's surface.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: f
     tangents : (n, 2, 3) Array
         Unit tangents.
     """
-    axes = axes_of(touch, scene)
+    axes = contact_axes(touch, scene)
     bend = (1.0 / scene.radius - 0.5 / np.array(touch.radii)) * (1.0 if curved else 0.0)
     fall = 0.5 * (local**2 @ bend)
     points = (scene.radius - sunk) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
@@ -226,7 +226,7 @@ def surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: f
 
 
 def rolling_speed(touch: Touch, scene: Rolling) -> float:
-    """Speed [m/s] at which material passes through the contact.
+    """Compute the speed [m/s] at which material passes through the contact.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def rolling_speed(touch: Touch, scene: Rolling) -> float:
 def rigid_contact(
     touch: Touch, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> Contact:
-    """Contact of a ball with its groove as rigid bodies have it.
+    """Prepare the contact of a ball with its groove for the friction solver, for rigid bodies.
 
     Parameters
     ----------
@@ -261,21 +261,21 @@ def rigid_contact(
     local : (n, 2) Array
         Their places, local x, y [m].
     curved, sunk : bool
-        As for `surface`.
+        As for `contact_surface`.
 
     Returns
     -------
     Contact
         The contact, for the friction solver.
     """
-    points, tangents = surface(touch, scene, local, curved=curved, sunk=sunk)
-    rows = np.einsum("nck,nkm->cnm", tangents, motion_rows(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
+    points, tangents = contact_surface(touch, scene, local, curved=curved, sunk=sunk)
+    rows = np.einsum("nck,nkm->cnm", tangents, velocity_matrix(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
     given = -touch.ride * np.einsum("nck,nk->cn", tangents, scene.track.field(points)).ravel()
     return Contact(scene.mu * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given)
 
 
 def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0) -> Contact:
-    """Contact of a ball with its groove on the grid of a patch.
+    """Prepare the contact of a ball with its groove for the friction solver, on the grid of an elastic contact.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
     patch : Patch
         The patch.
     curved : bool
-        As for `surface`.
+        As for `contact_surface`.
     elastic : float, default 1.0
         Share of the bodies' tangential compliance.
 
@@ -308,10 +308,10 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
 # surfaces: the whole contact, some hundredths of a radius wide, slides in one direction, and is represented by a point.
 
 
-def meeting(
+def ball_to_ball_contact(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
 ) -> Meeting:
-    """Contact of two balls.
+    """Create the contact of two balls from their axes and the line between them.
 
     Parameters
     ----------
@@ -340,16 +340,16 @@ def meeting(
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
         local = axes @ frame.T  # the three directions in the ball's axes
         at = sign * radius * local[0]
-        rows = local @ motion_rows(track, radius, at[None])[0]
+        rows = local @ velocity_matrix(track, radius, at[None])[0]
         parts.append(sign * rows)
     return Meeting(one, two, np.hstack(parts), axes, apart)
 
 
 @dataclass(frozen=True)
-class Together:
-    """Balance f of (2) in `hifi.rolling.friction` for the balls of a scene.
+class BallEquilibrium:
+    """Equilibrium f of all balls of a scene, as in equation (2) of `hifi.rolling.friction`.
 
-    Unknowns: motions of all balls, then the force of each ball-to-ball contact [N].
+    The unknowns are the motions of all balls, then the force of each ball-to-ball contact [N].
     """
 
     #: The balls.
@@ -358,7 +358,7 @@ class Together:
     weight: float
 
     def __call__(self, y: Array) -> tuple[Array, Array]:
-        """Evaluate forces on the motions and the complementarity of every ball-to-ball contact, with their derivative."""
+        """Evaluate forces on the motions and the complementarity of every ball-to-ball contact, with their derivatives."""
         mu, m = self.scene.mu_balls, MOTIONS * len(self.scene.balls)
         f, S = np.zeros(y.size), np.zeros((y.size, y.size))
         for k, pair in enumerate(self.scene.meetings):

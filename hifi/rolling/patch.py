@@ -1,17 +1,17 @@
-"""One contact on a grid of rectangles: its place, normal forces, and displacements under tangential forces.
+"""Contact on a grid of rectangular cells: positions, normal forces, and displacements under tangential forces.
 
 Local axes: x against the flow of material through the contact (the leading edge is at largest x), y across, and the
 normal from body 1 (the ball) into body 2 (the groove). A patch of n cells has tangential unknowns (n, 2) along x and y,
 as vectors of length 2 n with all x first. Forces are those on body 1.
 
-The contribution of finite bodies is a smooth kernel in polynomials. The displacement at x by a force at x' on a finite
-body is the half-space's, singular where they meet, plus a part that varies slowly over a contact,
+The contribution of finite bodies is a smooth polynomial kernel. The displacement at x by a force at x' on a finite body is
+the half-space's, singular at x = x', plus a part that varies slowly over a contact,
 
     G(x, x') = G_half(x, x') + Phi(x) M Phi(x')^T,
 
 Phi the monomials of x and y for each of the three directions. Rows: displacement of the ball past the groove along x and
 y, and the separation along the normal; columns: forces on the ball along x and y, and normal force, as in
-`hifi.rolling.patch.influence`.
+`hifi.rolling.patch.rectangle_influence`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.meshes.arrays import Array, Index
 
 
-def exponents(degree: int) -> Array:
-    """Powers of x and y of all monomials up to a degree.
+def monomial_exponents(degree: int) -> Array:
+    """List the powers of x and y in all monomials up to a degree.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ def exponents(degree: int) -> Array:
 
     Examples
     --------
-    >>> exponents(1).tolist()
+    >>> monomial_exponents(1).tolist()
     [[0, 0], [1, 0], [0, 1]]
     """
     return np.array([(i, n - i) for n in range(degree + 1) for i in range(n, -1, -1)])
 
 
 def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
-    """Values of all monomials up to a degree.
+    """Evaluate all monomials in x and y up to a degree.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
         Values.
     """
     unit = at / np.array(scale)
-    return np.asarray(np.prod(unit[:, None] ** exponents(degree), axis=2))
+    return np.asarray(np.prod(unit[:, None] ** monomial_exponents(degree), axis=2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,22 +79,22 @@ class Regular:
     degree: int
 
     def __add__(self, other: Regular) -> Regular:
-        """Sum of two bodies. Raises ValueError for other monomials."""
+        """Add the kernels of two bodies. Raises ValueError if their monomials differ."""
         if (self.scale, self.degree) != (other.scale, other.degree):
             raise ValueError("kernels of two bodies need the same monomials")
         return replace(self, M=self.M + other.M)
 
     @cached_property
     def turned(self) -> Regular:
-        """Kernel in axes turned by 180 degrees about the normal."""
-        odd = (-1.0) ** exponents(self.degree).sum(axis=1)
+        """Kernel in axes turned by 180 degrees about the contact normal."""
+        odd = (-1.0) ** monomial_exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
     def even(self) -> Regular:
-        """Mean of kernel and its mirror image in x: for bodies without a sense of rolling."""
-        odd = (-1.0) ** exponents(self.degree)[:, 0]
+        """Mean of the kernel and its mirror image in x, for bodies that are symmetric in the rolling direction."""
+        odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
@@ -103,7 +103,7 @@ class Regular:
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
     def block(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
-        """Displacements by unit forces.
+        """Compute the displacements by unit forces, for some of the three directions.
 
         Parameters
         ----------
@@ -126,8 +126,8 @@ class Regular:
         return np.asarray(left @ self._part(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Differentiate `block` along x [1/N]."""
-        powers = exponents(self.degree)
+        """Compute the derivative along x of the displacements by unit forces (`block`) [1/N]."""
+        powers = monomial_exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.scale)
         to = powers[:, 0] / self.scale[0] * np.prod(unit[:, None] ** lower, axis=2)
@@ -143,13 +143,13 @@ TANGENTS, NORMAL = slice(0, 2), slice(2, 3)
 #: Width of a grid over that of Hertz's ellipse.
 MARGIN = 1.08
 
-#: Step of the differences along the flow, in cells; a whole one sees the same place in every cell and is less exact.
+#: Step of the differences along the flow, in cells; a whole cell samples the same place in every cell and is less exact.
 STEP = 0.5
 
-#: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is taken.
+#: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is evaluated.
 POINTS = 12
 
-#: Most changes of the active set.
+#: Largest number of changes of the active set.
 MOST = 100
 
 
@@ -157,15 +157,15 @@ MOST = 100
 
 
 def _over_rectangle(corner: Array) -> Array:
-    """Double integral over a rectangle from a double antiderivative's values (2, 2, ...) at its corners.
+    """Evaluate a double integral over a rectangle from a double antiderivative's values (2, 2, ...) at its corners.
 
-    Summed so that places on opposite sides have the same value to the last digit.
+    The sum is ordered so that places on opposite sides have the same value to the last digit.
     """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
 
-def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
-    """Coordinates (2, 2, ...) of the points x, y seen from the corners of a rectangle about the origin."""
+def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
+    """Return the coordinates (2, 2, ...) of the points x, y relative to the corners of a rectangle about the origin."""
     ends = np.array([0.5, -0.5])
     X = np.broadcast_to(x + dx * ends.reshape(2, 1, *([1] * np.ndim(x))), (2, 2, *np.shape(x)))
     Y = np.broadcast_to(y + dy * ends.reshape(1, 2, *([1] * np.ndim(y))), (2, 2, *np.shape(y)))
@@ -173,16 +173,16 @@ def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
 
 
 def _log_sum(x: Array, y: Array) -> Array:
-    """Antiderivative x ln(y + R) up to a function of only x, without cancellation for y < 0; its limit 0 at x = 0."""
+    """Evaluate x ln(y + R) up to a function of x only, without cancellation for y < 0; its limit is 0 at x = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
 
-def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
-    """Relative displacement of the surfaces of two like bodies by unit tractions on a rectangle.
+def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
+    """Compute the relative displacement of the surfaces of two equal half-spaces by unit tractions on a rectangle.
 
-    Boussinesq's and Cerruti's point forces, integrated exactly. Bodies of one material: normal tractions separate the
-    surfaces along the normal only, and tangential ones displace them along tangents only.
+    Boussinesq's and Cerruti's point forces are integrated exactly. As both bodies are of one material, normal tractions
+    separate the surfaces along the normal only, and tangential ones displace them along tangents only.
 
     Parameters
     ----------
@@ -207,11 +207,11 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
 
     Examples
     --------
-    >>> square = influence(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
+    >>> square = rectangle_influence(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
     >>> f"{square * 210e9 / (2.0 * (1.0 - 0.3**2)) / 1e-4:.4f}"  # 8 ln(1 + sqrt 2) / pi
     '2.2444'
     """
-    X, Y = _corners(x, y, dx, dy)
+    X, Y = _corner_coordinates(x, y, dx, dy)
     R = np.hypot(X, Y)
     along_x, along_y = _log_sum(Y, X), _log_sum(X, Y)  # integrals of X^2/R^3 and Y^2/R^3
     over, shear = _over_rectangle, 0.5 * young / (1.0 + poisson)
@@ -225,19 +225,22 @@ def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: f
     return out
 
 
-def _table(cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0) -> Array:
-    """Displacements by a cell's unit forces at all offsets of a grid of w by h cells, ``shift`` [m] upstream.
+def _influence_table(
+    cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0
+) -> Array:
+    """Tabulate the displacements by a cell's unit forces at all offsets of a grid of w by h cells.
 
-    ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; each force is spread evenly over its cell.
+    The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; ``shift``: distance upstream [m]. Each force is
+    uniform over its cell.
     """
     span = np.ptp(cells, axis=0)
     dx, dy = size
     x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
-    return np.asarray(influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
+    return np.asarray(rectangle_influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
 
 
-def _matrix(cells: Index, table: Array) -> Array:
-    """Values ``(k n, k n)`` of a table of all offsets at those of ``cells`` ``(n, 2)``, directions slowest."""
+def _matrix_from_table(cells: Index, table: Array) -> Array:
+    """Expand a table of all offsets to the matrix ``(k n, k n)`` between n cells ``(n, 2)``, directions slowest."""
     span, n, k = np.ptp(cells, axis=0), len(cells), table.shape[-1]
     line = cells @ (2 * span[1] + 1, 1)
     apart = line[:, None] - line + ((2 * span[1] + 1) * span[0] + span[1])
@@ -247,10 +250,10 @@ def _matrix(cells: Index, table: Array) -> Array:
     return out.reshape(k * n, k * n)
 
 
-def press(
+def solve_normal_contact(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
-    """Solve normal contact on a grid by a primal-dual active set; open cells carry exactly nothing.
+    """Solve the normal contact on a grid by a primal-dual active set; open cells carry exactly zero force.
 
     Parameters
     ----------
@@ -279,7 +282,7 @@ def press(
     ValueError
         The active set does not settle.
     """
-    C = _matrix(cells, _table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
+    C = _matrix_from_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)
@@ -293,7 +296,7 @@ def press(
         if np.array_equal(closed, active):
             return forces, approach
         active = closed
-    raise ValueError(f"the contact's active set did not settle in {MOST} changes")
+    raise ValueError(f"the contact's active set did not converge in {MOST} changes")
 
 
 # --- a contact
@@ -301,7 +304,7 @@ def press(
 
 @dataclass(frozen=True)
 class Patch:
-    """A contact of n cells on a grid: pressure, material and tangential compliance."""
+    """Contact of two bodies on a grid of n cells: pressure, material and tangential compliance."""
 
     #: Columns and rows of the cells on a grid ``(n, 2)``.
     cells: Index
@@ -324,10 +327,10 @@ class Patch:
         return float(self.normal.sum())
 
     def _table(self, shift: float) -> Array:
-        return _table(self.cells, self.size, self.material, TANGENTS, shift)
+        return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
-        """Compliance under tangential forces, each uniform over its cell.
+        """Compute the compliance under tangential forces, each uniform over its cell.
 
         Parameters
         ----------
@@ -339,14 +342,14 @@ class Patch:
         (2 n, 2 n) Array
             Displacement of body 1 past body 2 [m/N].
         """
-        half_space = _matrix(self.cells, self._table(shift))
+        half_space = _matrix_from_table(self.cells, self._table(shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
 
     @property
     def strain(self) -> Array:
-        """Rate ``(2 n,)`` of tangential displacement by the normal forces, per length of rolling.
+        """Tangential displacement rate ``(2 n,)`` that the normal forces cause, per length of rolling.
 
-        Zero for half-spaces of the same material.
+        It is zero for half-spaces of the same material.
         """
         if self.regular is None:
             return np.zeros(2 * len(self.at))
@@ -356,25 +359,27 @@ class Patch:
     def sunk(self) -> float:
         """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
 
-        0 with half-spaces, whose radius of rolling is the ball's.
+        It is 0 for half-spaces, where the rolling radius is the ball's.
         """
         return 0.0 if self.regular is None else 0.5 * self.approach
 
     @cached_property
     def transport(self) -> Array:
-        """Rate D ``(2 n, 2 n)`` [1/N] of the elastic displacement of material at the cells' centres, per length of rolling.
+        """Rate D ``(2 n, 2 n)`` [1/N] of the elastic displacement of material passing the cells, per length of rolling.
 
-        Backward differences of second order, upstream by `STEP` cells: displacements are known everywhere, so that
+        D is a backward difference of second order, upstream by `STEP` cells. Displacements are known everywhere, so that
         nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
         """
         step = STEP * float(self.size[0])
-        half_space = _matrix(self.cells, _backward([self._table(k * step) for k in range(3)], step))
+        half_space = _matrix_from_table(self.cells, _backward_difference([self._table(k * step) for k in range(3)], step))
         if self.regular is None:
             return half_space
-        return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
+        return half_space + _backward_difference(
+            [self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step
+        )
 
     def scaled(self, length: float, force: float) -> Patch:
-        """Patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies.
+        """Scale a contact to a similar one, with lengths and normal forces multiplied. Raises ValueError for finite bodies.
 
         Parameters
         ----------
@@ -399,14 +404,14 @@ class Patch:
         return out
 
 
-def _backward(values: list[Array], step: float) -> Array:
-    """Second-order backward difference per length of values here and one and two steps [m] upstream."""
+def _backward_difference(values: list[Array], step: float) -> Array:
+    """Compute the second-order backward difference per length from values here and one and two steps [m] upstream."""
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
-def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
-    """Cells of a grid about the origin.
+def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
+    """Create a grid of cells about the origin.
 
     Parameters
     ----------
@@ -424,7 +429,7 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 
     Examples
     --------
-    >>> grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
+    >>> cell_grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
     [[-0.5, 0.0], [0.5, 0.0]]
     """
     i, j = np.meshgrid(np.arange(shape[0]), np.arange(shape[1]), indexing="ij")
@@ -432,12 +437,12 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
 
 
-def seen_radii(
+def equivalent_radii(
     load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
 ) -> tuple[float, float]:
-    """Relative radii of half-spaces that touch as finite bodies do.
+    """Compute the relative radii of half-spaces whose contact is equivalent to that of finite bodies.
 
-    By the curvatures of the displacement that finite bodies add under Hertz's pressure.
+    They follow from the curvatures of the displacement that finite bodies add under Hertz's pressure.
 
     Parameters
     ----------
@@ -481,9 +486,9 @@ def hertz_patch(
     regular: Regular | None = None,
     margin: float = MARGIN,
 ) -> Patch:
-    """Contact of two bodies of one material on a grid.
+    """Solve the contact of two bodies of one material on a grid.
 
-    The pressure solves the contact on the grid: cells outside its edge are dropped.
+    The pressure solves the contact problem of the grid; cells outside the contact are dropped.
 
     Parameters
     ----------
@@ -512,11 +517,11 @@ def hertz_patch(
     ValueError
         As `hifi.contact.hertz.hertz`, or the active set does not settle.
     """
-    ellipse = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
+    ellipse = hertz(load, *equivalent_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
-    cells, at = grid(shape, size)
+    cells, at = cell_grid(shape, size)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
     extra = None if regular is None else regular.block(at, NORMAL, NORMAL)
-    forces, approach = press(cells, size, gap, load, (young, poisson), extra)
+    forces, approach = solve_normal_contact(cells, size, gap, load, (young, poisson), extra)
     inside = forces > 0.0
     return Patch(cells[inside], at[inside], size, forces[inside], (young, poisson), approach, regular)

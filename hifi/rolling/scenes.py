@@ -1,7 +1,7 @@
 """Scenes of a linear bearing, a ball screw and a ring for `hifi.rolling.balls`, and their contact loads.
 
-The order of a ball's grooves and the senses of their directions are the caller's: contact angles and directions are
-given, loads are solved here or given.
+The caller chooses the order of a ball's grooves and the sense of their directions. Contact angles and directions are
+prescribed; contact loads are prescribed or solved here.
 
 Contact forces between two rigid bodies with Hertz contacts, with rolling or without: each ball moves in the section of
 its track, the inner body (screw, inner ring, carriage) by its free motions u, the outer one is fixed. The arc of groove i
@@ -9,8 +9,8 @@ has its centre at d_i from the ball's: with the ball displaced by p and the inne
 
     d_i = reach n_i + p - (rows u on the inner body's grooves),   approach_i = |d_i| - reach + interference_i,
 
-and the forces C_i^(-3/2) approach_i^(3/2) along d_i balance the given ones where the energy sum 2/5 C_i^(-3/2)
-approach_i^(5/2) - pull u - push p is least. Angles follow the loads.
+and the forces C_i^(-3/2) approach_i^(3/2) along d_i are in equilibrium with the applied ones where the energy sum 2/5
+C_i^(-3/2) approach_i^(5/2) - pull u - push p is least. Contact angles follow the loads.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize, root
 
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.rolling.balls import Choices, RollingResult, solve_rolling, touching, without_meetings
-from rollbench.hifi.rolling.kinematics import Ball, Meeting, Rolling, Touch, Track, meeting
+from rollbench.hifi.rolling.balls import Choices, RollingResult, loaded_contacts, solve_rolling, without_ball_contacts
+from rollbench.hifi.rolling.kinematics import Ball, Meeting, Rolling, Touch, Track, ball_to_ball_contact
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Places of N balls and their k grooves each."""
+    """Positions of N balls and their k grooves each."""
 
     #: Track, seen from every ball.
     track: Track
@@ -54,7 +54,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic material and coefficients of friction."""
+    """Elastic material of balls and grooves, and coefficients of friction."""
 
     #: Young's modulus [Pa].
     young: float
@@ -66,8 +66,8 @@ class Material:
     mu_balls: float
 
 
-def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -> Rolling:
-    """Scene of given contact directions and loads.
+def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Array) -> Rolling:
+    """Create a scene of rolling balls from contact directions and loads.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -
                 float(force[k]),
                 (layout.radii[k, 0], layout.radii[k, 1]),
                 float(layout.ride[k]),
-                _bottom(n, layout.ride, k) @ layout.section,
+                _groove_bottom(n, layout.ride, k) @ layout.section,
             )
             for k in range(force.size)
         ]
@@ -104,14 +104,14 @@ def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -
     )
 
 
-def _bottom(normals: Array, ride: Array, k: int) -> Array:
-    """Direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
+def _groove_bottom(normals: Array, ride: Array, k: int) -> Array:
+    """Return the direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
     bottom = normals[ride == ride[k]].sum(axis=0)
     return np.asarray(bottom / np.linalg.norm(bottom))
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:
-    """Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
+    """Compute the Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)], for the approach C F^(2/3).
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
 def linear_layout(
     radius: float, groove_radius: float, count: int, moving: ArrayLike, speed: float, touch: ArrayLike
 ) -> Layout:
-    """Balls of a straight track along z, sections in x and y.
+    """Place balls on a straight track along z, with sections in x and y.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def linear_layout(
     frames = np.repeat(np.eye(3)[None], count, axis=0)
     along = np.array([0.0, 0.0, 1.0])
     pairs = tuple(
-        meeting(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
+        ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
         for k in np.flatnonzero(np.asarray(touch)).tolist()
     )
     radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (np.size(moving), 1))
@@ -167,8 +167,8 @@ def linear_layout(
     )
 
 
-def along_radius(radius: float, pitch_radius: float, lead_angle: float, outward: float) -> float:
-    """Relative radius of ball and groove along a helix or ring.
+def relative_radius_along(radius: float, pitch_radius: float, lead_angle: float, outward: float) -> float:
+    """Compute the relative radius of curvature of ball and groove along a helix or ring.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def along_radius(radius: float, pitch_radius: float, lead_angle: float, outward:
 
     Examples
     --------
-    >>> round(1e3 * along_radius(2.778e-3, 16.5e-3, 0.19057395, -np.cos(np.pi / 4)), 3)  # mm, screw of Lin's case 1
+    >>> round(1e3 * relative_radius_along(2.778e-3, 16.5e-3, 0.19057395, -np.cos(np.pi / 4)), 3)  # mm, Lin's case 1
     2.458
     """
     return float(1.0 / (1.0 / radius - outward * np.cos(lead_angle) ** 2 / (pitch_radius + outward * radius)))
@@ -204,7 +204,7 @@ def screw_layout(
     ride: Array,
     count: int,
 ) -> Layout:
-    """Balls in touch along a helix, in the axes x3, y3, z3 of Lin (2019), section 3.4.1.
+    """Place touching balls along a helix, in the axes x3, y3, z3 of Lin (2019), section 3.4.1.
 
     Parameters
     ----------
@@ -235,23 +235,25 @@ def screw_layout(
 
     step = float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15)) if count > 1 else 0.0
     azimuth = (np.arange(count) - 0.5 * (count - 1)) * step
-    frames = np.array([_frame(phi, angle) for phi in azimuth])
+    frames = np.array([_ball_axes(phi, angle) for phi in azimuth])
     centres = np.stack([pitch_radius * np.cos(azimuth), pitch_radius * np.sin(azimuth), rise * azimuth], axis=1)
     pairs = []
     for k in range(count - 1):
         line = centres[k + 1] - centres[k]
         line = line / np.linalg.norm(line)
-        pairs.append(meeting(k, k + 1, (frames[k], frames[k + 1]), line, track, radius))
+        pairs.append(ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), line, track, radius))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
-    radii = np.array([[along_radius(radius, pitch_radius, angle, o * np.cos(contact_angle)), across] for o in outward])
+    radii = np.array(
+        [[relative_radius_along(radius, pitch_radius, angle, o * np.cos(contact_angle)), across] for o in outward]
+    )
     inner, outer = (float(np.mean(ride[outward == o])) for o in (-1.0, 1.0))
     lever = radius * np.cos(contact_angle) * np.cos(angle) / length
     orbit = 0.5 * (outer + inner + lever * (outer - inner))
     return Layout(track, frames, np.eye(3)[[0, 2]], radius, groove_radius, radii, ride, orbit, tuple(pairs))
 
 
-def _frame(azimuth: float, angle: float) -> Array:
-    """Rows x3, y3, z3 in fixed axes (Lin 2019, eq. (3.62))."""
+def _ball_axes(azimuth: float, angle: float) -> Array:
+    """Return the axes x3, y3, z3 of a ball as rows in fixed coordinates (Lin 2019, eq. (3.62))."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(angle), np.sin(angle)
     return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
 
@@ -259,7 +261,7 @@ def _frame(azimuth: float, angle: float) -> Array:
 def ring_layout(
     radius: float, groove_radius: float, pitch_radius: float, contact_angle: float, outward: Array, ride: Array
 ) -> Layout:
-    """One ball of a ring bearing: x along its axis, y radially outward, z along the path (Lin 2019, section 3.2.1).
+    """Place one ball in a ring bearing: x along its axis, y radially outward, z along the path (Lin 2019, section 3.2.1).
 
     Parameters
     ----------
@@ -279,7 +281,9 @@ def ring_layout(
     """
     track = Track(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
-    radii = np.array([[along_radius(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in outward])
+    radii = np.array(
+        [[relative_radius_along(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in outward]
+    )
     inner, outer = (float(np.mean(ride[outward == o])) for o in (-1.0, 1.0))
     orbit = 0.5 * (outer + inner + radius * np.cos(contact_angle) / pitch_radius * (outer - inner))
     return Layout(track, np.eye(3)[None], np.eye(3)[:2], radius, groove_radius, radii, ride, orbit, ())
@@ -315,7 +319,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Loads:
-    """Static equilibrium of a cell."""
+    """Static equilibrium of the balls and the inner body of a `Cell`."""
 
     #: Contact forces ``(N, k)`` [N].
     force: Array
@@ -330,12 +334,12 @@ class Loads:
 
     @property
     def converged(self) -> bool:
-        """Whether the forces balance."""
+        """Whether the forces are in equilibrium."""
         return self.left <= BALANCED
 
 
-def cell_loads(cell: Cell) -> Loads:
-    """Solve the static equilibrium of a cell; one without equilibrium does not converge.
+def solve_static_cell(cell: Cell) -> Loads:
+    """Solve the static equilibrium of balls and inner body; if there is none, the result has not converged.
 
     Parameters
     ----------
@@ -358,11 +362,11 @@ def cell_loads(cell: Cell) -> Loads:
         start[: 2 * N] = 0.5 * np.einsum("nim,m->ni", cell.rows, start[2 * N :]).ravel()
 
     def energy(x: Array) -> tuple[float, Array]:
-        e, g, _ = _evaluate(cell, x * unit)
+        e, g, _ = _energy_derivatives(cell, x * unit)
         return e / (size * unit), g / size
 
     def bend(x: Array) -> Array:
-        return np.asarray(_evaluate(cell, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
+        return np.asarray(_energy_derivatives(cell, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
 
     x = minimize(energy, start, jac=True, hess=bend, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
     best = x
@@ -371,15 +375,15 @@ def cell_loads(cell: Cell) -> Loads:
         if np.linalg.norm(g) < np.linalg.norm(energy(best)[1]):
             best = x
         x = x - np.linalg.solve(bend(x), g)
-    force, normal, _ = _contacts(cell, best * unit)
+    force, normal, _ = _contact_forces(cell, best * unit)
     left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
     if np.any((force > 0.0) & ((normal * cell.normals).sum(axis=2) <= 0.0)):  # a ball that left its groove for the far side
         left = np.inf
     return Loads(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
-def _contacts(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
-    """Compute forces [N], directions, and lengths of d [m] at places x."""
+def _contact_forces(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
+    """Compute contact forces [N], their directions, and the lengths of d [m] at positions x of balls and inner body."""
     N = cell.normals.shape[0]
     p, u = x[: 2 * N].reshape(N, 2), x[2 * N :]
     body = cell.rows @ u + cell.offset if u.size else cell.offset
@@ -389,10 +393,10 @@ def _contacts(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
     return (approach / cell.C) ** 1.5, d / length[:, :, None], length  # F = (approach / C)^(3/2) along d
 
 
-def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
-    """Energy, gradient and Hessian at places x."""
+def _energy_derivatives(cell: Cell, x: Array) -> tuple[float, Array, Array]:
+    """Compute energy, gradient and Hessian at positions x of balls and inner body."""
     N, m = cell.normals.shape[0], cell.pull.size
-    force, n, length = _contacts(cell, x)
+    force, n, length = _contact_forces(cell, x)
     approach = cell.C * np.cbrt(force) ** 2
     e = float((0.4 * force * approach).sum() - cell.push.ravel() @ x[: 2 * N] - cell.pull @ x[2 * N :])
     g = np.concatenate([-cell.push.ravel(), -cell.pull])
@@ -414,7 +418,7 @@ def _evaluate(cell: Cell, x: Array) -> tuple[float, Array, Array]:
 # --- loads and rolling together: friction and neighbours push the balls across the track, which changes the contact loads
 
 
-#: Difference of the force that friction exerts and the one that the loads are for, over the largest load, that is none.
+#: Accepted difference between the friction force and the one assumed for the loads, over the largest load.
 AGREED = 1e-7
 
 #: Search by Anderson's acceleration of the alternation of loads and friction.
@@ -424,8 +428,8 @@ SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_option
 COARSE = (10, 10)
 
 
-def hold(cell: Cell, loads: Loads) -> Cell:
-    """Copy of a cell with its inner body fixed at its equilibrium.
+def fix_inner_body(cell: Cell, loads: Loads) -> Cell:
+    """Return a copy of a static problem with the inner body fixed at its equilibrium.
 
     Parameters
     ----------
@@ -443,11 +447,13 @@ def hold(cell: Cell, loads: Loads) -> Cell:
     return replace(cell, offset=cell.offset + moved, rows=np.zeros((*cell.rows.shape[:2], 0)), pull=np.zeros(0))
 
 
-def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool) -> tuple[Loads, bool]:
-    """Solve contact loads and rolling together, friction moving the balls across the track.
+def solve_loads_with_rolling(
+    layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool
+) -> tuple[Loads, bool]:
+    """Solve contact loads and rolling together, with friction that moves the balls across the track.
 
-    The inner body stays at its equilibrium without friction. The force of friction across the track is found by
-    Anderson's acceleration, first on a coarse grid.
+    The inner body stays at its equilibrium without friction. The force of friction across the track is found by Anderson's
+    acceleration, first on a coarse grid.
 
     Parameters
     ----------
@@ -469,13 +475,13 @@ def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choice
     converged : bool
         Whether loads and friction agree (`AGREED`) and both converged.
     """
-    loads = cell_loads(cell)
-    held = hold(cell, loads)
+    loads = solve_static_cell(cell)
+    held = fix_inner_body(cell, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
     def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
-        pushed = cell_loads(replace(held, push=cell.push + push))
-        rolling = _roll(layout, material, pushed, grid, meet, last.get(grid.shape))
+        pushed = solve_static_cell(replace(held, push=cell.push + push))
+        rolling = _solve_rolling_under_loads(layout, material, pushed, grid, meet, last.get(grid.shape))
         last[grid.shape] = rolling
         return pushed, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
 
@@ -492,11 +498,11 @@ def solve_loaded(layout: Layout, material: Material, cell: Cell, choices: Choice
     return pushed, bool(agree and pushed.converged and rolling.converged)
 
 
-def _roll(
+def _solve_rolling_under_loads(
     layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
 ) -> RollingResult:
     """Solve rolling under the loads, starting from the last solution if the same contacts are loaded."""
-    scene = scene_of(layout, material, loads.normal, loads.force)
-    loaded = [(b, k) for b, k, _ in touching(scene)]
+    scene = rolling_scene(layout, material, loads.normal, loads.force)
+    loaded = [(b, k) for b, k, _ in loaded_contacts(scene)]
     alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded
-    return solve_rolling(scene if meet else without_meetings(scene), choices, near if alike else None)
+    return solve_rolling(scene if meet else without_ball_contacts(scene), choices, near if alike else None)

@@ -1,7 +1,8 @@
-"""Rolling and sliding contacts with known solutions, solved on grids: verification of the method.
+"""Verification of the rolling model by contacts with known solutions, solved on grids.
 
-The static reference's pressure, Carter's cylinder and Cattaneo and Mindlin's sphere in closed form, balls that touch as a
-point, Kalker's linear theory, full slip under Hertz's pressure by fine quadrature, and any contact under given creepages.
+The known solutions are the static reference's pressure, Carter's cylinder and Cattaneo and Mindlin's sphere in closed form,
+balls that touch at a point, Kalker's linear theory, full slip under Hertz's pressure by fine quadrature, and contacts under
+prescribed creepages.
 """
 
 from __future__ import annotations
@@ -11,26 +12,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.hifi.bodies.coarse import fine_compliance
-from rollbench.hifi.bodies.grid_wave import approaches
-from rollbench.hifi.contact.block import read_ellipse
+from rollbench.hifi.bodies.grid_wave import unilateral_approaches
+from rollbench.hifi.contact.block import fit_pressure_ellipsoid
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.forms import mean_weights
-from rollbench.hifi.rolling.balls import RollingResult, quadrature
+from rollbench.hifi.rolling.balls import RollingResult, disk_quadrature
 from rollbench.hifi.rolling.bodies import (
     Curve,
     Place,
     Sizes,
     ball_kernel,
     contact_kernel,
-    cuts_of,
+    groove_kernel,
     half_space_response,
-    of_groove,
-    tractions,
+    mesh_contact_pieces,
+    traction_loads,
 )
-from rollbench.hifi.rolling.contact_bodies import Zone, half_space
+from rollbench.hifi.rolling.contact_bodies import Zone, mesh_half_space
 from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, motion_rows
-from rollbench.hifi.rolling.patch import Patch, Regular, grid, hertz_patch, influence, press, seen_radii
+from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, velocity_matrix
+from rollbench.hifi.rolling.patch import (
+    Patch,
+    Regular,
+    cell_grid,
+    equivalent_radii,
+    hertz_patch,
+    rectangle_influence,
+    solve_normal_contact,
+)
 from rollbench.meshes.arrays import Array
 
 #: Length over half width of the strip that represents a cylinder.
@@ -41,7 +50,7 @@ MEANS = 200
 
 @dataclass(frozen=True)
 class Creep:
-    """Creepages: rigid slip over the rolling speed."""
+    """Creepages of a rolling contact: rigid slip over the rolling speed."""
 
     #: Component along the rolling direction.
     along: float
@@ -51,7 +60,7 @@ class Creep:
     spin: float
 
     def slip(self, at: Array) -> Array:
-        """Rigid slip over the rolling speed ``(2 n,)`` at ``(n, 2)`` [m].
+        """Compute the rigid slip over the rolling speed ``(2 n,)`` at points ``(n, 2)`` [m].
 
         Examples
         --------
@@ -62,8 +71,8 @@ class Creep:
 
 
 @dataclass(frozen=True)
-class Answer:
-    """A contact that rolls at 1 m/s."""
+class RolledContact:
+    """Solution of a contact that rolls steadily at 1 m/s."""
 
     #: Force on body 1 along and across ``(2,)`` [N].
     force: Array
@@ -79,8 +88,8 @@ class Answer:
     upwind: float
 
 
-def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
-    """Solve a contact whose bodies' rigid slip is given.
+def solve_for_given_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
+    """Solve the friction of a contact for a prescribed rigid slip of its bodies.
 
     Parameters
     ----------
@@ -104,8 +113,8 @@ def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[
     return contact, solve_friction([contact])
 
 
-def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answer:
-    """Solve steady rolling at 1 m/s under given creepages.
+def solve_steady_rolling(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
+    """Solve steady rolling at 1 m/s under prescribed creepages.
 
     Parameters
     ----------
@@ -123,14 +132,14 @@ def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answe
     Answer
         Force, moment and loss.
     """
-    return _rolled(patch, elastic * patch.transport, creep.slip(patch.at), mu)
+    return _solve_rolled(patch, elastic * patch.transport, creep.slip(patch.at), mu)
 
 
-def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
-    """Solve steady rolling at 1 m/s, discretised as in Kalker's CONTACT.
+def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> RolledContact:
+    """Solve steady rolling at 1 m/s, discretised as in Kalker's program CONTACT.
 
-    First-order differences over a whole cell, the spin's slip taken a sixth of a cell upstream (its `set_tang_rhs`,
-    `influe_cv_csv`). Arguments as of `steady`.
+    First-order differences over a whole cell, with the slip by spin taken a sixth of a cell upstream (`set_tang_rhs`,
+    `influe_cv_csv` in CONTACT). The arguments are those of `solve_steady_rolling`.
 
     Parameters
     ----------
@@ -148,19 +157,19 @@ def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
     """
     step = float(patch.size[0])
     transport = (patch.tangential() - patch.tangential(step)) / step
-    return _rolled(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
+    return _solve_rolled(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
 
 
-def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
-    contact, solution = given_motion(patch, transport, slip, mu)
+def _solve_rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> RolledContact:
+    contact, solution = solve_for_given_slip(patch, transport, slip, mu)
     q = solution.forces[0]
     loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic @ q))
-    return Answer(*_resultant(patch.at, q), patch, solution, loss, upwind)
+    return RolledContact(*_resultant(patch.at, q), patch, solution, loss, upwind)
 
 
 @dataclass(frozen=True)
-class Onset:
-    """One moment of a contact that begins to roll."""
+class OnsetStep:
+    """State of a contact after one step, as it begins to roll under a tangential force."""
 
     #: Shift along x before it rolls [m], then creepage.
     motion: float
@@ -170,10 +179,10 @@ class Onset:
     loss: float
 
 
-def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
-    """Push a contact along x and then roll it under that force: from Cattaneo's state to Carter's.
+def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[OnsetStep]:
+    """Push a contact along x and then roll it under the same force: from Cattaneo's state to Carter's.
 
-    After the push, in steps of one cell, as CONTACT's example takes them.
+    After the push, each step rolls by one cell, as in CONTACT's example.
 
     Parameters
     ----------
@@ -212,15 +221,16 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
             raise ValueError(f"step {step}: {solution.status}")
         forces, y = solution.forces[0], solution.motions
         sticking = int(np.count_nonzero(solution.stick[0]))
-        out.append(Onset(float(y[0]), sticking, -float(forces @ solution.slips[0])))
+        out.append(OnsetStep(float(y[0]), sticking, -float(forces @ solution.slips[0])))
     return out
 
 
-def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
-    """Compute the standard deviations along x and y of the distribution bound - abs(force).
+def stick_zone_deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
+    """Compute the standard deviations along x and y of the distribution bound - abs(force) over a contact.
 
-    It is zero where cells slip, and tractions are uniform over a cell: so the zone that sticks is measured without
-    counting its cells. Its error falls in second order to a scatter of 0.1 % on 20 to 40 cells, that of a count in first.
+    The distribution is zero where cells slip, and tractions are uniform over a cell. So the deviations measure the size of
+    the stick zone without counting its cells. Their error falls in second order, to a scatter of 0.1 % on 20 to 40 cells;
+    that of a count falls in first order.
 
     Parameters
     ----------
@@ -245,8 +255,8 @@ def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Pressed:
-    """A contact at rest."""
+class NormalContact:
+    """Normal contact at rest: approach, semi-axes and largest pressure."""
 
     #: Approach [m].
     approach: float
@@ -256,8 +266,10 @@ class Pressed:
     peak: float
 
 
-def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes) -> Pressed:
-    """Solve the normal contact of finite bodies as the rolling model has it.
+def solve_normal_contact_at_rest(
+    at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
+) -> NormalContact:
+    """Solve the normal contact of finite bodies as in the rolling model.
 
     Parameters
     ----------
@@ -280,17 +292,19 @@ def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[i
         Approach, semi-axes and pressure.
     """
     patch = hertz_patch(load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes))
-    semi, _, peak = read_ellipse(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
-    return Pressed(patch.approach, semi, peak)
+    semi, _, peak = fit_pressure_ellipsoid(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
+    return NormalContact(patch.approach, semi, peak)
 
 
-def static_reference(at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]) -> Pressed:
-    """Solve the normal contact as the static reference has it: finite-element patches of groove and ball, on the exact gap.
+def solve_by_static_reference(
+    at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]
+) -> NormalContact:
+    """Solve a normal contact as in the static reference: finite-element patches of groove and ball, on the exact gap.
 
     Parameters
     ----------
     at, load, young, poisson
-        As for `at_rest`.
+        As for `solve_normal_contact_at_rest`.
     cells : tuple[int, int]
         Cells of the contact zone along and across the groove.
 
@@ -307,7 +321,7 @@ def static_reference(at: Place, load: float, young: float, poisson: float, cells
     if at.curve is None:
         raise ValueError("the static reference has no straight tracks")
     zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
-    groove, ball = cuts_of(Curve(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
+    groove, ball = mesh_contact_pieces(Curve(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
     arms = groove.patch.points[groove.patch.contact] - groove.centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
@@ -315,22 +329,22 @@ def static_reference(at: Place, load: float, young: float, poisson: float, cells
     C = C + fine_compliance(ball.piece, ball.patch, -normals, young, poisson)
     W = mean_weights(groove.patch.weights)
     gap, close = W @ (length - at.ball), W @ (normals @ groove.axes[2])
-    (approach,), closed = approaches(C, gap, close, np.array([load]))
+    (approach,), closed = unilateral_approaches(C, gap, close, np.array([load]))
     i = np.flatnonzero(closed[0])
     forces = np.linalg.solve(C[np.ix_(i, i)], approach * close[i] - gap[i])
-    semi, _, peak = read_ellipse((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)
-    return Pressed(float(approach), semi, peak)
+    semi, _, peak = fit_pressure_ellipsoid((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)
+    return NormalContact(float(approach), semi, peak)
 
 
 # --- Carter
 
 
-def carter(cells: int, share: float) -> tuple[Array, Array]:
-    """Compare two like cylinders that roll under a tangential force with Carter's formula.
+def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
+    """Compare two equal cylinders that roll under a tangential force with Carter's formula.
 
-    Creep mu a/R (1 - sqrt(1 - Q/(mu P))), stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading edge. nu =
-    0.3; plane strain. The width is that of the half ellipse which mu p - q is over the strip: twice its standard
-    deviation.
+    The creep is mu a/R (1 - sqrt(1 - Q/(mu P))); cells stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading
+    edge. nu = 0.3; plane strain. mu p - q has the shape of half an ellipse over this strip, so that the width is twice its
+    standard deviation.
 
     Parameters
     ----------
@@ -355,26 +369,26 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
     half = float(np.sqrt(4.0 * load * radius / (np.pi * modulus)))
     long = LONG * half
     size = np.array([2.1 * half / cells, long])
-    index, at = grid((cells, 1), size)
+    index, at = cell_grid((cells, 1), size)
     material = 2.0 * shear * (1.0 + nu), nu
-    forces, approach = press(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material)
+    forces, approach = solve_normal_contact(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material)
     inside = forces > 0.0
     patch = Patch(index[inside], at[inside], size, forces[inside], material, approach)
     rest = float(np.sqrt(1.0 - share))
-    answer = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
-    stick = 2.0 * deviations(patch, mu * patch.normal, answer.friction.forces[0])[0]
+    answer = solve_steady_rolling(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
+    stick = 2.0 * stick_zone_deviations(patch, mu * patch.normal, answer.friction.forces[0])[0]
     return np.array([-answer.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
 
 
 # --- Cattaneo and Mindlin
 
 
-def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
-    """Compare a sphere that is pressed onto a like one and pushed sideways with Cattaneo's and Mindlin's solution.
+def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
+    """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
-    Stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with nu = 0:
-    exact, as no traction across the push is left out. The radius is that of the half ellipsoid which mu p - abs(q) is
-    over the circle: sqrt(5) times its standard deviation along an axis.
+    Stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with nu = 0, for
+    which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of half an
+    ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
 
     Parameters
     ----------
@@ -401,37 +415,37 @@ def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array
     young, poisson = 2.0 * shear, 0.0
     radii = radius, radius
     size = hertz(load, *radii, young, poisson).semi_x
-    kernel = None if balls is None else two_balls(2.0 * radius, size, young, poisson, balls)
+    kernel = None if balls is None else two_balls_kernel(2.0 * radius, size, young, poisson, balls)
     patch = hertz_patch(load, radii, young, poisson, (cells, cells), kernel)
-    size = hertz(load, *seen_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
+    size = hertz(load, *equivalent_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
     rest = 1.0 - share
     shift = 3.0 * mu * load / (16.0 * size) * 4.0 / shear * (1.0 - rest ** (2.0 / 3.0))
     if kernel is not None:
         along, spread = slice(0, 1), patch.normal / load
         shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
     slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
-    _, solution = given_motion(patch, patch.tangential(), slip, mu)
-    stick = np.sqrt(2.5) * float(np.linalg.norm(deviations(patch, mu * patch.normal, solution.forces[0])))
+    _, solution = solve_for_given_slip(patch, patch.tangential(), slip, mu)
+    stick = np.sqrt(2.5) * float(np.linalg.norm(stick_zone_deviations(patch, mu * patch.normal, solution.forces[0])))
     force = -solution.forces[0][: len(patch.at)].sum() / (mu * load)
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
-def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    """Compute the kernel that two like balls of ``radius`` [m] add to half-spaces; ``semi``: radius of the contact [m]."""
+def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+    """Compute the kernel that two equal balls of ``radius`` [m] add to half-spaces; ``semi``: radius of the contact [m]."""
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
-    return ball + of_groove(ball.M, zone, sizes.degree)
+    return ball + groove_kernel(ball.M, zone, sizes.degree)
 
 
 # --- balls that touch
 
 
-def rubbing(
+def compare_ball_friction_with_point(
     scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
-    """Compare the friction between two balls over their contact with that at a point: force and loss.
+    """Compare the friction between two touching balls over their contact area with that at a point: force and loss.
 
-    All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
+    The whole contact slides, so that tractions are mu p against the local sliding, whatever the elasticity.
 
     Parameters
     ----------
@@ -457,18 +471,18 @@ def rubbing(
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
     circle = hertz(force, *touch[1], *touch[2:])
     if bodies is None:
-        unit, weight = quadrature(points)
+        unit, weight = disk_quadrature(points)
         local, sunk = unit * circle.semi_x, 0.0
         normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
     else:
-        kernel = two_balls(scene.radius, circle.semi_x, *touch[2:], bodies)
+        kernel = two_balls_kernel(scene.radius, circle.semi_x, *touch[2:], bodies)
         patch = hertz_patch(*touch, (points, points), kernel)
         local, normal, sunk = patch.at, patch.normal, patch.sunk
     slide = np.zeros((len(local), 2))
     for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
         axes = m.axes @ scene.balls[ball].frame.T
         at = sign * (scene.radius - sunk) * axes[0] + local @ axes[1:]
-        speeds = motion_rows(scene.track, scene.radius, at) @ result.friction.motions[half]
+        speeds = velocity_matrix(scene.track, scene.radius, at) @ result.friction.motions[half]
         slide += sign * speeds @ axes[1:].T
     pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
     bound = scene.mu_balls * force
@@ -480,8 +494,8 @@ def rubbing(
 # --- finite elements of a half space
 
 
-def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
-    """Compare mean displacements over a zone of a half-space by uniform tractions with the closed form.
+def compare_half_space_displacements(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
+    """Compare mean displacements over a zone of a half-space, by uniform tractions, with the closed form.
 
     Parameters
     ----------
@@ -501,11 +515,13 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
     exact : (3,) Array
         In closed form [m/N].
     """
-    block = half_space(size, zone)
-    computed = half_space_response(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    block = mesh_half_space(size, zone)
+    computed = half_space_response(block, traction_loads(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
     sides = 2.0 * np.array(zone.half)
-    _, at = grid((MEANS, MEANS), sides / MEANS)
-    both = influence(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal() / sides.prod()
+    _, at = cell_grid((MEANS, MEANS), sides / MEANS)
+    both = (
+        rectangle_influence(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal() / sides.prod()
+    )
     return computed, 0.5 * both
 
 
@@ -513,13 +529,14 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
 
 
 def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear moduli 1 Pa.
+    """Create the cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear modulus 1 Pa.
 
-    The cells are stretched so that their area is the ellipse's, which corrects the contact's size for its staircase edge.
+    The cells are stretched so that their area equals the ellipse's, which corrects the contact's size for its staircase
+    edge.
     """
     semi = np.array([np.sqrt(ratio), 1.0 / np.sqrt(ratio)])
     size = 2.0 * semi / np.array(shape)
-    index, at = grid(shape, size)
+    index, at = cell_grid(shape, size)
     inside = ((at / semi) ** 2).sum(axis=1) < 1.0
     stretch = float(np.sqrt(np.pi / (np.count_nonzero(inside) * size.prod())))
     forces = np.full(np.count_nonzero(inside), np.inf)
@@ -527,10 +544,10 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
 
 
 def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
-    """Coefficients of Kalker's linear theory, in which all of the contact sticks.
+    """Compute the coefficients of Kalker's linear theory, in which the whole contact sticks.
 
-    Solved on the cells with y > 0: longitudinal creep makes tractions along x that are even in y and tractions across
-    that are odd, lateral creep and spin the opposite.
+    Only the cells with y > 0 are solved: longitudinal creep causes tractions along x that are even in y and tractions
+    across that are odd, lateral creep and spin the opposite.
 
     Parameters
     ----------
@@ -570,10 +587,10 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
 # --- full slip
 
 
-def slip_everywhere(
+def full_slip_by_quadrature(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
-    """Force and moment under Hertz's pressure if all of the contact slips as rigid bodies would.
+    """Compute force and moment under Hertz's pressure if the whole contact slips like rigid bodies.
 
     Parameters
     ----------
@@ -600,16 +617,16 @@ def slip_everywhere(
         [N m].
     """
     ellipse = hertz(load, *radii, young, poisson)
-    unit, weight = quadrature(points)
+    unit, weight = disk_quadrature(points)
     at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
     normal = ellipse.pressure(at[:, 0], at[:, 1]) * weight * ellipse.semi_x * ellipse.semi_y
     return _resultant(at, full_slip(mu * normal, creep.slip(at)))
 
 
-def slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
-    """Compute the force and moment of full slip under a grid's pressures, by 20 midpoints along each axis of every cell.
+def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
+    """Compute force and moment of full slip under a grid's pressures, by 20 midpoints along each axis of every cell.
 
-    The rotation of the slip about its pole is resolved, only the staircase edge remains.
+    This resolves the rotation of the slip about its pole; only the error of the staircase edge remains.
 
     Parameters
     ----------
@@ -635,6 +652,6 @@ def slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, flo
 
 
 def _resultant(at: Array, forces: Array) -> tuple[Array, float]:
-    """Sum ``(2,)`` [N] and moment about the normal [N m] of forces ``(2 n,)`` at ``(n, 2)``."""
+    """Sum forces ``(2 n,)`` at points ``(n, 2)``: resultant ``(2,)`` [N] and moment about the normal [N m]."""
     x, y = forces.reshape(2, -1)
     return np.array([x.sum(), y.sum()]), float(at[:, 0] @ y - at[:, 1] @ x)

@@ -1,1 +1,1 @@
-"""The shaft beyond the 3D stretch: beams, the section of the grooved shaft, and where the 3D stretch is cut."""
+"""Shaft of the 3D reference: beams, the section of the grooved shaft, and the ends of the stretch that is meshed in 3D."""

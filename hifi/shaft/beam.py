@@ -1,4 +1,7 @@
-"""The shaft beyond the 3D stretch: a Timoshenko beam, independent of the low-order model's; its supports and loads."""
+"""Shaft beyond the stretch that is meshed in 3D: a Timoshenko beam with its supports, loads and housings.
+
+It is written independently of the low-order model's beam.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from rollbench.meshes.parts import FREEDOMS, Load, Material, Scene, Support
 
 @dataclass(frozen=True)
 class ShaftSection:
-    """Stiffnesses of a beam's cross-section."""
+    """Stiffnesses of a beam's cross-section against tension, bending, torsion and shear."""
 
     #: Axial stiffness [N].
     EA: float
@@ -27,13 +30,13 @@ class ShaftSection:
 
     @property
     def per_length(self) -> Array:
-        """Flexibility of a metre ``(6, 6)``: strains and curvatures by force and moment."""
+        """Flexibility of the beam per unit length ``(6, 6)``: strains and curvatures per force and moment."""
         yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
         return np.asarray(np.diag(1.0 / np.array(yielding)))
 
 
 def round_section(radius: float, young: float, poisson: float, bore: float = 0.0) -> ShaftSection:
-    """Stiffnesses of a circular section.
+    """Compute the stiffnesses of a circular cross-section, solid or hollow.
 
     Parameters
     ----------
@@ -68,8 +71,8 @@ def round_section(radius: float, young: float, poisson: float, bore: float = 0.0
     return ShaftSection(young * area, young * inertia, 2.0 * shear * inertia, kappa * shear * area)
 
 
-def tube(radius: float, bore: float, material: Material) -> ShaftSection:
-    """Stiffnesses of a circular section of a material; radii [m], bore 0: solid.
+def tube_section(radius: float, bore: float, material: Material) -> ShaftSection:
+    """Compute the stiffnesses of a circular cross-section, solid or hollow, of a given material.
 
     Parameters
     ----------
@@ -89,7 +92,7 @@ def tube(radius: float, bore: float, material: Material) -> ShaftSection:
 
 
 def uniform_cantilever(length: float, per_length: Array) -> Array:
-    """Flexibility of the end of a uniform cantilever along z.
+    """Compute the flexibility of the end of a uniform cantilever along z.
 
     Parameters
     ----------
@@ -116,7 +119,7 @@ def uniform_cantilever(length: float, per_length: Array) -> Array:
 
 
 def beam_stiffness(length: float, section: ShaftSection) -> Array:
-    """Stiffness of a uniform beam element along z, from the flexibility of its cantilever.
+    """Compute the stiffness of a uniform beam element along z, from the flexibility of its cantilever.
 
     Parameters
     ----------
@@ -136,13 +139,13 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
 
 @dataclass(frozen=True)
 class Frame:
-    """Supports and loads of a shaft, housings that can move, and springs between them."""
+    """Supports and loads of a shaft, its movable housings, and the springs between them."""
 
     #: Supports of the shaft.
     supports: tuple[Support, ...]
     #: Loads on the shaft.
     loads: tuple[Load, ...]
-    #: Length that makes lengths of rotations [m].
+    #: Length by which rotations are multiplied to become lengths [m].
     arm: float
     #: Housings that can move.
     housings: tuple[Housing, ...] = ()
@@ -150,13 +153,13 @@ class Frame:
     joints: tuple[Joint, ...] = ()
 
     @staticmethod
-    def of(described: Scene | Assembly) -> Frame:
-        """Frame of one set whose nut is fixed, or of several sets.
+    def from_scene(described: Scene | Assembly) -> Frame:
+        """Collect the frame of a single nut or bearing, whose nut is fixed, or of several on one shaft.
 
         Parameters
         ----------
         described : Scene | Assembly
-            Scene of one set, or shaft with its sets.
+            Scene of one nut or bearing, or shaft with several of them.
 
         Returns
         -------
@@ -169,50 +172,50 @@ class Frame:
         moving = tuple(h for h in described.housings if not h.stands)
         return Frame(described.supports, described.loads, arm, moving, described.joints)
 
-    def number(self, housing: str | None) -> int | None:
-        """Find the number of a housing by its name; None for one that is fixed, and for none."""
+    def housing_index(self, housing: str | None) -> int | None:
+        """Find the index of a movable housing by its name; None if the housing is fixed or there is none."""
         return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
 
     @property
     def stations(self) -> set[float]:
-        """Stations of supports and loads [m]."""
+        """Axial positions of supports and loads [m]."""
         return {x.at for x in self.supports} | {x.at for x in self.loads}
 
-    def holds(self) -> list[tuple[int, float, int, float]]:
-        """List the prescribed motions.
+    def prescribed_motions(self) -> list[tuple[int, float, int, float]]:
+        """List the prescribed motions of shaft and housings.
 
         Returns
         -------
         list[tuple[int, float, int, float]]
-            Body (0: the shaft, then the housings), station [m], number of the freedom, value [m, rad].
+            Body (0: the shaft, then the housings), axial position [m], index of the degree of freedom, value [m, rad].
         """
         bodies = [(0, x.at, x.fixed) for x in self.supports]
         bodies += [(k, housing.at, housing.fixed) for k, housing in enumerate(self.housings, 1)]
         return [(body, at, FREEDOMS.index(name), value) for body, at, fixed in bodies for name, value in fixed]
 
     def wrenches(self) -> list[tuple[int, float, Array]]:
-        """List the loads.
+        """List the forces and moments that act on shaft and housings.
 
         Returns
         -------
         list[tuple[int, float, Array]]
-            Body as of `holds`, station [m], force and moment ``(6,)`` [N, N m].
+            Body as in `prescribed_motions`, axial position [m], force and moment ``(6,)`` [N, N m].
         """
         bodies = [(0, x) for x in self.loads] + [*enumerate(self.housings, 1)]
         return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
 
     @property
     def lengths(self) -> Array:
-        """Factors ``(6,)`` that make lengths of the six motions of a body: 1, and the arm [m]."""
+        """Factors ``(6,)`` that turn a body's six motions into lengths: 1 for displacements, the arm [m] for rotations."""
         return np.array([1.0] * 3 + [self.arm] * 3)
 
     def springs(self) -> list[tuple[Array, Array]]:
-        """Springs of the housings: relative motion of their ends, and stiffness.
+        """List the springs between housings: relative motion of their ends, and stiffness.
 
         Returns
         -------
         list[tuple[Array, Array]]
-            Rows ``(6, 6 h)`` on the motions of the h housings, and stiffness ``(6, 6)``, of each spring.
+            For each spring: matrix ``(6, 6 h)`` of its relative motion by the h housings, and stiffness ``(6, 6)``.
         """
         out = []
         for k, housing in enumerate(self.housings):
@@ -223,7 +226,7 @@ class Frame:
         for joint in self.joints:
             rows = np.zeros((6, 6 * len(self.housings)))
             for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
-                moving = self.number(name)
+                moving = self.housing_index(name)
                 if moving is not None:
                     columns = slice(6 * moving, 6 * moving + 6)
                     rows[:, columns] = sign * transport(joint.at - self.housings[moving].at)

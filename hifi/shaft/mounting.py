@@ -1,7 +1,8 @@
-"""3D stretches of screw between beams: compliance of their contacts once supports and loads of a scene are known.
+"""3D stretches of the screw between beams: compliance of their contacts for the supports and loads of a scene.
 
-A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end,
-stations inside): u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports joined to nodes, L =
+A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end, and
+the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports joined to
+nodes, L =
 S_p - S_base B_p^T, the nodes move by
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
@@ -26,57 +27,57 @@ from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import Frame, ShaftSection, beam_stiffness
-from rollbench.hifi.shaft.section import at_high, at_low
+from rollbench.hifi.shaft.section import lower_cut_flexibility, upper_cut_flexibility
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import SAME
 
-#: Stiffness of a spring's softest direction over its stiffest one that counts as none.
+#: Stiffness of a spring in one direction, over that in its stiffest direction, that counts as zero.
 SLACK = 1e-12
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Flexibility of the part of the screw that is a 3D body (the nut's range and a little beyond), fixed at its base."""
+    """Flexibility of the part of the screw that is meshed in 3D (nut's range and a little beyond), fixed at its base."""
 
     #: Flexibility over [modes, ports, observers] ``(x, x)``.
     F: Array
     #: Motion of these nodes with the base section ``(x, 6)``.
     B: Array
-    #: Station of the base [m].
+    #: Axial position of the base [m].
     base: float
-    #: Stations of the ports [m], six rows of F each.
+    #: Axial positions of the ports (sections that can be loaded) [m], six rows of F each.
     ports: tuple[float, ...]
-    #: Stations of the observers [m], six rows of F each.
+    #: Axial positions of the observers (sections whose motion is computed) [m], six rows of F each.
     observers: tuple[float, ...]
-    #: Stations of its ends [m].
+    #: Axial positions of its ends [m].
     ends: tuple[float, float]
     #: Number of modes.
     modes: int
-    #: Whether every station of the scene moves with the base (a ring on a stiff shaft).
+    #: Whether all supported and loaded sections move with the base (a ring on a stiff shaft).
     rigid: bool = False
 
-    def holds(self, z: float) -> bool:
-        """Whether a station [m] lies in the stretch, ends included."""
+    def contains(self, z: float) -> bool:
+        """Return whether an axial position z [m] lies in the stretch, ends included."""
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
-    def lacks(self, z: float) -> bool:
-        """Whether a station [m] lies within the ends of the stretch and has no port."""
+    def lacks_port_at(self, z: float) -> bool:
+        """Return whether an axial position z [m] lies within the stretch at a place that has no port."""
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
         return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
 
-    def moved(self, shift: float) -> Stretch:
-        """Stretch moved by ``shift`` [m] along the shaft."""
+    def shifted(self, shift: float) -> Stretch:
+        """Return the stretch moved by ``shift`` [m] along the shaft."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
         return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
-class Carried:
-    """A nut on a housing that can move, as one more body of the mounted structure."""
+class CarriedNut:
+    """Nut on a housing that can move, as an additional body of the mounted structure."""
 
-    #: Coupling of its modes with the housing fixed ``(k, k)`` [m/N].
+    #: Compliance of its modes with the housing fixed ``(k, k)`` [m/N].
     G: Array
     #: Motion of the modes with the housing ``(k, 6)``.
     B: Array
@@ -85,20 +86,20 @@ class Carried:
 
 
 @dataclass(frozen=True)
-class Mounted:
-    """Stretches and carried nuts with m modes, under the supports and loads of a frame with h housings."""
+class MountedShaft:
+    """Stretches of the shaft and nuts on housings, m modes in all, under the supports and loads of h housings."""
 
-    #: Coupling of the modes ``(m, m)`` [m/N].
+    #: Compliance of the modes ``(m, m)`` [m/N].
     G: Array
     #: Motion of the modes by loads and prescribed displacements ``(m,)``.
     loads: Array
     #: Unconstrained rigid motions of the shaft about ``origin`` and of the housings ``(6 (1 + h), k)``.
     motions: Array
-    #: Work of the loads on them ``(k,)``.
+    #: Work of the loads on these motions ``(k,)``.
     work: Array
-    #: Station of the reference point of the shaft's rigid motion [m].
+    #: Axial position of the reference point of the shaft's rigid motion [m].
     origin: float
-    #: Stations of the centreline ``(s,)`` [m].
+    #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
     stations: tuple[float, ...]
     #: Motion of the centreline by the loads ``(s, 6)`` [m, rad].
     line: Array
@@ -110,10 +111,10 @@ class Mounted:
     housings_modes: Array
 
 
-def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
-    """Subtract the effect of the cut ends of a stretch, where the shaft continues.
+def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
+    """Subtract the effect of the cut ends of a stretch where the shaft continues beyond them.
 
-    An end beyond which there are no supports or loads is unchanged: it is the screw's end, free, or held flat as the
+    An end beyond which there are no supports or loads is unchanged: it is the end of the screw, free or fixed flat as the
     scene says.
 
     Parameters
@@ -125,7 +126,7 @@ def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[
     m : GrooveMap
         Track.
     stations : Sequence[float]
-        Stations of supports and loads [m].
+        Axial positions of supports and loads [m].
 
     Returns
     -------
@@ -135,18 +136,20 @@ def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[
     low, high = stretch.ends
     F = stretch.F.copy()
     if min(stations) < low:
-        F -= stretch.B @ at_low(cut, m, low) @ stretch.B.T
+        F -= stretch.B @ lower_cut_flexibility(cut, m, low) @ stretch.B.T
     if max(stations) > high:
         first = stretch.modes + 6 * stretch.ports.index(high)
-        F[first : first + 6, first : first + 6] -= at_high(cut, m, high)
+        F[first : first + 6, first : first + 6] -= upper_cut_flexibility(cut, m, high)
     return replace(stretch, F=0.5 * (F + F.T))
 
 
-def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSection, cut: Array, m: GrooveMap) -> Stretch:
-    """Correct the beam stiffness of a stretch, whose mesh is too stiff, to that of a section.
+def correct_beam_stiffness(
+    stretch: Stretch, rows: Array, stations: Array, section: ShaftSection, cut: Array, m: GrooveMap
+) -> Stretch:
+    """Correct the beam stiffness of a stretch, whose mesh is too stiff, to that of a given section.
 
-    The motion of its end by a force, torque or moment there, without the effect of both cut ends, gives the uniform beam
-    as which the mesh behaves; that beam is subtracted, and one of ``section`` added (local defect correction, as for the
+    The motion of its end by a force, torque or moment there, without the effect of both cut ends, gives the uniform beam as
+    which the mesh behaves. That beam is subtracted, and one of ``section`` is added (local defect correction, as for the
     local compliance of a contact).
 
     Parameters
@@ -156,7 +159,7 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
     rows : (c, k, 6) Array
         Rigid motions of every contact's modes, as for `beam_stretch`.
     stations : (c,) Array
-        Stations of the contacts [m].
+        Axial positions of the contacts [m].
     section : ShaftSection
         Stiffnesses of the shaft.
     cut : (6, 6) Array
@@ -173,16 +176,18 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
     first = stretch.modes + 6 * stretch.ports.index(high)
     end = np.s_[first : first + 6]
     B = stretch.B[end]
-    per_length = np.diag(stretch.F[end, end] - B @ at_low(cut, m, low) @ B.T - at_high(cut, m, high)) / (high - low)
+    per_length = np.diag(
+        stretch.F[end, end] - B @ lower_cut_flexibility(cut, m, low) @ B.T - upper_cut_flexibility(cut, m, high)
+    ) / (high - low)
     bend = 0.5 * (per_length[3] + per_length[4])
     change = np.array([1.0 / section.EA - per_length[2], 1.0 / section.EI - bend, 1.0 / section.GJ - per_length[5]])
-    turn, arms = _followed(rows, stations, stretch)
-    F = stretch.F + turn @ _cantilevers(arms, *change) @ turn.T
+    turn, arms = _motions_with_sections(rows, stations, stretch)
+    F = stretch.F + turn @ _cantilever_flexibility(arms, *change) @ turn.T
     return replace(stretch, F=0.5 * (F + F.T))
 
 
-def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:
-    """Mount a stretch on the supports and under the loads of a scene, continued by beams.
+def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> MountedShaft:
+    """Mount one stretch on the supports and under the loads of a scene; beams continue it.
 
     Parameters
     ----------
@@ -201,19 +206,19 @@ def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:
     Raises
     ------
     ValueError
-        As `mount_all`.
+        As `mount_stretches`.
     """
-    return mount_all((stretch,), Frame.of(scene), lambda _: section)
+    return mount_stretches((stretch,), Frame.from_scene(scene), lambda _: section)
 
 
-def mount_all(
+def mount_stretches(
     stretches: Sequence[Stretch],
     frame: Frame,
     section_at: Callable[[float], ShaftSection],
     steps: Sequence[float] = (),
-    carried: Sequence[Carried] = (),
-) -> Mounted:
-    """Join stretches on one shaft by beams, with their supports and loads.
+    carried: Sequence[CarriedNut] = (),
+) -> MountedShaft:
+    """Join several stretches on one shaft by beams, with their supports and loads.
 
     Parameters
     ----------
@@ -222,9 +227,9 @@ def mount_all(
     frame : Frame
         Supports, loads and housings.
     section_at : Callable[[float], ShaftSection]
-        Section of the beam at a station [m].
+        Section of the beam at an axial position [m].
     steps : Sequence[float], optional
-        Stations where it changes [m].
+        Axial positions where the section changes [m].
     carried : Sequence[Carried], optional
         Nuts on the housings of the frame, whose modes follow those of the stretches.
 
@@ -236,24 +241,24 @@ def mount_all(
     Raises
     ------
     ValueError
-        A station inside a stretch has no port, or some stretches are rigid and others are not.
+        A support or load inside a stretch has no port, or some stretches are rigid and others are not.
     """
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
-        raise ValueError("the bore of one ring moves as a rigid shaft, and that of another set does not")
+        raise ValueError("either all rings must have a rigid bore, which moves with the shaft, or none")
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
     low, high = min((*acted, *ends)), max((*acted, *ends))
-    between = {z for z in steps if low < z < high and not any(s.holds(z) for s in stretches)}
-    nodes = _apart(sorted({*ends, *acted, *between}))
-    place = _Places(nodes)
+    between = {z for z in steps if low < z < high and not any(s.contains(z) for s in stretches)}
+    nodes = _distinct_positions(sorted({*ends, *acted, *between}))
+    place = _NodeFreedoms(nodes)
     for z in sorted(acted):
-        if not rigid and any(s.lacks(z) for s in stretches):
-            raise ValueError(f"the station at {1e3 * z:.4g} mm lies inside the 3D stretch and has no port there")
+        if not rigid and any(s.lacks_port_at(z) for s in stretches):
+            raise ValueError(f"the support or load at {1e3 * z:.4g} mm lies inside the 3D stretch, which has no port there")
     n = 6 * len(nodes)
     K = np.zeros((n + 6 * len(frame.housings),) * 2)
     for a, b in pairwise(nodes):
-        if rigid or any(s.holds(a) and s.holds(b) for s in stretches):
+        if rigid or any(s.contains(a) and s.contains(b) for s in stretches):
             continue
         dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
         K[np.ix_(dof, dof)] += beam_stiffness(b - a, section_at(0.5 * (a + b)))
@@ -261,7 +266,7 @@ def mount_all(
         K[n:, n:] += rows.T @ stiffness @ rows
     joined = []
     for s in stretches:
-        joined.append(_join(s, place, len(K)))
+        joined.append(_join_stretch(s, place, len(K)))
         K = K + joined[-1].K
     Y = np.concatenate([j.Y for j in joined] + [np.zeros((len(c.G), len(K))) for c in carried])
     G = block_diag(*(j.G for j in joined), *(c.G for c in carried))
@@ -275,17 +280,17 @@ def mount_all(
         T = block_diag(np.concatenate([transport(z - stretches[0].base) for z in nodes]), np.eye(len(K) - n))
 
     def freedom(body: int, at: float) -> int:
-        """First freedom of the shaft at a station, or of a housing."""
+        """Return the first degree of freedom of the shaft at an axial position, or of a housing."""
         return place[at] if body == 0 else n + 6 * (body - 1)
 
     P = np.zeros(len(K))
     for body, at, wrench in frame.wrenches():
         P[freedom(body, at) : freedom(body, at) + 6] += wrench
-    held = [freedom(body, at) + k for body, at, k, _ in frame.holds()]
-    values = [value for *_, value in frame.holds()]
+    held = [freedom(body, at) + k for body, at, k, _ in frame.prescribed_motions()]
+    values = [value for *_, value in frame.prescribed_motions()]
     motions = free_motions(frame, nodes[0])
     pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in pin_freedoms(motions)]
-    # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
+    # U = T W, constraints R U = r: a basis of the free motions, and one state that meets the constraints
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
     prescribed = np.array(values + [0.0] * len(pins))
@@ -313,11 +318,11 @@ def mount_all(
     inside = block_diag(*(j.G_o for j in joined))
     inside = np.hstack([inside, np.zeros((len(inside), len(G) - inside.shape[1]))])
     stations = (*nodes, *(z for s in stretches for z in s.observers))
-    return Mounted(
+    return MountedShaft(
         0.5 * (G + G.T),
         Y @ line,
         motions,
-        _work(frame, motions, nodes[0]),
+        _work_on_motions(frame, motions, nodes[0]),
         nodes[0],
         stations,
         np.concatenate([line[:n], observed @ line]).reshape(-1, 6),
@@ -327,8 +332,8 @@ def mount_all(
     )
 
 
-class _Joined(NamedTuple):
-    """A stretch between its nodes, d degrees of freedom in all."""
+class _JoinedStretch(NamedTuple):
+    """Contribution of one stretch to the mounted structure, which has d degrees of freedom in all."""
 
     #: Stiffness that it adds ``(d, d)``.
     K: Array
@@ -342,7 +347,7 @@ class _Joined(NamedTuple):
     G_o: Array
 
 
-def _join(stretch: Stretch, place: _Places, size: int) -> _Joined:
+def _join_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
     m, p = stretch.modes, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
     L = np.zeros((size, p))
@@ -357,11 +362,13 @@ def _join(stretch: Stretch, place: _Places, size: int) -> _Joined:
     F_op = stretch.F[o, m : m + p]
     Y_o = F_op @ joined[:, :size]
     Y_o[:, base] += stretch.B[o]
-    return _Joined(L @ joined[:, :size], Y, F_mm - F_mp @ joined[:, size:], Y_o, stretch.F[o, :m] - F_op @ joined[:, size:])
+    return _JoinedStretch(
+        L @ joined[:, :size], Y, F_mm - F_mp @ joined[:, size:], Y_o, stretch.F[o, :m] - F_op @ joined[:, size:]
+    )
 
 
-class _Places:
-    """First freedom of the node at a station [m]: the nearest one."""
+class _NodeFreedoms:
+    """Finds the first degree of freedom of the node nearest to an axial position [m]."""
 
     def __init__(self, nodes: Sequence[float]) -> None:
         self.nodes = np.array(nodes)
@@ -370,20 +377,20 @@ class _Places:
         return 6 * int(np.abs(self.nodes - z).argmin())
 
 
-def _apart(stations: Sequence[float]) -> list[float]:
-    """Sorted stations [m] without those within `SAME` of the one before."""
+def _distinct_positions(stations: Sequence[float]) -> list[float]:
+    """Drop those sorted axial positions [m] that lie within `SAME` of the one before."""
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
 def free_motions(frame: Frame, origin: float) -> Array:
-    """Rigid motions of screw and housings that neither supports nor springs constrain.
+    """Find the rigid motions of screw and housings that neither supports nor springs constrain.
 
     Parameters
     ----------
     frame : Frame
         Supports and housings.
     origin : float
-        Station of the reference point of the screw's motion [m]; a housing moves about its station.
+        Axial position of the reference point of the screw's motion [m]; a housing moves about its own position.
 
     Returns
     -------
@@ -392,7 +399,7 @@ def free_motions(frame: Frame, origin: float) -> Array:
     """
     scale = np.tile(1.0 / frame.lengths, 1 + len(frame.housings))
     rows = []
-    for body, at, k, _ in frame.holds():
+    for body, at, k, _ in frame.prescribed_motions():
         row = np.zeros(scale.size)
         row[6 * body : 6 * body + 6] = transport(at - origin if body == 0 else 0.0)[k]
         rows.append(row * scale)
@@ -409,14 +416,14 @@ def free_motions(frame: Frame, origin: float) -> Array:
 
 
 def pin_freedoms(motions: Array) -> list[int]:
-    """Degrees of freedom of the origin that fix rigid motions ``(6, k)``."""
+    """Select degrees of freedom of the origin whose constraint prevents the rigid motions ``(6, k)``."""
     if motions.shape[1] == 0:
         return []
     _, _, order = qr(motions.T, pivoting=True)
     return [int(k) for k in order[: motions.shape[1]]]
 
 
-def _work(frame: Frame, motions: Array, origin: float) -> Array:
+def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
     total = np.zeros(len(motions))
     for body, at, wrench in frame.wrenches():
         total[6 * body : 6 * body + 6] += transport(at - origin if body == 0 else 0.0).T @ wrench
@@ -424,14 +431,14 @@ def _work(frame: Frame, motions: Array, origin: float) -> Array:
 
 
 def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
-    """Stretch as a plain beam: F of the contacts by beam theory, to see what the 3D shaft contributes.
+    """Replace a 3D stretch by a plain beam: F of the contacts by beam theory, to see what the 3D shaft contributes.
 
     Parameters
     ----------
     rows : (c, k, 6) Array
-        Rigid motions of every contact's modes about its station.
+        Rigid motions of every contact's modes about its axial position.
     stations : (c,) Array
-        Stations of the contacts [m].
+        Axial positions of the contacts [m].
     stretch : Stretch
         The 3D stretch.
     section : ShaftSection
@@ -448,8 +455,8 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
         A section lies below the base.
     """
     c, k, _ = rows.shape
-    turn, arms = _followed(rows, stations, stretch)
-    flexibility = _cantilevers(arms, 1.0 / section.EA, 1.0 / section.EI, 1.0 / section.GJ)
+    turn, arms = _motions_with_sections(rows, stations, stretch)
+    flexibility = _cantilever_flexibility(arms, 1.0 / section.EA, 1.0 / section.EI, 1.0 / section.GJ)
     shear = np.minimum(arms[:, None], arms) / section.kGA
     flexibility[0::6, 0::6] += shear
     flexibility[1::6, 1::6] += shear
@@ -458,10 +465,11 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
     return Stretch(0.5 * (F + F.T), B, stretch.base, stretch.ports, stretch.observers, stretch.ends, c * k)
 
 
-def _followed(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
-    """Rigid motions of modes, ports and observers with the sections of a beam ``(x, 6 s)``, and arms of these ``(s,)`` [m].
+def _motions_with_sections(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
+    """Compute the rigid motions of modes, ports and observers ``(x, 6 s)`` with the s sections of a beam.
 
-    Arms count from the base. Raises ValueError for a section below the base.
+    The distances ``(s,)`` of the sections from the base [m] are returned as well. Raises ValueError if a section lies below
+    the base.
     """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
@@ -474,11 +482,11 @@ def _followed(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Ar
     return turn, arms
 
 
-def _cantilevers(arms: Array, axial: float, bending: float, torsion: float) -> Array:
-    """Flexibility ``(6 s, 6 s)`` of the sections of a beam at ``arms`` ``(s,)`` [m] from its fixed end; no shear.
+def _cantilever_flexibility(arms: Array, axial: float, bending: float, torsion: float) -> Array:
+    """Compute the flexibility ``(6 s, 6 s)`` of a beam's sections at ``arms`` ``(s,)`` [m] from its fixed end, no shear.
 
-    axial, bending, torsion: flexibilities of a metre. The motion of section a by loads on section b comes from the part
-    up to the nearer one, m.
+    axial, bending, torsion: flexibilities per unit length. The motion of section a by loads on section b comes from the
+    part of the beam up to the nearer of the two.
     """
     a, b = arms[:, None], arms[None, :]
     m = np.minimum(a, b)

@@ -1,24 +1,22 @@
 """Grooved shaft as a uniform beam: its stiffnesses, and the effect of cutting it by a flat rigid section.
 
-Averaged over a lead, a long grooved shaft under a constant wrench is a uniform beam. About that beam its sections sway
-with the groove: an axial force bends it towards the groove, and over half a lead the other way. A rigid section that ends
-it stops the sway in one phase, and also keeps the cross-section flat. So of a shaft with length L along z, cut and
-rigid at both ends and fixed at the lower one (a), the upper end (b) moves by the flexibility
+Averaged over a lead, a long grooved shaft under constant force and moment is a uniform beam. About that beam its sections
+sway with the groove: an axial force bends the shaft towards the groove, and half a lead further the other way. A rigid
+section at its end stops the sway at one phase, and also keeps the cross-section flat. Therefore, if a shaft of length L
+along z is cut and rigid at both ends and fixed at the lower one (a), its upper end (b) moves by the flexibility
 
     F = U(L) + T(L) A T(L)^T + R_b E R_b^T,   A = R_a M E M R_a^T,
 
-U that of a uniform cantilever, T the transport along the axis, E ``(6, 6)`` that of one cut: motion of the rigid section
-against the beam, by the wrench on it, in the frame of the cut: origin on the axis, x towards the middle of the groove, z
-along the screw; R turns that frame by the groove's azimuth at the cut. The lower cut is the upper one seen after half a
-turn M about x, which maps a helix, of either hand and with any number of starts, onto itself. The interaction of both
-ends is left out: it decays within a diameter or so.
+where U is the flexibility of a uniform cantilever, T the transport along the axis, and E ``(6, 6)`` the flexibility of one
+cut end: motion of the rigid section against the beam, by force and moment on the section, in the frame of the cut (origin
+on the axis, x towards the middle of the groove, z along the screw). R turns that frame by the groove's azimuth at the cut.
+The lower cut is the upper one after half a turn M about x, which maps a helix, of either hand and with any number of
+starts, onto itself. The interaction of both ends is left out: it decays within about a diameter.
 
-E follows from shafts of several lengths by least squares. Two of one and two times a whole number of leads leave open
-what changes its sign from end to end, so one must end in another phase.
-
-It follows from 3D shafts of one and two whole numbers of leads, and a third one that ends in another phase of the groove,
-clamped at one flat end and loaded at the other, a rigid section; the difference of the first two is that of the leads
-between. Their meshes are too stiff, by a per cent in bending, so that this difference serves only the cut.
+E is fitted by least squares to three 3D shafts of different length, clamped at one flat end and loaded at the other, a
+rigid section. The first is a whole number of leads long, the second twice as long. Both leave the terms undetermined that
+change sign from end to end, so the third shaft ends at another phase of the groove. The difference of the first two is the
+flexibility of the leads between. It serves only to fit E, because these meshes are too stiff, by a per cent in bending.
 
 The stiffnesses are exact but for a plane mesh, because the shaft is invariant under the helix of its groove. With (r,
 zeta, phi) of `meshes.groove_map`, zeta = z - r_g phi, the geometry does not depend on phi, nor does the strain of an
@@ -63,12 +61,12 @@ _UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0
 
 
 def groove_azimuth(m: GrooveMap, z: float) -> float:
-    """Azimuth [rad] of the middle of the first start's groove where it passes the station z [m]."""
+    """Return the azimuth [rad] of the middle of the first start's groove at the axial position z [m]."""
     return m.phase + (z - m.z0) / m.rg
 
 
-def turned(flexibility: Array, azimuth: float) -> Array:
-    """Flexibility in the fixed frame from that in a frame at an azimuth.
+def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
+    """Rotate a flexibility from a frame at an azimuth into the fixed frame.
 
     Parameters
     ----------
@@ -87,8 +85,8 @@ def turned(flexibility: Array, azimuth: float) -> Array:
     return np.asarray(R @ flexibility @ R.T)
 
 
-def at_low(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Flexibility of a lower cut end, in the fixed frame: motion of the beam against the fixed section.
+def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
+    """Compute the flexibility of a cut lower end in the fixed frame: motion of the beam against the fixed section.
 
     Parameters
     ----------
@@ -97,18 +95,18 @@ def at_low(cut: Array, m: GrooveMap, z: float) -> Array:
     m : GrooveMap
         Track.
     z : float
-        Station of the end [m].
+        Axial position of the end [m].
 
     Returns
     -------
     (6, 6) Array
-        [m/N, 1/N, 1/(N m)].
+        Flexibility [m/N, 1/N, 1/(N m)].
     """
-    return turned(HALF_TURN @ cut @ HALF_TURN, groove_azimuth(m, z))
+    return rotate_flexibility(HALF_TURN @ cut @ HALF_TURN, groove_azimuth(m, z))
 
 
-def at_high(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Flexibility of an upper cut end, in the fixed frame: motion of the rigid section against the beam.
+def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
+    """Compute the flexibility of a cut upper end in the fixed frame: motion of the rigid section against the beam.
 
     Parameters
     ----------
@@ -117,22 +115,22 @@ def at_high(cut: Array, m: GrooveMap, z: float) -> Array:
     m : GrooveMap
         Track.
     z : float
-        Station of the end [m].
+        Axial position of the end [m].
 
     Returns
     -------
     (6, 6) Array
-        [m/N, 1/N, 1/(N m)].
+        Flexibility [m/N, 1/N, 1/(N m)].
     """
-    return turned(cut, groove_azimuth(m, z))
+    return rotate_flexibility(cut, groove_azimuth(m, z))
 
 
-def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
-    """Flexibility E of one cut, fitted to shafts of several lengths with their middle at ``m.z0``.
+def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
+    """Fit the flexibility E of one cut end to shafts of several lengths whose middle lies at ``m.z0``.
 
-    The rotation by a shear force and the displacement by a moment, equal in all directions, are fitted together with E.
-    The shear flexibility is taken as given: another one would only be another definition of the beam's rotation, and E
-    makes up for it.
+    The rotation by a shear force and the displacement by a moment, equal in all directions, are fitted together with E. The
+    shear flexibility is prescribed: another one would only be another definition of the beam's rotation, for which E
+    compensates.
 
     Parameters
     ----------
@@ -141,7 +139,7 @@ def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], 
     flexibilities : Sequence[tuple[float, Array]]
         Length [m] and F ``(6, 6)`` of every shaft.
     per_length : (6, 6) Array
-        Flexibility of a metre of the uniform beam.
+        Flexibility of the uniform beam per unit length.
 
     Returns
     -------
@@ -154,22 +152,24 @@ def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], 
     chiral[[0, 1, 3, 4], [3, 4, 0, 1]] = m.R
     columns, wanted = [], []
     for length, F in flexibilities:
-        rows = [*(_ends(m, length, e * scale) for e in _UNITS), uniform_cantilever(length, chiral)]
+        rows = [*(_effect_of_both_cuts(m, length, e * scale) for e in _UNITS), uniform_cantilever(length, chiral)]
         columns.append(np.array([(x / scale)[_UPPER] for x in rows]).T)
         wanted.append(((F - uniform_cantilever(length, per_length)) / scale)[_UPPER])
     coefficients = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
     return np.asarray(np.tensordot(coefficients[:-1], _UNITS, 1) * scale)
 
 
-def _ends(m: GrooveMap, length: float, cut: Array) -> Array:
-    """Motion ``(6, 6)`` of the upper end of a shaft by what both of its cuts do."""
+def _effect_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
+    """Compute the motion ``(6, 6)`` of the upper end of a shaft that is due to both of its cut ends."""
     T, half = transport(length), length / 2.0
-    return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))  # T A T^T + R_b E R_b^T
+    return np.asarray(
+        T @ lower_cut_flexibility(cut, m, m.z0 - half) @ T.T + upper_cut_flexibility(cut, m, m.z0 + half)
+    )  # T A T^T + R_b E R_b^T
 
 
 @dataclass(frozen=True)
 class Homogenised:
-    """Grooved shaft as a uniform beam."""
+    """Uniform beam equivalent to a grooved shaft."""
 
     #: Stiffnesses of the beam.
     section: ShaftSection
@@ -181,13 +181,13 @@ class Homogenised:
     cut: Array
 
 
-#: Leads by which the third shaft is longer than the first: a quarter changes the phase of what sways once and twice in
-#: a lead.
+#: Number of leads by which the third shaft is longer than the first: a quarter changes the phase of terms that vary once
+#: or twice in a lead.
 OTHER_PHASE = 0.25
 
 
-def lengths(m: GrooveMap) -> tuple[float, float, float]:
-    """Lengths of the short, the long and the third of the 3D shafts [m].
+def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
+    """Choose the lengths of the short, the long and the third 3D shaft [m].
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def lengths(m: GrooveMap) -> tuple[float, float, float]:
 def homogenise(
     m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
 ) -> Homogenised:
-    """Homogenise a grooved shaft; beyond its groove a shaft without lead is plain.
+    """Compute the uniform beam equivalent to a grooved shaft, from its helical section and from three 3D shafts.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def homogenise(
     section : tuple[Array, float]
         Stiffnesses of the section, by `helical_stiffness`.
     shafts : Sequence[tuple[float, Array]]
-        Short, long and third shaft, by `meshed_shaft`.
+        Short, long and third shaft, by `meshed_shaft_flexibility`.
 
     Returns
     -------
@@ -244,13 +244,13 @@ def homogenise(
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
-    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut_flexibility(m, shafts, uniform))
+    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_cut_flexibility(m, shafts, uniform))
 
 
-def meshed_shaft(
+def meshed_shaft_flexibility(
     m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float
 ) -> tuple[float, Array]:
-    """Flexibility of a 3D shaft that is clamped at one end and rigid at the other.
+    """Compute the flexibility of a 3D shaft that is clamped at one end and rigid at the other.
 
     Parameters
     ----------
@@ -283,7 +283,8 @@ def meshed_shaft(
     return length, compliance((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])
 
 
-#: Strains that averages bring: their component (as of `_strain`), and the power of the radius by which it goes.
+#: Strains of an average stretch, twist or curvature: their component (as in `_strain_components`), and the power of the
+#: radius with which they grow.
 STRETCH, TWIST, CURVATURE = (2, 0), (5, 1), (2, 1)
 
 #: Second-order cells along the groove, along the land, and in depth.
@@ -293,7 +294,7 @@ CELLS = (32, 12, 12)
 def helical_stiffness(
     m: GrooveMap, outer: float, bore: float, material: Material, cells: tuple[int, int, int] = CELLS
 ) -> tuple[Array, float]:
-    """Stiffness of a grooved shaft per length, exact but for a plane mesh of its section.
+    """Compute the stiffness of a grooved shaft per length, exact but for a plane mesh of its section.
 
     Parameters
     ----------
@@ -326,13 +327,16 @@ def helical_stiffness(
     """
     mesh, period = _section_mesh(m, outer, bore, cells)
     basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=6)
-    stretch_and_twist = _stored(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
-    bending = _stored(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
+    stretch_and_twist = _strain_energy(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
+    bending = _strain_energy(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
     return stretch_and_twist, float(bending[0, 0])
 
 
 def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:
-    """Mesh of (r, zeta) over one period, middle of the groove at zeta = 0, and the period [m]."""
+    """Mesh the section (r, zeta) of a grooved shaft over one period, with the middle of the groove at zeta = 0.
+
+    The length of the period [m] is returned as well.
+    """
     along, land, deep = cells
     period = 2.0 * np.pi * abs(m.rg) / m.starts
     gamma = np.linspace(0.0, np.pi / 2.0, 4001)
@@ -357,8 +361,8 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
     return mesh.translated(np.stack([bore + depth[i] * (top[j] - bore), z[j]]) - mesh.p[:, :]), period
 
 
-def _strain(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
-    """rr, tt, zz, rz, rt, tz (engineering shears) of w with the derivatives along r and zeta."""
+def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
+    """Compute the strains rr, tt, zz, rz, rt, tz (engineering shears) of w from its derivatives along r and zeta."""
     u, v, w = value
     (u_r, u_z), (v_r, v_z), (w_r, w_z) = slope
     turn = 1j * n if n else 0.0
@@ -366,8 +370,10 @@ def _strain(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
     return [u_r, (v_t + u) / r, w_z, u_z + w_r, (u_t - v) / r + v_r, w_t / r + v_z]
 
 
-def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]) -> Array:
-    """Energy of average strains and the section's response to them, ``(k, k)``, integrated over the section."""
+def _strain_energy(
+    basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]
+) -> Array:
+    """Compute the energy ``(k, k)`` of average strains and the section's response to them, integrated over the section."""
     e, nu = material.youngs_modulus, material.poissons_ratio
     shear = e / (2.0 * (1.0 + nu))
     hooke = np.diag(shear * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]))
@@ -376,16 +382,16 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     weight = np.repeat(r * basis.dx, len(hooke), axis=1)
 
     def by_cells(strains: list[list[Array]]) -> Array:
-        """Strains as ``(cells, functions, points and components)``."""
+        """Arrange strains as an array ``(cells, functions, points and components)``."""
         values = np.array(strains).transpose(2, 0, 3, 1)
         return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
 
     def stress(strains: Array) -> Array:
-        """Weight stresses by the share of every point in the integral, ``(cells, points and components, functions)``."""
+        """Compute stresses times the integration weight of each point, ``(cells, points and components, functions)``."""
         values = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
         return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 
-    B = by_cells([_strain(f[0], f[0].grad, r, rg, n) for f in basis.basis])
+    B = by_cells([_strain_components(f[0], f[0].grad, r, rg, n) for f in basis.basis])
     mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in means])
     nodes, size = basis.element_dofs.T, basis.N
     lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
@@ -393,7 +399,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     F = np.zeros((size, len(means)), dtype=B.dtype)
     np.add.at(F, nodes, B.conj() @ stress(mean))
     prescribed = (mean @ stress(mean)).sum(axis=0)
-    T = _periodic(basis, period)
+    T = _periodic_constraints(basis, period)
     # the axis moves as a whole: n = 0 along and around, n = 1 across
     top = int(np.argmax(basis.doflocs[0]))
     point = np.flatnonzero(np.linalg.norm(basis.doflocs - basis.doflocs[:, [top]], axis=0) < 1e-12)
@@ -404,8 +410,8 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     return np.asarray((prescribed - np.conj(T.T @ F).T @ answer).real)
 
 
-def _periodic(basis: Basis, period: float) -> sp.csr_array:
-    """Return the freedoms ``(n, m)`` of a period whose ends are tied together, from the independent ones."""
+def _periodic_constraints(basis: Basis, period: float) -> sp.csr_array:
+    """Return the matrix ``(n, m)`` that gives all degrees of freedom of a period from those independent with tied ends."""
     x = basis.doflocs
     low, high = (np.flatnonzero(np.abs(x[1] - s * 0.5 * period) < 1e-9 * period) for s in (-1.0, 1.0))
     low, high = (at[np.lexsort((at, x[0, at]))] for at in (low, high))

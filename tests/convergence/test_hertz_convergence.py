@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.hertz_studies import GROUP, study
 
-from rollbench.hifi.contact.block import JOBS, SIZE, carried_areas, surface_compliance
+from rollbench.hifi.contact.block import JOBS, SIZE, nodal_contact_areas, surface_compliance
 from rollbench.meshes.block import Influence, graded, hexahedra, tetrahedra
 from rollbench.meshes.fem import nodes_on
 
@@ -84,11 +84,11 @@ def test_mesh_fills_the_block_and_its_contact_plane(element):
     else:
         mesh = tetrahedra(order, Influence(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
     assert mesh.element == element
-    assert carried_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
+    assert nodal_contact_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
     assert np.abs(mesh.points[nodes_on(mesh.mesh, "contact"), 2]).max() < 1e-12 * a
     assert mesh.points.min() > -1e-12 * a
     assert mesh.points.max() == pytest.approx(3 * a)
-    touching = carried_areas(mesh) > 0.0
+    touching = nodal_contact_areas(mesh) > 0.0
     corners = np.unique(mesh.mesh.facets[:, mesh.mesh.boundaries["contact"]])
     assert touching[corners].all() != (element == "P2")
     np.testing.assert_allclose(mesh.points[nodes_on(mesh.mesh, "cut")].max(axis=1), 3 * a)

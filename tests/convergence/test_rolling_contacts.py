@@ -8,7 +8,7 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.bodies import ball_kernel
 from rollbench.hifi.rolling.contact_bodies import Zone
-from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch
+from rollbench.hifi.rolling.patch import Patch, cell_grid, hertz_patch
 from rollbench.lowfi.friction.contact.laws import contacts, friction
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
@@ -17,8 +17,8 @@ GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)
 
 @pytest.mark.parametrize(
     ("solve", "cells", "share"),
-    [(verification.carter, 82, share) for share in (0.1, 0.25, 0.5, 0.75, 0.9)]
-    + [(verification.mindlin, 28, share) for share in (0.25, 0.5, 0.75)],
+    [(verification.compare_with_carter, 82, share) for share in (0.1, 0.25, 0.5, 0.75, 0.9)]
+    + [(verification.compare_with_mindlin, 28, share) for share in (0.25, 0.5, 0.75)],
 )
 def test_carter_and_cattaneo_and_mindlin(solve, cells, share):
     """Creep force or shift and stick width to 0.5 %, in the first and second halves of the range."""
@@ -28,26 +28,26 @@ def test_carter_and_cattaneo_and_mindlin(solve, cells, share):
 
 @pytest.mark.parametrize("quantity", [0, 1])
 def test_carter_converges_with_the_grid(quantity):
-    errors = [abs(np.subtract(*verification.carter(n, 0.5))[quantity]) for n in (20, 80)]
+    errors = [abs(np.subtract(*verification.compare_with_carter(n, 0.5))[quantity]) for n in (20, 80)]
     assert errors[1] < 0.2 * errors[0]
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
 def test_cattaneo_and_mindlin_stick_radius_converges(share):
     """In second order; a count of cells, of first, halves its error."""
-    errors = [abs(np.subtract(*verification.mindlin(n, share))[1]) for n in (14, 28)]
+    errors = [abs(np.subtract(*verification.compare_with_mindlin(n, share))[1]) for n in (14, 28)]
     assert errors[1] < 0.3 * errors[0]
 
 
 def test_stick_is_measured_by_what_the_tractions_leave_of_their_bound():
     """Uniform remainders of friction on known cells: deviations of a rectangle, exact on any grid, whatever else slips."""
     size = np.array([0.5, 0.25])
-    index, at = grid((8, 6), size)
+    index, at = cell_grid((8, 6), size)
     patch = Patch(index, at, size, np.ones(48), (210e9, 0.3), 0.0)
     held = (index[:, 0] >= 2) & (index[:, 1] < 3)
     forces = np.concatenate([np.where(held, 0.06, 0.1), np.where(held, 0.08, 0.0)])
     bound = np.where(held, 0.3, 0.1)
-    assert verification.deviations(patch, bound, forces) == pytest.approx(np.array([3.0, 0.75]) / np.sqrt(12.0))
+    assert verification.stick_zone_deviations(patch, bound, forces) == pytest.approx(np.array([3.0, 0.75]) / np.sqrt(12.0))
 
 
 def test_lateral_and_longitudinal_creep_are_alike_without_poisson():
@@ -69,10 +69,10 @@ def test_half_of_the_cells_gives_the_coefficients_of_all():
 def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
     """Nearly rigid bodies; spin pole far from, near and inside the contact. The grid's error falls with its cells."""
     creep = verification.Creep(0.02, 0.004, spin)
-    exact, moment = verification.slip_everywhere(*GROOVE, creep, 0.1)
+    exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1)
     errors = []
     for shape in ((12, 12), (36, 36)):
-        found = verification.steady(hertz_patch(*GROOVE, shape), creep, 0.1, elastic=1e-3)
+        found = verification.solve_steady_rolling(hertz_patch(*GROOVE, shape), creep, 0.1, elastic=1e-3)
         assert found.friction.converged
         scale = np.abs(exact).max()
         errors.append(max(np.abs(found.force - exact).max() / scale, abs(found.moment - moment) / (scale * 1e-4)))
@@ -83,9 +83,9 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
 def test_the_bias_of_a_spin_pole_inside_a_cell_is_that_of_slip_at_its_centre():
     """Of a per cent and more where the slip is taken at centres; the staircase edge alone leaves less than 0.1 %."""
     creep, patch = verification.Creep(0.02, 0.004, 400.0), hertz_patch(*GROOVE, (32, 32))
-    exact, moment = verification.slip_everywhere(*GROOVE, creep, 0.1, 1200)
-    alone = verification.steady(patch, creep, 0.1, elastic=1e-3)
-    force, turn = verification.slip_within_cells(patch, creep, 0.1)
+    exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1, 1200)
+    alone = verification.solve_steady_rolling(patch, creep, 0.1, elastic=1e-3)
+    force, turn = verification.full_slip_within_cells(patch, creep, 0.1)
     assert abs(alone.force[0] / exact[0] - 1.0) > 0.01
     assert force == pytest.approx(exact, rel=1e-3)
     assert turn == pytest.approx(moment, rel=1e-3)
@@ -98,13 +98,13 @@ def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
     size = hertz(load, *radii, young, poisson)
     contact = contacts(size.semi_y, size.semi_x, load, 0.1)
     low = friction(contact, np.array([[0.004, 0.02, spin]]))
-    force, moment = verification.slip_everywhere(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
+    force, moment = verification.full_slip_by_quadrature(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
     assert force == pytest.approx(low.force[0][::-1], rel=1e-3, abs=1e-3)
     assert abs(moment) == pytest.approx(abs(float(low.moment[0])), rel=1e-3)
 
 
 def test_full_slip_without_spin_is_the_coefficient_of_friction():
-    found = verification.steady(hertz_patch(*GROOVE, (12, 12)), verification.Creep(0.3, 0.4, 0.0), 0.1)
+    found = verification.solve_steady_rolling(hertz_patch(*GROOVE, (12, 12)), verification.Creep(0.3, 0.4, 0.0), 0.1)
     assert found.force == pytest.approx([-6.0, -8.0], rel=1e-3)
     assert not found.friction.stick[0].any()
 

@@ -9,7 +9,7 @@ from skfem import ElementVector
 from tests.fe_meshes import force
 from tests.helpers import relative
 
-from rollbench.hifi.elements.forms import assemble, elasticity, faces
+from rollbench.hifi.elements.forms import assemble, elasticity, face_basis
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
 from rollbench.meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
@@ -42,7 +42,7 @@ def hexahedra(counts):
 
 def patch_rows(mesh):
     """Loads (3 c, 3 n) of unit forces along r, t and z, spread with the density of a Gaussian in z and in angle."""
-    surface = faces(mesh, "bore", element=ElementVector(mesh.elem()), quadrature=None, intorder=9)
+    surface = face_basis(mesh, "bore", element=ElementVector(mesh.elem()), quadrature=None, intorder=9)
 
     def spread(azimuth, z, axis):
         def traction(x):

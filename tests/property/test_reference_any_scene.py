@@ -17,8 +17,15 @@ from rollbench.compare.reference.levels import BALL
 from rollbench.compare.reference.tasks import Task, needed_sides, settings_of
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies import coarse
-from rollbench.hifi.meshing.part_meshes import ball_place, mesh_parts, patch_lines, patch_mesh, patch_normals, socket_size
-from rollbench.hifi.meshing.settings import Settings, expected_contacts, rounded
+from rollbench.hifi.meshing.part_meshes import (
+    ball_socket_and_map,
+    choose_patch_lines,
+    choose_socket_size,
+    mesh_parts,
+    mesh_patch,
+    patch_normals,
+)
+from rollbench.hifi.meshing.settings import Settings, expected_contacts, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
@@ -92,8 +99,8 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     few = {"b_over_h": 0.8, "cuts": (2, 2, 2), "own_cuts": (2, 2, 2), "modes": 6, "ball_modes": 8, "growth": 2.5}
     sizes = {"fine": 3e-3, "coarse": 12e-3, "ball_fine": 1e-3, "ball_coarse": 2e-3}
     settings = Settings(
-        semi=rounded(contacts.semi()),
-        reach=rounded(contacts.reach()),
+        semi=round_up_lengths(contacts.semi()),
+        reach=round_up_lengths(contacts.reach()),
         own_sizes=(3e-3 * ratio, 8e-3 * ratio),
         own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
         **{name: size * ratio for name, size in sizes.items()},
@@ -124,7 +131,7 @@ def sockets_of(scene, cuts):
     settings, small = replace(settings_of([scene], 1), cuts=cuts), shortened(scene)
     m, layout, sides = GrooveMap.of(small), ball_layout(small), needed_sides(scene)
     meshes = mesh_parts(small, m, layout, dimensions(small), sides, settings)
-    whole = socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions(scene), settings)
+    whole = choose_socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions(scene), settings)
     assert (meshes.size.gamma, meshes.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
     return m, meshes, settings, sides
 
@@ -132,13 +139,15 @@ def sockets_of(scene, cuts):
 def check_patches(scene, cuts):
     m, meshes, settings, sides = sockets_of(scene, cuts)
     assert min(body.quality.smallest for body in (meshes.screw, meshes.nut, meshes.ball)) > 0.0
-    zone = patch_lines(settings, meshes.widths, meshes.size.depth)[1]
+    zone = choose_patch_lines(settings, meshes.widths, meshes.size.depth)[1]
     assert zone[0] * meshes.widths[0] >= settings.reach[0]
     assert zone[1] * meshes.widths[1] >= settings.reach[1]
     for side in sides:
         body = meshes.screw if side < 2 else meshes.nut
-        groove = patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
-        ball = patch_mesh(meshes, meshes.ball.sockets[side], ball_place(m, meshes.size, side, meshes.zone)[1], settings)
+        groove = mesh_patch(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
+        ball = mesh_patch(
+            meshes, meshes.ball.sockets[side], ball_socket_and_map(m, meshes.size, side, meshes.zone)[1], settings
+        )
         assert min(measure(x.mesh).smallest for x in (groove, ball)) > 0.1
         found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
         np.testing.assert_allclose(found, wanted, atol=1e-9)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair, screw_pair
 
-from rollbench.hifi.rolling.balls import Choices, solve_rigid_rolling, solve_rolling, without_meetings
-from rollbench.hifi.rolling.kinematics import Track, meeting
+from rollbench.hifi.rolling.balls import Choices, solve_rigid_rolling, solve_rolling, without_ball_contacts
+from rollbench.hifi.rolling.kinematics import Track, ball_to_ball_contact
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import solve_pair
 
@@ -40,7 +40,7 @@ def test_forces_and_moments_balance_and_power_is_lost(name):
 def test_mated_grooves_keep_the_balls_apart_without_force_and_balls_that_part_do_not_touch():
     """Case (b) of Lin 3.3.4: opposite contacts stay opposite; zero by symmetry, to round-off."""
     scene = linear_pair(mated=True)
-    free = solve_rolling(without_meetings(scene), COARSE)
+    free = solve_rolling(without_ball_contacts(scene), COARSE)
     assert abs(free.speed[0] - free.speed[1]) < 1e-12 * free.speed[0]
     assert solve_rolling(scene, COARSE).force[0] < 1e-9
     parting = solve_rolling(linear_pair(rho=0.6), COARSE)
@@ -65,7 +65,10 @@ def test_turned_frame_changes_nothing():
     track = Track(turn @ scene.track.axis, turn @ scene.track.forward)
     line = turn @ np.array([0.0, 0.0, 1.0])
     turned = replace(
-        scene, balls=balls, track=track, meetings=(meeting(0, 1, (np.eye(3), np.eye(3)), line, track, scene.radius),)
+        scene,
+        balls=balls,
+        track=track,
+        meetings=(ball_to_ball_contact(0, 1, (np.eye(3), np.eye(3)), line, track, scene.radius),),
     )
     one, two = solve_rolling(scene, COARSE), solve_rolling(turned, COARSE)
     assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)

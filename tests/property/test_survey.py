@@ -14,7 +14,7 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.compare.studies.survey import SCENES, SEED, described, scene_text, surveyed
 from rollbench.compare.studies.sweep import sample
-from rollbench.hifi.meshing.part_meshes import socket_size
+from rollbench.hifi.meshing.part_meshes import choose_socket_size
 from rollbench.hifi.meshing.settings import expected_contacts
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -50,7 +50,7 @@ def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
     assert 1.0 <= described(scene)["low_face_radii"] < 1.14
     settings = settings_of([scene], 1)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
-    size = socket_size(scene, m, layout, needed_sides(scene), dimensions(scene), settings)
+    size = choose_socket_size(scene, m, layout, needed_sides(scene), dimensions(scene), settings)
     assert size.gamma * m.radius.min() >= settings.reach[0]
     assert size.phi * m.R >= settings.reach[1]
 

@@ -24,7 +24,13 @@ from rollbench.compare.printed import entry, load_table
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.hifi.rolling.patch import hertz_patch
-from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
+from rollbench.hifi.rolling.verification import (
+    Creep,
+    OnsetStep,
+    push_and_roll,
+    solve_steady_rolling,
+    solve_steady_rolling_as_contact,
+)
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, curvatures, of_angle, thrust_state
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded
 from rollbench.lowfi.bearings.combined_load import load_zone
@@ -362,9 +368,9 @@ def example(cells: int, *, by_cells: bool = False) -> Example:
     case, touch = inputs()["contact"], _example("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
-        found = steady_by_cells(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
+        found = solve_steady_rolling_as_contact(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
     else:
-        found = steady(hertz_patch(*touch, (cells, cells)), creep, mu)
+        found = solve_steady_rolling(hertz_patch(*touch, (cells, cells)), creep, mu)
     sticking = int(np.count_nonzero(found.friction.stick[0]))
     return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
 
@@ -401,17 +407,17 @@ def _wheel(findings: Findings) -> None:
     for row in load_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
-            force = steady_by_cells(patch, Creep(float(creep), 0.0, 0.0), mu).force
+            force = solve_steady_rolling_as_contact(patch, Creep(float(creep), 0.0, 0.0), mu).force
             findings.number(row.key, float(force[0]) / (mu * load))
 
 
 @lru_cache(maxsize=4)
-def transient(case: str, steps: int) -> list[Onset]:
+def transient(case: str, steps: int) -> list[OnsetStep]:
     """Solve a CONTACT example: a ball is pushed sideways, then rolls ``steps`` cells under that force."""
     numbers, (load, circle) = inputs()[case], _hertz(case)
     margin = 0.5 * input_in_SI(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
-    return onset(patch, numbers["friction"], numbers["share"], steps)
+    return push_and_roll(patch, numbers["friction"], numbers["share"], steps)
 
 
 def _transients(findings: Findings) -> None:

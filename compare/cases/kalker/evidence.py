@@ -18,7 +18,7 @@ from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import case_of
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, contact_place, solve_rolling
 from rollbench.hifi.rolling.bodies import Place, Sizes
 from rollbench.hifi.rolling.patch import Patch, hertz_patch
 from rollbench.hifi.rolling.verification import linear_coefficients
@@ -154,27 +154,29 @@ def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
     """Return `AT_REST` of the most loaded contact of two balls of a screw; cells: grid of the static reference."""
     at, load, material = _most_loaded()
-    return _read(verification.static_reference(at, load, *material, cells))
+    return _read(verification.solve_by_static_reference(at, load, *material, cells))
 
 
 def _most_loaded() -> tuple[Place, float, tuple[float, float]]:
     """Return place, load [N] and elastic constants of the most loaded contact of a screw's two balls."""
     scene = case_of(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
-    return place_of(scene, touch)[0], touch.load, (scene.young, scene.poisson)
+    return contact_place(scene, touch)[0], touch.load, (scene.young, scene.poisson)
 
 
 def _at_rest() -> Iterator[Proof]:
     """Yield the tests of a contact at rest against the static reference's patch."""
     at, load, material = _most_loaded()
     exact = resting()
-    found = [_read(verification.at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
+    found = [
+        _read(verification.solve_normal_contact_at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()
+    ]
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
         values = tuple(one[k] for one in found)
         yield Proof("no motion: the static reference's patch", name, values, exact[k], reach, values[-1], FINER)
 
 
-def _read(one: verification.Pressed) -> tuple[float, ...]:
+def _read(one: verification.NormalContact) -> tuple[float, ...]:
     """Return approach [um], semi-axes [um] and peak pressure [MPa] of a pressed contact."""
     return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
 
@@ -184,7 +186,7 @@ def _elements() -> Iterator[Proof]:
     load, radii, young, poisson = GROOVE
     at = Place(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
-    found = [verification.uniform_on_half_space(zone, at.ball, young, poisson) for zone in zones]
+    found = [verification.compare_half_space_displacements(zone, at.ball, young, poisson) for zone in zones]
     for k, name in enumerate(("along", "across", "normal")):
         values = tuple(1e9 * float(f[0][k]) for f in found)
         exact, quantity = 1e9 * float(found[-1][1][k]), f"compliance, {name} [nm/N]"
@@ -197,7 +199,7 @@ def _rubbing() -> Iterator[Proof]:
     scene = case_of(case(LINEAR, KindScene), choices).touching
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
-        shares = [verification.rubbing(scene, found, 0, points, bodies) for points in grids]
+        shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]
         for k, name in enumerate(("force over that of a point", "loss over that of a point")):
             values = tuple(s[k] for s in shares)
             yield Proof(f"balls that touch, over {where}", name, values, 1.0, RUB_REACH, values[-1])
@@ -206,11 +208,11 @@ def _rubbing() -> Iterator[Proof]:
 def _carter() -> Iterator[Proof]:
     """Yield the tests against Carter's solution: force, and half width of the stick zone."""
     for share in (0.1, 0.25, 0.5, 0.75, 0.9):
-        found = [verification.carter(n, share) for n in (41, 61, 82)]
+        found = [verification.compare_with_carter(n, share) for n in (41, 61, 82)]
         for k, name in enumerate(("force over mu P", "half width of stick over a")):
             values = tuple(float(f[0][k]) for f in found)
             yield Proof(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0], values[-1])
-    found = [verification.carter(n, NARROW) for n in (40, 80, 160)]
+    found = [verification.compare_with_carter(n, NARROW) for n in (40, 80, 160)]
     for k, name in enumerate(("force over mu P", "half width of stick over a")):
         values, exact = tuple(float(f[0][k]) for f in found), float(found[-1][1][k])
         name += " (stick of a few cells: no order)"
@@ -221,7 +223,7 @@ def _mindlin() -> Iterator[Proof]:
     """Yield the tests against Cattaneo and Mindlin: force and stick radius, on half spaces and finite balls."""
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
-            found = [verification.mindlin(n, share, balls=balls) for n in (14, 20, 28)]
+            found = [verification.compare_with_mindlin(n, share, balls=balls) for n in (14, 20, 28)]
             for k, name in enumerate(("force over mu P", "stick radius over a")):
                 values = tuple(float(f[0][k]) for f in found)
                 yield Proof(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[1], values[-1])
@@ -230,19 +232,21 @@ def _mindlin() -> Iterator[Proof]:
 def _full_slip() -> Iterator[Proof]:
     """Yield the tests under full slip: by quadrature, by the grid, and by differences as runs are evaluated."""
     for where, creep in SLIPS.items():
-        exact = _wrench(*verification.slip_everywhere(*GROOVE, creep, MU, 1200))
+        exact = _wrench(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
-            "by quadrature": [_wrench(*verification.slip_everywhere(*GROOVE, creep, MU, n)) for n in (150, 225, 300)],
+            "by quadrature": [
+                _wrench(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n)) for n in (150, 225, 300)
+            ],
             BY_GRID: [_stiff(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
-            ways[RESOLVED] = [_wrench(*verification.slip_within_cells(p, creep, MU)) for p in patches]
+            ways[RESOLVED] = [_wrench(*verification.full_slip_within_cells(p, creep, MU)) for p in patches]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
                 yield Proof(f"full slip {way}, {where}", name, values, known, reach, values[-1])
-        limits = [_wrench(*verification.slip_everywhere(*GROOVE, creep, MU, n)) for n in QUADRATURES]
+        limits = [_wrench(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n)) for n in QUADRATURES]
         found = [_differenced(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
@@ -256,7 +260,7 @@ def _wrench(force: Array, moment: float) -> tuple[float, float]:
 
 def _stiff(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
     """Return force [N] and moment [N mm] of steady rolling with the elastic response scaled by ``share``."""
-    found = verification.steady(patch, creep, MU, elastic=share)
+    found = verification.solve_steady_rolling(patch, creep, MU, elastic=share)
     return _wrench(found.force, found.moment)
 
 

@@ -36,7 +36,7 @@ from rollbench.compare.studies.rolling.rows import (
 )
 from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load_run
 from rollbench.compare.studies.rolling.runs import sizes as body_sizes
-from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
+from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_semi_axes, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Quantity, Row, Section, Table, Text
@@ -86,7 +86,7 @@ def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
     """Return the fields of one contact, the axis across the groove first; slip relative to the rolling speed."""
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene)
-    along, across = hertz_size(scene, touch)
+    along, across = hertz_semi_axes(scene, touch)
     area = float(one.size.prod())
     turned = [1, 0]
     return PatchField(

@@ -10,19 +10,19 @@ from rollbench.compare.errors import Refusal
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearScene
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.hifi.rolling.balls import Choices, without_meetings
+from rollbench.hifi.rolling.balls import Choices, without_ball_contacts
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.scenes import (
     Cell,
     Layout,
     Material,
-    cell_loads,
     hertz_constants,
     linear_layout,
     ring_layout,
-    scene_of,
+    rolling_scene,
     screw_layout,
-    solve_loaded,
+    solve_loads_with_rolling,
+    solve_static_cell,
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS
@@ -112,8 +112,8 @@ def _linear(scene: LinearScene) -> Case:
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
         loads = np.array([_given(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
-    whole = scene_of(layout, material, normals, loads)
-    return Case(scene.name, scene.kind, without_meetings(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False)
+    whole = rolling_scene(layout, material, normals, loads)
+    return Case(scene.name, scene.kind, without_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False)
 
 
 def _given(scene: LinearScene, normals: Array, rho: float) -> Array:
@@ -132,7 +132,7 @@ def _pressed(scene: LinearScene, layout: Layout, material: Material, normals: Ar
     reach = layout.groove_radius - layout.radius
     none = np.zeros((1, 2))
     cell = Cell(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
-    found = cell_loads(cell)
+    found = solve_static_cell(cell)
     if not found.converged:
         _refuse(scene, "load", "contact loads do not balance", 'take loads whose balance exists, or "balanced"')
     return found.normal[0], found.force[0]
@@ -179,14 +179,16 @@ def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
     scenes = []
     for meet in (False, True):
         if coupled:
-            loads, good = solve_loaded(layout, material, cell, choices, meet=meet)
+            loads, good = solve_loads_with_rolling(layout, material, cell, choices, meet=meet)
         else:
-            loads = cell_loads(cell)
+            loads = solve_static_cell(cell)
             good = loads.converged
         if not good:
             _refuse(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
-        scenes.append(scene_of(layout, material, loads.normal, loads.force))
-    return Case(scene.name, scene.kind, without_meetings(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled)
+        scenes.append(rolling_scene(layout, material, loads.normal, loads.force))
+    return Case(
+        scene.name, scene.kind, without_ball_contacts(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled
+    )
 
 
 def _ring(scene: BearingBallScene) -> Case:
@@ -210,8 +212,8 @@ def _ring(scene: BearingBallScene) -> Case:
         np.array([scene.force]),
         np.zeros((1, 2)),
     )
-    loads = cell_loads(cell)
+    loads = solve_static_cell(cell)
     if not loads.converged:
         _refuse(scene, "load", "contact loads do not balance", "take a load that presses the ball")
-    whole = scene_of(layout, material, loads.normal, loads.force)
+    whole = rolling_scene(layout, material, loads.normal, loads.force)
     return Case(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

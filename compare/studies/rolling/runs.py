@@ -156,7 +156,7 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
         return LEVELS[level]
     size = SOURCE_SIZE[case.kind]
     largest = max((t for b in case.touching.balls for t in b.touches), key=lambda t: t.load)
-    along, across = (max(1, round(2.0 * MARGIN * a / size)) for a in balls.hertz_size(case.touching, largest))
+    along, across = (max(1, round(2.0 * MARGIN * a / size)) for a in balls.hertz_semi_axes(case.touching, largest))
     return along, across
 
 

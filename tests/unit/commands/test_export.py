@@ -161,7 +161,7 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
     for part, mesh in solids.items():
         faces = np.concatenate(list(mesh.boundaries.values()))
         np.testing.assert_array_equal(np.sort(faces), mesh.boundary_facets())
-        volume = float(forms.share().assemble(forms.cells(mesh)).sum())
+        volume = float(forms.nodal_share_form().assemble(forms.cell_basis(mesh)).sum())
         if part == "ball":
             assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
         if part == "nut":
@@ -172,7 +172,9 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
             assert tube - groove < volume < tube - 0.3 * groove
     # where the scene says so, the groove of the nut ends
     filled = coarse_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut")
-    through, ended = (float(forms.share().assemble(forms.cells(mesh)).sum()) for mesh in (solids["nut"], filled))
+    through, ended = (
+        float(forms.nodal_share_form().assemble(forms.cell_basis(mesh)).sum()) for mesh in (solids["nut"], filled)
+    )
     assert ended > 1.02 * through
 
 
@@ -282,7 +284,7 @@ def test_calculix_solves_an_exported_whole_nut(hold: str, solids, tmp_path: Path
     assert set(nodes) == set(np.unique(end))
     work = float((forces[nodes] * theirs).sum())
     assert work == pytest.approx((forces * moved_here(points, cells, held, forces)).sum(), rel=2e-3)
-    monkeypatch.setattr(forms, "rule", lambda mesh: get_quadrature(mesh.elem.refdom, 2))
+    monkeypatch.setattr(forms, "stiffness_quadrature", lambda mesh: get_quadrature(mesh.elem.refdom, 2))
     ours = moved_here(points, cells, held, forces)
     assert work == pytest.approx((forces * ours).sum(), rel=5e-5)
     np.testing.assert_allclose(theirs, ours[nodes], atol=5e-3 * np.abs(ours).max())

@@ -8,16 +8,16 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft import section as cell
-from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube, uniform_cantilever
-from rollbench.hifi.shaft.mounting import Stretch, mount, without_cuts
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section, uniform_cantilever
+from rollbench.hifi.shaft.mounting import Stretch, mount_stretch, subtract_cut_ends
 from rollbench.hifi.shaft.section import (
     HALF_TURN,
-    at_high,
-    at_low,
-    cut_flexibility,
+    fit_cut_flexibility,
     groove_azimuth,
     helical_stiffness,
-    turned,
+    lower_cut_flexibility,
+    rotate_flexibility,
+    upper_cut_flexibility,
 )
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -59,9 +59,9 @@ def between(m, near, far, a, b):
     x, w = np.polynomial.legendre.leggauss(60)
     out = np.zeros((6, 6))
     for z, weight in zip(near + reach * (x + 1) / 2, reach * w / 2, strict=True):
-        out += weight * transport(a - z) @ turned(swaying(), groove_azimuth(m, z)) @ transport(b - z).T
-    out += transport(a - near) @ at_low(cut_end(), m, near) @ transport(b - near).T
-    return out + at_high(cut_end(), m, far) * (a == far and b == far)
+        out += weight * transport(a - z) @ rotate_flexibility(swaying(), groove_azimuth(m, z)) @ transport(b - z).T
+    out += transport(a - near) @ lower_cut_flexibility(cut_end(), m, near) @ transport(b - near).T
+    return out + upper_cut_flexibility(cut_end(), m, far) * (a == far and b == far)
 
 
 def shaft(m, length):
@@ -72,7 +72,7 @@ def shaft(m, length):
 def known(m, leads=(2, 4, 2.25), beam=0.0 * MEAN):
     """E of the swaying shaft: found from so many lengths; beam: what is added to each metre."""
     lengths = [k * LEAD for k in leads]
-    return cut_flexibility(m, [(x, shaft(m, x) + uniform_cantilever(x, beam)) for x in lengths], MEAN)
+    return fit_cut_flexibility(m, [(x, shaft(m, x) + uniform_cantilever(x, beam)) for x in lengths], MEAN)
 
 
 @pytest.mark.parametrize("hand", HANDS)
@@ -81,7 +81,7 @@ def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
     E = known(m)
     for length in (1.8 * LEAD, 2.5 * LEAD, 5.1 * LEAD):
         T, half = transport(length), length / 2
-        ends = T @ at_low(E, m, m.z0 - half) @ T.T + at_high(E, m, m.z0 + half)
+        ends = T @ lower_cut_flexibility(E, m, m.z0 - half) @ T.T + upper_cut_flexibility(E, m, m.z0 + half)
         wanted = shaft(m, length) - uniform_cantilever(length, MEAN)
         np.testing.assert_allclose(ends / SIZE, wanted / SIZE, atol=1e-11)
         assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
@@ -104,7 +104,7 @@ def test_a_longer_stretch_answers_like_the_shorter_one_between_beams(hand, ends)
     scene = replace(SCENE, supports=supports, loads=(Load(0.8, (0.0, 50.0, 5e3), (1.0, 2.0, 3.0)),))
 
     def answers(low, high):
-        found = mount(without_cuts(stretch(m, low, high), E, m, (0.0, 0.8)), scene, SECTION)
+        found = mount_stretch(subtract_cut_ends(stretch(m, low, high), E, m, (0.0, 0.8)), scene, SECTION)
         return found.G / np.tile(SIZE, (3, 3)), found.loads / np.tile(UNIT, 3)
 
     for one, other, left in zip(answers(0.35, 0.45), answers(*ends), (1e-9, 1e-8), strict=True):
@@ -118,11 +118,11 @@ def meshed():
 
     def once(length):
         if (key := round(length, 9)) not in known:
-            known[key] = cell.meshed_shaft(m, 16e-3, bore, steel, 8e-3, length)
+            known[key] = cell.meshed_shaft_flexibility(m, 16e-3, bore, steel, 8e-3, length)
         return known[key]
 
     section = helical_stiffness(m, 16e-3, bore, steel)
-    found = cell.homogenise(m, bore, steel, section, [once(length) for length in cell.lengths(m)])
+    found = cell.homogenise(m, bore, steel, section, [once(length) for length in cell.shaft_lengths(m)])
     return found, lambda length: once(length)[1], known
 
 
@@ -145,7 +145,11 @@ def test_a_hollow_shaft_shears_as_a_tube(meshed):
         plain = round_section(20e-3, 210e9, nu, bore)
         assert plain.kGA == pytest.approx(0.5 * kappa * plain.EA, rel=close)  # G = E / (2 (1 + nu)), kappa / (1 + nu)
     found, steel = meshed[0], SCENE.screw.material
-    assert found.section.kGA == tube(found.radii[1], 4e-3, steel).kGA < 0.83 * tube(found.radii[1], 0.0, steel).kGA
+    assert (
+        found.section.kGA
+        == tube_section(found.radii[1], 4e-3, steel).kGA
+        < 0.83 * tube_section(found.radii[1], 0.0, steel).kGA
+    )
 
 
 def test_a_meshed_shaft_is_beam_and_cuts(meshed):
@@ -162,7 +166,14 @@ def test_a_meshed_shaft_is_beam_and_cuts(meshed):
     T = transport(length)
     F = flexibility(length) / SIZE
     stake = F - uniform_cantilever(length, uniform) / SIZE
-    left = stake - (T @ at_low(found.cut, m, m.z0 - length / 2) @ T.T + at_high(found.cut, m, m.z0 + length / 2)) / SIZE
+    left = (
+        stake
+        - (
+            T @ lower_cut_flexibility(found.cut, m, m.z0 - length / 2) @ T.T
+            + upper_cut_flexibility(found.cut, m, m.z0 + length / 2)
+        )
+        / SIZE
+    )
     assert np.linalg.norm(stake) > 0.02 * np.linalg.norm(F)
     assert np.linalg.norm(left) < 2.5e-3 * np.linalg.norm(F)
     assert np.hypot(*stake[3:5, 2]) > 0.045 * F[2, 2]

@@ -10,7 +10,7 @@ from rollbench.compare.reference.computing import BEYOND, enlarged
 from rollbench.compare.reference.tasks import settings_of
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, scene_text
-from rollbench.hifi.meshing.part_meshes import patch_lines, reach_along, socket_size
+from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, contact_reach_along
 from rollbench.hifi.meshing.settings import expected_contacts, hertz_units
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -28,10 +28,10 @@ def prepared(scene=CASE, **changes):
 def zone(settings, setup=None):
     """Half widths [m] of the contact zone across and along the groove."""
     setup = setup or prepared()
-    size = socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
+    size = choose_socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
     width = size.gamma * float(setup.map.radius.mean())
     widths = (width, size.phi * setup.map.R)
-    shares = patch_lines(settings, widths, size.depth)[1]
+    shares = choose_patch_lines(settings, widths, size.depth)[1]
     return shares[0] * widths[0], shares[1] * widths[1]
 
 
@@ -75,7 +75,7 @@ def test_on_a_ring_nothing_is_askew(angle):
     ring = GrooveMap.of(catalogue.scene("bearing-9"))
     beta, b = np.array([np.radians(angle)]), np.array([1e-5])
     r = float(ring.R - ring.ball * np.cos(ring.beta))
-    assert reach_along(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(1e-5 * ring.R / r, rel=0.02)
+    assert contact_reach_along(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(1e-5 * ring.R / r, rel=0.02)
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():

@@ -9,8 +9,15 @@ from tests.helpers import small_screw
 from rollbench.compare.models.study import with_groove
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.meshing.part_meshes import socket_size
-from rollbench.hifi.meshing.settings import ExpectedContacts, Settings, closing, expected_contacts, hertz_units, rounded
+from rollbench.hifi.meshing.part_meshes import choose_socket_size
+from rollbench.hifi.meshing.settings import (
+    ExpectedContacts,
+    Settings,
+    expected_contacts,
+    hertz_units,
+    nut_shift_for_axial_force,
+    round_up_lengths,
+)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support
@@ -47,7 +54,7 @@ def test_ring_under_axial_load_is_the_closed_form():
 def test_a_nut_closes_all_balls_as_far_as_their_forces_sum_up_to_the_axial_one(force):
     """A shift x of the nut closes each ball's two contacts by x sin a, of whose forces the sine is along the axis."""
     sin, units = np.sin(RING.track.contact_angle), hertz_units(RING)
-    load = (closing(RING, force) * sin / (units[0].approach + units[3].approach)) ** 1.5
+    load = (nut_shift_for_axial_force(RING, force) * sin / (units[0].approach + units[3].approach)) ** 1.5
     assert RING.ball_count * load * sin == pytest.approx(force, rel=1e-12)
 
 
@@ -131,7 +138,7 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
     total = (found.load[:, 3] * np.sin(found.angle[:, 3])).sum() * np.cos(lead_angle(CASE.track))
     assert total == pytest.approx(5000.0, rel=1e-4)
     semi = found.semi()
-    a, b = rounded(semi)
+    a, b = round_up_lengths(semi)
     assert a >= semi[0] > a - 5e-6
     assert b >= semi[1] > b - 5e-6
     assert a / 5e-6 == pytest.approx(round(a / 5e-6))
@@ -140,8 +147,8 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
 def test_sockets_take_cuts_and_reach_from_the_settings():
     case = small_screw(4)
     m, layout, dims = GrooveMap.of(case), ball_layout(case), dimensions(case)
-    size = socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
+    size = choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
     assert size.cuts == (4, 3, 4)
     assert size.gamma > 0.3
     with pytest.raises(ValueError, match=r"reaches 3 mm .* room for"):
-        socket_size(case, m, layout, (0, 3), dims, Settings(reach=(3e-3, 0.1e-3)))
+        choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(3e-3, 0.1e-3)))

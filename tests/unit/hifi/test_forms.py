@@ -9,7 +9,16 @@ from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
 
 from rollbench.hifi.bodies.coarse import rigid_loads
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import CurvedMap, assemble, elasticity, faces, hooke, nodal_areas, rule, tensor
+from rollbench.hifi.elements.forms import (
+    CurvedMap,
+    assemble,
+    elasticity,
+    face_basis,
+    form_coefficients,
+    hooke,
+    nodal_areas,
+    stiffness_quadrature,
+)
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import freedoms_on, mesh_of, moved, nodes_on, points_of, tensor_grid
 
@@ -60,7 +69,7 @@ def test_forms_that_the_fast_assembly_cannot_evaluate_are_refused(curved):
     with pytest.raises(ValueError, match="gradients alone"):
         assemble(BilinearForm(lambda u, v, _: dot(u, v)), curved)
     with pytest.raises(AttributeError):
-        tensor(BilinearForm(lambda u, v, w: w.x[0] * ddot(grad(u), grad(v))))
+        form_coefficients(BilinearForm(lambda u, v, w: w.x[0] * ddot(grad(u), grad(v))))
 
 
 def test_curved_map_is_scikit_fems(curved):
@@ -79,7 +88,7 @@ def test_curved_map_is_scikit_fems(curved):
 def test_quadrature_has_positive_weights_and_its_degree():
     for kind, degree in (("P1", 1), ("P2", 3), ("Q1", 3), ("Q2", 5)):
         mesh = straight(kind)
-        X, W = rule(mesh)
+        X, W = stiffness_quadrature(mesh)
         assert W.min() > 0.0
         assert W.sum() == pytest.approx(1.0 if kind[0] == "Q" else 1.0 / 6.0, rel=1e-14)
         for k in range(degree + 1):  # x^k: 1 / (k + 1) on the cube, 6 k! / (k + 3)! / 6 on the simplex
@@ -119,14 +128,14 @@ def test_traction_of_a_constant_stress_is_the_nodal_force(kind):
     mesh = straight(kind)
     reaction = assemble(elasticity(E, NU), mesh) @ (points_of(mesh) @ LINEAR.T).ravel()
     vector, sides = space(mesh).elem, [(k, x) for k in range(3) for x in (0, 1)]
-    total = sum(force((2 * x - 1) * STRESS[k]).assemble(faces(mesh, f"{k} {x}", element=vector)) for k, x in sides)
+    total = sum(force((2 * x - 1) * STRESS[k]).assemble(face_basis(mesh, f"{k} {x}", element=vector)) for k, x in sides)
     np.testing.assert_allclose(total, reaction, atol=1e-12 * abs(reaction).max())
 
 
 def test_loads_and_areas_have_the_right_resultants(curved):
     """Volume by the divergence theorem, moment of a field of forces, tractions by the nodal areas, rigid motions as body
     forces."""
-    basis, surface = space(curved, quadrature=None, intorder=6), faces(curved, "all", element=space(curved).elem)
+    basis, surface = space(curved, quadrature=None, intorder=6), face_basis(curved, "all", element=space(curved).elem)
     volume = force(np.array([1.0, 0.0, 0.0])).assemble(basis).reshape(-1, 3)[:, 0].sum()
     around = Functional(lambda w: dot(w.x, w.n) / 3.0).assemble(surface)
     assert volume == pytest.approx(around, rel=1e-6)

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.beam import round_section
-from rollbench.hifi.shaft.section import helical_stiffness, meshed_shaft
+from rollbench.hifi.shaft.section import helical_stiffness, meshed_shaft_flexibility
 from rollbench.meshes.groove_map import GrooveMap
 
 SCENE = catalogue.scene("lin-case1")
@@ -63,7 +63,7 @@ def test_3d_shafts_converge_to_it() -> None:
     yielding = np.linalg.inv(A)
     off = []
     for size in (6e-3, 4.2e-3):
-        short, long = (meshed_shaft(MAP, LAND, bore, STEEL, size, k * lead)[1] for k in (1, 2))
+        short, long = (meshed_shaft_flexibility(MAP, LAND, bore, STEEL, size, k * lead)[1] for k in (1, 2))
         mesh = (long - short) / lead
         bend = 0.5 * (mesh[3, 3] + mesh[4, 4])
         direct = 1.0 - mesh[2, 2] / yielding[0, 0], 1.0 - mesh[5, 5] / yielding[1, 1], 1.0 - bend * EI

@@ -9,8 +9,8 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
-from rollbench.hifi.shaft.mounting import Stretch, as_stiff_as, beam_stretch, free_motions, mount
-from rollbench.hifi.shaft.section import at_high, at_low
+from rollbench.hifi.shaft.mounting import Stretch, beam_stretch, correct_beam_stiffness, free_motions, mount_stretch
+from rollbench.hifi.shaft.section import lower_cut_flexibility, upper_cut_flexibility
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
@@ -67,7 +67,7 @@ SCENES = {
 def test_a_stretch_that_is_a_beam_answers_like_the_whole_beam(name):
     supports, loads = SCENES[name]
     scene = replace(CASE, supports=supports, loads=loads)
-    found = mount(stretch(), scene, SECTION)
+    found = mount_stretch(stretch(), scene, SECTION)
     G, U = whole_beam(scene, [float(z) for z in STATIONS])
     scale = np.tile(np.r_[np.ones(3), np.full(3, 0.016)], 4)
     close(found.G * np.outer(scale, scale), G * np.outer(scale, scale))
@@ -78,8 +78,8 @@ def test_a_stretch_that_is_a_beam_answers_like_the_whole_beam(name):
 def test_a_station_inside_the_stretch_has_a_port():
     scene = replace(CASE, supports=(Support(0.0, CLAMPED),), loads=(Load(0.4, (1e3, 0.0, 0.0)),))
     with pytest.raises(ValueError, match="400 mm lies inside"):
-        mount(stretch(), scene, SECTION)
-    found = mount(stretch(ports=(HIGH, 0.4)), scene, SECTION)
+        mount_stretch(stretch(), scene, SECTION)
+    found = mount_stretch(stretch(ports=(HIGH, 0.4)), scene, SECTION)
     _, U = whole_beam(scene, [float(z) for z in STATIONS])
     close(found.loads, U, 1e-8)
 
@@ -87,7 +87,7 @@ def test_a_station_inside_the_stretch_has_a_port():
 def test_centreline_by_loads_and_by_contact_forces():
     supports, loads = SCENES["clamped left, guided right"]
     scene = replace(CASE, supports=supports, loads=loads)
-    found = mount(stretch(), scene, SECTION)
+    found = mount_stretch(stretch(), scene, SECTION)
     nodes = [*found.stations]
     _, U = whole_beam(scene, nodes)
     close(found.line[:, :3].ravel(), U.reshape(-1, 6)[:, :3].ravel(), 1e-8)
@@ -99,14 +99,14 @@ def test_centreline_by_loads_and_by_contact_forces():
 
 def test_an_unheld_screw_moves_rigidly_and_its_loads_do_work():
     scene = replace(CASE, supports=(Support(0.0, (("rz", 0.0),)),), loads=(Load(0.8, (0.0, 4.0, 9.0)),))
-    found = mount(stretch(), scene, SECTION)
+    found = mount_stretch(stretch(), scene, SECTION)
     assert found.motions.shape == (6, 5)
     arm = 0.8 - found.origin
     wrench = np.array([0.0, 4.0, 9.0, -4.0 * arm, 0.0, 0.0])
     np.testing.assert_allclose(found.work, found.motions.T @ wrench, atol=1e-12)
     held = [transport(0.0 - found.origin)[5]]
     np.testing.assert_allclose(held @ found.motions, 0.0, atol=1e-15)
-    assert np.linalg.matrix_rank(free_motions(Frame.of(scene), 0.0)) == 5
+    assert np.linalg.matrix_rank(free_motions(Frame.from_scene(scene), 0.0)) == 5
 
 
 def test_a_ring_on_a_stiff_shaft_follows_its_bore():
@@ -114,7 +114,7 @@ def test_a_ring_on_a_stiff_shaft_follows_its_bore():
     ring = Stretch(F, np.eye(6), 0.4, (), (), (0.39, 0.41), 6, rigid=True)
     fixed = tuple(zip(FREEDOMS, (1e-6, 0.0, 0.0, 0.0, 2e-3, 0.0), strict=True))
     scene = replace(CASE, supports=(Support(0.45, fixed),), loads=())
-    found = mount(ring, scene, SECTION)
+    found = mount_stretch(ring, scene, SECTION)
     np.testing.assert_allclose(found.G, F)
     np.testing.assert_allclose(found.loads, [1e-6 - 0.05 * 2e-3, 0.0, 0.0, 0.0, 2e-3, 0.0], atol=1e-15)
 
@@ -127,11 +127,11 @@ def test_a_mesh_that_is_too_stiff_is_made_as_stiff_as_its_section(ends):
 
     def with_cuts(section):
         beam = beam_stretch(rows, STATIONS, stretch(), section)
-        F = beam.F + beam.B @ at_low(cut, m, LOW) @ beam.B.T
+        F = beam.F + beam.B @ lower_cut_flexibility(cut, m, LOW) @ beam.B.T
         end = slice(beam.modes, beam.modes + 6)
-        F[end, end] += at_high(cut, m, HIGH)
+        F[end, end] += upper_cut_flexibility(cut, m, HIGH)
         return replace(beam, F=F)
 
-    found, wanted = as_stiff_as(with_cuts(stiff), rows, STATIONS, SECTION, cut, m), with_cuts(SECTION)
+    found, wanted = correct_beam_stiffness(with_cuts(stiff), rows, STATIONS, SECTION, cut, m), with_cuts(SECTION)
     assert np.abs(with_cuts(stiff).F - wanted.F).max() > 5e-3 * np.abs(wanted.F).max()
     close(found.F, wanted.F)

@@ -4,7 +4,7 @@ the law of the force that takes the place of an approach that waves."""
 import numpy as np
 import pytest
 
-from rollbench.hifi.bodies.grid_wave import POWERS, GridWave, approaches, smooth
+from rollbench.hifi.bodies.grid_wave import POWERS, GridWave, fit_force_law, unilateral_approaches
 from rollbench.meshes.condensed import CondensedBodies
 
 FORCES = np.geomspace(40.0, 600.0, 16)
@@ -38,12 +38,12 @@ def test_contacts_on_springs():
     rng = np.random.default_rng(3)
     springs, gap, close = (rng.uniform(*ends, 40) for ends in ((1e-9, 2e-9), (0.0, 2e-6), (0.9, 1.0)))
     loads = np.geomspace(1.0, 1e4, 5)
-    found, closed = approaches(np.diag(springs), gap, close, loads)
+    found, closed = unilateral_approaches(np.diag(springs), gap, close, loads)
     for load, approach, pairs in zip(loads, found, closed, strict=True):
         carried = np.maximum(approach * close - gap, 0.0) / springs @ close
         assert carried == pytest.approx(load, rel=1e-10)
         np.testing.assert_array_equal(pairs, approach * close > gap)
-    again, same = approaches(np.diag(springs), gap, close, loads, closed[::-1])
+    again, same = unilateral_approaches(np.diag(springs), gap, close, loads, closed[::-1])
     assert again == pytest.approx(found, rel=1e-12)
     np.testing.assert_array_equal(same, closed)
 
@@ -69,16 +69,16 @@ def test_the_wave_is_periodic_in_the_place_and_follows_hertz_beyond_its_forces()
 
 
 def law(loads):
-    """Hertz's approach, with some of every power that `smooth` knows."""
+    """Hertz's approach, with some of every power that `fit_force_law` knows."""
     parts = zip((0.3, 1.0, 0.02, -0.004), POWERS, strict=True)
     return 1e-8 * sum(factor * loads ** (2.0 / 3.0 + power) for factor, power in parts)
 
 
 def test_waves_go_and_the_law_stays():
     """Nodes that the ellipse's edge passes come at equal steps of F^(1/3): of a wave of 0.1 % a twentieth is left."""
-    assert smooth(LOADS, law(LOADS)) == pytest.approx(law(LOADS), rel=1e-12)
+    assert fit_force_law(LOADS, law(LOADS)) == pytest.approx(law(LOADS), rel=1e-12)
     wave = 1e-3 * np.sin(2.0 * np.pi * 2.5 * np.cbrt(LOADS))
-    found = smooth(LOADS, law(LOADS) * (1.0 + wave)) / law(LOADS) - 1.0
+    found = fit_force_law(LOADS, law(LOADS) * (1.0 + wave)) / law(LOADS) - 1.0
     inner = slice(6, -6)
     assert np.abs(found[inner]).max() < 5e-5
     assert np.abs(np.diff(found)[inner]).max() < 0.02 * np.abs(np.diff(wave)).max()

@@ -11,8 +11,8 @@ from tests.fe_meshes import boundary, stiffness, strain_stress
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
-from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, of_order
-from rollbench.hifi.bodies.patch import build_tet_patch, condense_patch, field, tie_matrix
+from rollbench.hifi.bodies.coarse import Socket, assemble_body_stiffness, freedoms_of_nodes, mesh_of_order
+from rollbench.hifi.bodies.patch import build_tet_patch, condense_patch, patch_displacements, tie_matrix
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import points_of
@@ -65,7 +65,7 @@ def test_rigid_motions_strain_nothing(kind, where):
     at_contact = rigid_modes(mesh.points[mesh.contact], middle) / unit
     expected = np.einsum("ci,cim->cm", normals, at_contact.reshape(-1, 3, 6))
     np.testing.assert_allclose(c.H @ motions, mean_weights(mesh.weights) @ expected, atol=1e-11)
-    u = field(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
+    u = patch_displacements(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
     np.testing.assert_allclose(u.ravel(), rigid_modes(mesh.points, middle)[:, 4] / 1e-3, atol=1e-11)
 
 
@@ -98,7 +98,7 @@ def test_condensed_is_the_full_system_and_definite(kind):
     assert relative(c.A @ f + c.H @ q, mean @ (u[mesh.contact] * normals).sum(axis=1)) < 1e-10
     reaction = (K @ whole)[i:]
     assert relative(c.S @ q - c.H.T @ f, reaction) < 1e-10
-    assert relative(field(mesh, normals, E, NU, f, q), u) < 1e-10
+    assert relative(patch_displacements(mesh, normals, E, NU, f, q), u) < 1e-10
     assert f @ c.A @ f + q @ c.S @ q == pytest.approx(whole @ K @ whole, rel=1e-10)
 
 
@@ -119,17 +119,17 @@ def test_constant_strain_through_a_first_order_patch():
     body, nodes, target = holed_cube()
     points = points_of(body)
     mesh, c = in_the_cube()
-    K = assemble(of_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
+    K = assemble_body_stiffness(mesh_of_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
     exact = points @ SLOPE.T
-    held = freedoms(np.setdiff1d(boundary(points), nodes))
+    held = freedoms_of_nodes(np.setdiff1d(boundary(points), nodes))
     loose = np.setdiff1d(np.arange(K.shape[0]), held)
     u = exact.ravel().copy()
     u[loose] = sp.linalg.spsolve(K[loose][:, loose], -(K[loose][:, held] @ u[held]))
     assert relative(u.reshape(-1, 3), exact) < 1e-11
-    q = u[freedoms(nodes)]
+    q = u[freedoms_of_nodes(nodes)]
     moved = (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]
     assert relative(c.H @ q, mean_weights(mesh.weights) @ moved) < 1e-11
-    whole = field(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
+    whole = patch_displacements(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
     assert relative(whole, mesh.points @ SLOPE.T) < 1e-11
     # each side's reaction is that of the constant stress on the socket's own first-order triangles
     strain, stress = strain_stress(mesh.points, mesh.cells, "P1", whole.ravel(), 1.0, NU)

@@ -7,7 +7,7 @@ import pytest
 from tests.fe_meshes import jacobians, volume
 from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, patch, places, socket, tets
 
-from rollbench.hifi.bodies.patch import build_patch, build_tet_patch, field
+from rollbench.hifi.bodies.patch import build_patch, build_tet_patch, patch_displacements
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import mean_weights
 
@@ -31,7 +31,7 @@ def indentation(kind, where, fine=None, b_over_h=None):
     a, b = SEMI
     f = np.sqrt(np.maximum(1.0 - (local[:, 0] * WIDTH[0] / a) ** 2 - (local[:, 2] * WIDTH[1] / b) ** 2, 0.0)) * mesh.areas
     f *= 225.0 / f.sum()
-    u = field(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
+    u = patch_displacements(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
     return 1e6 * float(f @ mean_weights(mesh.weights) @ (u[mesh.contact] * normals).sum(axis=1)) / 225.0
 
 

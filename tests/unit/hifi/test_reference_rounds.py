@@ -70,5 +70,5 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
 def test_what_is_left_is_the_rest_of_a_geometric_series():
     loads = [np.array([[10.0 - 4.0 * 0.25**k, 5.0]]) for k in range(4)]
     left = {1: np.inf, 2: 99.0 * 3.0, 3: 10.0 - loads[2][0, 0], 4: 10.0 - loads[3][0, 0]}
-    assert {k: reference.left_over(loads[:k]) for k in left} == pytest.approx(left)
-    assert reference.left_over([loads[0]] * 2) == 0.0
+    assert {k: reference.remaining_load_change(loads[:k]) for k in left} == pytest.approx(left)
+    assert reference.remaining_load_change([loads[0]] * 2) == 0.0

@@ -20,9 +20,9 @@ def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small
         "nut": replace(small.nut, modes={2: small.nut.modes[3]}),
     }
     other = replace(small, sides=(1, 2), **named)
-    one, two = (coupling.mounted_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
+    one, two = (coupling.mount_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
     np.testing.assert_array_equal(one.G, two.G)
-    shaft = coupling.mounted_screw(small, small.scene).G
+    shaft = coupling.mount_screw(small, small.scene).G
     assert one.G.shape == shaft.shape
     assert not np.allclose(one.G, shaft, rtol=1e-6, atol=0.0)
 

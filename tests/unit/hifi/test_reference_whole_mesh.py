@@ -12,13 +12,13 @@ from tests.two_balls import SMALL
 
 from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
-from rollbench.hifi.bodies.coarse import freedoms, isostatic
-from rollbench.hifi.bodies.patch import pressure_rows
-from rollbench.hifi.contact.balls import State, solve_balls, uncoupled
+from rollbench.hifi.bodies.coarse import freedoms_of_nodes, isostatic_freedoms
+from rollbench.hifi.bodies.patch import pressure_mean_rows
+from rollbench.hifi.contact.balls import SolverState, solve_balls, uncoupled_compliance
 from rollbench.hifi.elements.forms import assemble, elasticity, mean_weights
 from rollbench.hifi.linear_algebra import compliance
 from rollbench.hifi.meshing import part_meshes
-from rollbench.hifi.meshing.part_meshes import ball_place, placed
+from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, rotated_sockets
 from rollbench.meshes import ball_body
 from rollbench.meshes.sockets import local_points
 
@@ -40,12 +40,14 @@ def whole(body, patches, material, held):
     for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
         blocks.append(assemble(elasticity(E, nu), mesh.mesh))
         C = sp.lil_matrix((3 * len(mesh.points), total))
-        C[freedoms(inner), start + np.arange(3 * len(inner))] = 1.0
+        C[freedoms_of_nodes(inner), start + np.arange(3 * len(inner))] = 1.0
         turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
-        C[np.ix_(freedoms(mesh.interface), freedoms(nodes))] = (sp.kron(mesh.tie, sp.identity(3)) @ turn).toarray()
+        C[np.ix_(freedoms_of_nodes(mesh.interface), freedoms_of_nodes(nodes))] = (
+            sp.kron(mesh.tie, sp.identity(3)) @ turn
+        ).toarray()
         columns.append(C.tocsr())
         left, right = (sp.csr_matrix((hats.shape[0], n)) for n in (start, total - start - 3 * len(inner)))
-        loads.append(sp.hstack([left, hats[:, freedoms(inner)], right]))
+        loads.append(sp.hstack([left, hats[:, freedoms_of_nodes(inner)], right]))
         start += 3 * len(inner)
     C = sp.vstack(columns).tocsr()
     K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
@@ -57,12 +59,12 @@ def patch(small, meshes, side, *, ball=False):
     """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
     body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
     in_groove = partial(local_points, small.map, meshes.size, side)
-    place = ball_place(small.map, meshes.size, side, meshes.zone)[1] if ball else in_groove
-    mesh = part_meshes.patch_mesh(meshes, body.sockets[side], place, SMALL)
-    carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
+    place = ball_socket_and_map(small.map, meshes.size, side, meshes.zone)[1] if ball else in_groove
+    mesh = part_meshes.mesh_patch(meshes, body.sockets[side], place, SMALL)
+    carrier = part_meshes.mesh_carrier_patch(meshes, body.sockets[side], place, SMALL)
     centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
     normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
-    return carrier, pressure_rows(mesh, normals, carrier)
+    return carrier, pressure_mean_rows(mesh, normals, carrier)
 
 
 def bodies(small, meshes):
@@ -73,10 +75,13 @@ def bodies(small, meshes):
         ("nut", 3, meshes.nut, scene.nut.material, condensation.nut_transform(meshes.nut, small.dims)),
     ):
         groove, hats = patch(small, meshes, side)
-        parts = [(groove, hats, s.nodes, s.rotation) for s in placed(mesh, sockets_of(scene, (side,)))]
+        parts = [(groove, hats, s.nodes, s.rotation) for s in rotated_sockets(mesh, sockets_of(scene, (side,)))]
         out[name] = whole(mesh.mesh, parts, material, held)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
-    held, size = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts])), meshes.ball.mesh.doflocs.size
+    held, size = (
+        isostatic_freedoms(meshes.ball.points, np.concatenate([p[2] for p in parts])),
+        meshes.ball.mesh.doflocs.size,
+    )
     free = sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
     return out | {"ball": whole(meshes.ball.mesh, parts, scene.balls.material, free)}
 
@@ -106,10 +111,10 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
     found = bodies(small, meshes)
     sides = (0, 3)
-    mounted = coupling.mounted_screw(small, small.scene)
+    mounted = coupling.mount_screw(small, small.scene)
     m = small.screw.stretch.modes
     placed_set = coupling.PlacedSet(small, small.scene, sides)
-    C, rows = coupling.compliance_of((placed_set,), mounted)
+    C, rows = coupling.assemble_compliance((placed_set,), mounted)
     pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.coupling.shape[0],) * 2)
@@ -128,17 +133,17 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
-    by_screw = coupling.rigid_rows(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = coupling.rigid_body_normal_motion(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
     by_screw = sp.block_diag([mean, mean]) @ by_screw
     directions = np.stack([mean @ d for d in directions])
-    N = coupling.directions_matrix([directions], by_screw @ mounted.motions)
+    N = coupling.gap_closing_matrix([directions], by_screw @ mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
-    start = State(np.zeros(0), frozen.contact.motions * 1.01)
+    start = SolverState(np.zeros(0), frozen.contact.motions * 1.01)
     by_loads = np.zeros(rows.size)
     by_loads[pick] = mounted.loads[rows[pick]]
-    at_rest = coupling.modal_motion(C, by_loads)
-    other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
+    at_rest = coupling.normal_motion_of_nodes(C, by_loads)
+    other, _ = solve_balls(uncoupled_compliance(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
     assert other.converged
     assert frozen.status == "converged"
     largest = frozen.contact.forces.max()
@@ -150,16 +155,18 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
 
     Cells are wider here than the ellipse is thick.
     """
-    forces = {s: condensed.forces_of(small, s) for s in small.sides}
-    spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
+    forces = {s: condensed.sampled_forces(small, s) for s in small.sides}
+    spreads = {s: condensed.hertz_nodal_forces(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
         groove = small.patches[s].groove
         nodal = mean_weights(groove.weights).T @ f
         assert nodal @ (groove.normals @ ball_body.directions(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
-    again = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
-    np.testing.assert_allclose(condensed.beyond_patches(small, again), condensed.beyond_patches(small, spreads), rtol=1e-12)
+    again = {s: condensed.hertz_nodal_forces(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    np.testing.assert_allclose(
+        condensed.compliance_beyond_patches(small, again), condensed.compliance_beyond_patches(small, spreads), rtol=1e-12
+    )
     for k, s in enumerate(small.sides):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)

@@ -6,9 +6,16 @@ import numpy as np
 import pytest
 from scipy.special import j1
 
-from rollbench.hifi.contact.roller import LEVELS, RollerError, condense, press, race_compliance, roller_compliance
-from rollbench.hifi.elements.forms import cells as space
-from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, share
+from rollbench.hifi.contact.roller import (
+    LEVELS,
+    RollerError,
+    condense_roller,
+    press_roller,
+    race_compliance,
+    roller_compliance,
+)
+from rollbench.hifi.elements.forms import cell_basis as space
+from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, nodal_share_form
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
 from rollbench.meshes.roller_body import Zone, on_race, on_roller, section, swept
@@ -49,9 +56,10 @@ def middle_approach(body, matrix, load):
 def test_meshes_have_the_volumes_of_their_bodies():
     roller, (ring, width) = cylinder(), slab(1000)
     cone = np.pi / 12.0 * np.tan(ANGLE) ** 2 * (LINES[-1] ** 3 - LINES[0] ** 3) * np.cos(ANGLE) ** 3
-    assert share().assemble(space(roller.mesh)).sum() == pytest.approx(cone, rel=1e-3)
+    volume = nodal_share_form()
+    assert volume.assemble(space(roller.mesh)).sum() == pytest.approx(cone, rel=1e-3)
     wider = 1.0 + 0.5 * DEPTH / (MIDDLE * np.tan(np.radians(30.0)))  # in the middle of its depth
-    assert share().assemble(space(ring.mesh)).sum() == pytest.approx(2.0 * HALF * width * DEPTH * wider, rel=1e-3)
+    assert volume.assemble(space(ring.mesh)).sum() == pytest.approx(2.0 * HALF * width * DEPTH * wider, rel=1e-3)
     assert nodal_areas(roller.mesh, "contact").sum() == pytest.approx(2.0 * HALF * ZONE.width, rel=1e-3)
 
 
@@ -83,8 +91,8 @@ LOAD = 1250.0
 
 @pytest.fixture(scope="module")
 def pressed():
-    bodies = condense(ROW, LEVELS[1], LOAD)
-    return bodies, {share: press(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
+    bodies = condense_roller(ROW, LEVELS[1], LOAD)
+    return bodies, {share: press_roller(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
 
 
 @pytest.mark.slow
@@ -113,7 +121,7 @@ def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
 @pytest.mark.slow
 def test_stiffness_is_the_slope_of_load_over_approach(pressed):
     bodies, states = pressed
-    low, high = press(bodies, 0.7 * LOAD), states[1.0]
+    low, high = press_roller(bodies, 0.7 * LOAD), states[1.0]
     secant = (high.load - low.load) / (high.approach - low.approach)
     assert low.stiffness < secant < high.stiffness
 
@@ -121,12 +129,12 @@ def test_stiffness_is_the_slope_of_load_over_approach(pressed):
 @pytest.mark.slow
 def test_coarser_meshes_agree(pressed):
     """Approach and stiffness of a mesh coarser than all that are used are within 1 % of the coarsest of these."""
-    coarse, fine = press(condense(ROW, 4, LOAD), LOAD), pressed[1][1.0]
+    coarse, fine = press_roller(condense_roller(ROW, 4, LOAD), LOAD), pressed[1][1.0]
     assert coarse.approach == pytest.approx(fine.approach, rel=0.01)
     assert coarse.stiffness == pytest.approx(fine.stiffness, rel=0.01)
 
 
 def test_sharp_straight_rollers_are_refused():
     with pytest.raises(RollerError, match="sharp") as told:
-        condense(replace(ROW, edge_radius=None), 4, LOAD)
+        condense_roller(replace(ROW, edge_radius=None), 4, LOAD)
     assert "edge_radius" in told.value.advice

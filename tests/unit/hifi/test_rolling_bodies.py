@@ -12,17 +12,22 @@ from rollbench.hifi.rolling import bodies, verification
 from rollbench.hifi.rolling.balls import (
     NEARLY_RIGID,
     Choices,
-    kernel_of,
+    finite_body_kernel,
+    loaded_contacts,
     prepare_bodies,
     run_from_rest,
     solve_rolling,
-    touching,
 )
-from rollbench.hifi.rolling.bodies import Curve, free_response, half_space_response, tractions
-from rollbench.hifi.rolling.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
-from rollbench.hifi.rolling.patch import Regular, grid, influence, monomials
-from rollbench.hifi.rolling.scenes import along_radius
-from rollbench.hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference
+from rollbench.hifi.rolling.bodies import Curve, free_response, half_space_response, traction_loads
+from rollbench.hifi.rolling.contact_bodies import Groove, Zone, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
+from rollbench.hifi.rolling.patch import Regular, cell_grid, monomials, rectangle_influence
+from rollbench.hifi.rolling.scenes import relative_radius_along
+from rollbench.hifi.rolling.verification import (
+    compare_ball_friction_with_point,
+    compare_with_mindlin,
+    solve_by_static_reference,
+    solve_normal_contact_at_rest,
+)
 from rollbench.meshes.fem import points_of
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -44,17 +49,17 @@ def coarse_pieces():
 
 
 def half_space_kernel(zone, size, degree):
-    body = half_space(size, zone)
-    return half_space_response(body, tractions(body, zone, degree, ROUND), E, NU)
+    body = mesh_half_space(size, zone)
+    return half_space_response(body, traction_loads(body, zone, degree, ROUND), E, NU)
 
 
 def test_a_block_with_its_cut_moved_becomes_a_half_space():
     """Constant and linear loads against rectangles in closed form: errors fall with the cells at order 1.5 or more."""
     n, half = 24, ZONE.half
     size = 2.0 * np.array(half) / n
-    _, at = grid((n, n), size)
+    _, at = cell_grid((n, n), size)
     off = at[:, None] - at[None]
-    G = 0.5 * influence(*off.transpose(2, 0, 1), *size, E, NU) / size.prod()
+    G = 0.5 * rectangle_influence(*off.transpose(2, 0, 1), *size, E, NU) / size.prod()
     # what normal forces move along tangents, and the reverse, of one body alone: by point forces, none on their own cell
     across = (1.0 - 2.0 * NU) * (1.0 + NU) / (2.0 * np.pi * E) * off / np.maximum((off**2).sum(axis=2), 1e-30)[..., None]
     G[..., 2, :2], G[..., :2, 2] = across, -across
@@ -72,10 +77,10 @@ def test_a_block_with_its_cut_moved_becomes_a_half_space():
 
 def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_ball_does_no_work_on_its_answers():
     """The constant traction's forces sum to one along its own direction, the linear ones' to nothing."""
-    body = whole_ball(R, ZONE)
-    sums = tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
+    body = mesh_whole_ball(R, ZONE)
+    sums = traction_loads(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
     assert sums == pytest.approx(np.einsum("k,dx->dkx", [1.0, 0.0, 0.0], np.eye(3)), abs=1e-9)
-    M = free_response(body, tractions(body, ZONE, 1, (100.0, 90.0)), E, NU)
+    M = free_response(body, traction_loads(body, ZONE, 1, (100.0, 90.0)), E, NU)
     assert pytest.approx(M.T, rel=1e-9, abs=1e-14 * np.abs(M).max()) == M  # reciprocity
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
 
@@ -83,14 +88,14 @@ def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_
 @pytest.mark.slow
 def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     scene = linear_pair()
-    touches = [t for _, _, t in touching(scene)]
-    here = [kernel_of(scene, t, COARSE).M for t in touches]
+    touches = [t for _, _, t in loaded_contacts(scene)]
+    here = [finite_body_kernel(scene, t, COARSE).M for t in touches]
     bodies.forget_kernels()
     spent = [prepare_bodies((scene, scene), COARSE, k) for k in (1, 2, 2)]
     assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
-    monkeypatch.setattr(bodies, "whole_ball", None)  # nothing is meshed any more
-    monkeypatch.setattr(bodies, "grooved_bar", None)
-    there = np.array([kernel_of(scene, t, COARSE).M for t in touches])
+    monkeypatch.setattr(bodies, "mesh_whole_ball", None)  # nothing is meshed any more
+    monkeypatch.setattr(bodies, "mesh_grooved_bar", None)
+    there = np.array([finite_body_kernel(scene, t, COARSE).M for t in touches])
     assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
 
 
@@ -99,7 +104,7 @@ def ring():
     """The nut's or outer groove of a ring of seven ball radii, its kernels as the static reference's patches and as bodies
     of tensor grids have them."""
     angle, curve = 0.8, (7.0 * R, 0.0)
-    at = bodies.Place(R, (along_radius(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
+    at = bodies.Place(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
     zone, rest = at.zone(128.0, E, NU, COARSE), (at.bends, E, NU, 1)
     patches = bodies.patch_kernels(Curve(*curve), (R, at.arc), angle, zone, *rest, outer=True)
     grids = (
@@ -134,24 +139,27 @@ def test_patches_answer_for_every_flank_and_hand():
 def test_without_motion_rolling_presses_as_the_static_reference_does():
     """The static reference on four cells, which leaves it a tenth of the peak; finer ones are in the verification table."""
     at = ring()[0]
-    here, there = at_rest(at, 100.0, E, NU, (16, 20), COARSE), static_reference(at, 100.0, E, NU, (4, 4))
+    here, there = (
+        solve_normal_contact_at_rest(at, 100.0, E, NU, (16, 20), COARSE),
+        solve_by_static_reference(at, 100.0, E, NU, (4, 4)),
+    )
     assert here.approach == pytest.approx(there.approach, rel=5e-3)
     assert here.semi == pytest.approx(there.semi, rel=0.04)
     assert here.peak == pytest.approx(there.peak, rel=0.12)
     bare = hertz(100.0, *at.radii, E, NU)
     assert abs(bare.approach / there.approach - 1.0) > 0.015  # half spaces
     with pytest.raises(ValueError, match="no straight"):
-        static_reference(replace(at, curve=None), 100.0, E, NU, (4, 4))
+        solve_by_static_reference(replace(at, curve=None), 100.0, E, NU, (4, 4))
 
 
 def test_finite_balls_pushed_sideways_shift_by_what_their_bodies_do_besides(monkeypatch):
     """Cattaneo and Mindlin on two finite balls: at the half spaces' shift and the bodies' own, the same force."""
-    found, exact = mindlin(16, 0.5, balls=COARSE)
+    found, exact = compare_with_mindlin(16, 0.5, balls=COARSE)
     assert found[0] == pytest.approx(exact[0], rel=5e-3)
     assert found[1] == pytest.approx(exact[1], rel=0.05)
-    half = mindlin(16, 0.5)[0][0]
-    monkeypatch.setattr(verification, "two_balls", lambda *_: Regular(np.zeros((3, 3)), (1.0, 1.0), 0))
-    assert mindlin(16, 0.5, balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
+    half = compare_with_mindlin(16, 0.5)[0][0]
+    monkeypatch.setattr(verification, "two_balls_kernel", lambda *_: Regular(np.zeros((3, 3)), (1.0, 1.0), 0))
+    assert compare_with_mindlin(16, 0.5, balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
     assert found[0] != pytest.approx(half, rel=1e-5)
 
 
@@ -159,29 +167,31 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     """But not if they were soft and one spun on the other."""
     scene = linear_pair()
     found = solve_rolling(scene, Choices((8, 8)))
-    assert rubbing(scene, found, 0) == pytest.approx((1.0, 1.0), abs=1e-5)
-    force, loss = rubbing(scene, found, 0, 8, COARSE)  # over the balls' own patch, half an approach inside their surfaces
+    assert compare_ball_friction_with_point(scene, found, 0) == pytest.approx((1.0, 1.0), abs=1e-5)
+    force, loss = compare_ball_friction_with_point(
+        scene, found, 0, 8, COARSE
+    )  # over the balls' own patch, half an approach inside their surfaces
     assert force == pytest.approx(1.0, abs=1e-9)
     circle = hertz(float(found.force[0]), 0.5 * scene.radius, 0.5 * scene.radius, scene.young, scene.poisson)
     assert 1.0 - loss == pytest.approx(0.5 * circle.approach / scene.radius, rel=0.05)
     motions = found.friction.motions.copy()
     motions[3] += 5.0 * np.abs(motions).max()
     spun = replace(found, friction=replace(found.friction, motions=motions))
-    force, loss = rubbing(replace(scene, young=1e-5 * scene.young), spun, 0)
+    force, loss = compare_ball_friction_with_point(replace(scene, young=1e-5 * scene.young), spun, 0)
     assert force < 0.9 < 1.1 < loss
 
 
 def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
     """Curvature of its surface along the track at the contact, concave and convex."""
     for bend in (20.0, -20.0):
-        body = grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, bend), 2.0 * R, ZONE)
+        body = mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, bend), 2.0 * R, ZONE)
         p = points_of(body.mesh)[body.contact]
         x, z = p[np.abs(p[:, 1]) < 1e-9][:, [0, 2]].T
         assert z == pytest.approx(-0.5 * bend * x**2, rel=1e-3, abs=1e-12)
     with pytest.raises(ValueError, match="does not fit"):
-        whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
+        mesh_whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
     with pytest.raises(ValueError, match="thicker than its ring"):
-        grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
+        mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
 
 
 def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():

@@ -6,7 +6,7 @@ from scipy.integrate import dblquad
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rollbench.hifi.rolling.patch import grid, hertz_patch, influence, press
+from rollbench.hifi.rolling.patch import cell_grid, hertz_patch, rectangle_influence, solve_normal_contact
 
 E, NU = 210e9, 0.28
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
@@ -27,7 +27,7 @@ def test_against_quadrature(entry, at):
         return 2.0 * POINT[entry](at[0] - u, at[1] - v, 0.5 * E / (1.0 + NU), NU)
 
     exact = dblquad(integrand, -dx / 2, dx / 2, -dy / 2, dy / 2)[0]
-    assert influence(np.array(at[0]), np.array(at[1]), dx, dy, E, NU)[entry] == pytest.approx(exact, rel=1e-9)
+    assert rectangle_influence(np.array(at[0]), np.array(at[1]), dx, dy, E, NU)[entry] == pytest.approx(exact, rel=1e-9)
 
 
 def hertz(load, radii, modulus):
@@ -58,9 +58,9 @@ def test_pressure_of_a_sphere_and_of_an_ellipse_is_hertz(radii):
 
 
 def test_pressure_and_gap_are_complementary():
-    cells, at = grid((14, 14), np.array([2e-5, 2e-5]))
+    cells, at = cell_grid((14, 14), np.array([2e-5, 2e-5]))
     gap = 0.5 * (at**2).sum(axis=1) / 1e-3
-    forces, approach = press(cells, np.array([2e-5, 2e-5]), gap, 5.0, (2e11, 0.3))
+    forces, approach = solve_normal_contact(cells, np.array([2e-5, 2e-5]), gap, 5.0, (2e11, 0.3))
     assert np.all(forces >= 0.0)
     assert 0 < np.count_nonzero(forces) < forces.size
     assert approach > gap[forces > 0.0].max()

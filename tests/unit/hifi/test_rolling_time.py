@@ -6,8 +6,8 @@ from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.rolling.balls import Choices, run_from_rest, solve_rolling
 from rollbench.hifi.rolling.patch import hertz_patch
-from rollbench.hifi.rolling.scenes import Cell, cell_loads
-from rollbench.hifi.rolling.verification import Creep, onset, steady_by_cells
+from rollbench.hifi.rolling.scenes import Cell, solve_static_cell
+from rollbench.hifi.rolling.verification import Creep, push_and_roll, solve_steady_rolling_as_contact
 
 GRID = Choices((8, 8))
 
@@ -54,22 +54,22 @@ def test_loads_of_two_opposite_contacts_share_a_force():
     n = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * np.sqrt(0.5)
     pull = 100.0 * np.array([-np.sqrt(0.5), -np.sqrt(0.5)])
     inner = np.array([False, False, True, True])
-    found = cell_loads(cell_of(n, inner, np.eye(2)[None], pull, np.zeros((1, 2))))
+    found = solve_static_cell(cell_of(n, inner, np.eye(2)[None], pull, np.zeros((1, 2))))
     assert found.converged
     assert found.force[0] == pytest.approx([100.0, 0.0, 100.0, 0.0], rel=1e-6, abs=1e-3)
 
 
 def test_a_cell_that_nothing_holds_does_not_converge():
     n, push = np.array([[0.0, 1.0]]), np.array([[0.0, -5.0]])
-    assert not cell_loads(cell_of(n, np.array([False]), np.zeros((1, 2, 0)), np.zeros(0), push)).converged
+    assert not solve_static_cell(cell_of(n, np.array([False]), np.zeros((1, 2, 0)), np.zeros(0), push)).converged
 
 
 def test_a_pushed_ball_rolls_on_towards_the_creepage_of_steady_rolling() -> None:
     """Found without time, at the same force: by two contact lengths it is there."""
     load, share, mu = 0.4705, 0.657, 0.4
     patch = hertz_patch(load, (0.17, 0.17), 2.56e6, 0.28, (11, 11))
-    found = onset(patch, mu, share, 22)
-    steady = steady_by_cells(patch, Creep(found[-1].motion, 0.0, 0.0), mu)
+    found = push_and_roll(patch, mu, share, 22)
+    steady = solve_steady_rolling_as_contact(patch, Creep(found[-1].motion, 0.0, 0.0), mu)
     assert steady.force[0] == pytest.approx(-share * mu * load, rel=2e-3)
     assert found[1].motion < 0.7 * found[-1].motion
     assert max(one.motion for one in found[1:]) > 1.05 * found[-1].motion

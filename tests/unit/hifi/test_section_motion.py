@@ -5,7 +5,7 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies.coarse import end_transform
-from rollbench.hifi.condensation import section_motion
+from rollbench.hifi.condensation import section_motion_matrix
 from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra import compliance
@@ -26,12 +26,12 @@ def test_a_load_on_a_section_moves_it_as_beam_theory_has_it_and_rigid_motions_ar
     m, radii = GrooveMap.of(SCENE), (dimensions(SCENE).hole, SCENE.screw.outer_diameter / 2.0)
     spec = BodySpec(*radii, m.z0, m.z0 + LENGTH, True, (), SocketSize(0.3, 1e-3, 0.05), 4e-3, 4e-3)
     mesh, z = build_body(m, spec).mesh, m.z0 + 0.4 * LENGTH
-    rows = section_motion(mesh, z) @ rigid_modes(points_of(mesh), np.array([0.0, 0.0, z]))
+    rows = section_motion_matrix(mesh, z) @ rigid_modes(points_of(mesh), np.array([0.0, 0.0, z]))
     np.testing.assert_allclose(rows, np.eye(6), atol=1e-9)
     z, e = m.z0 + 0.5 * LENGTH, SCENE.screw.material
     K = assemble(elasticity(e.youngs_modulus, e.poissons_ratio), mesh)
     T = end_transform(mesh, m.z0 + LENGTH)
-    flexibility = compliance((T.T @ K @ T).tocsc(), section_motion(mesh, z) @ T)
+    flexibility = compliance((T.T @ K @ T).tocsc(), section_motion_matrix(mesh, z) @ T)
     stretch, EI = helical_stiffness(m, SCENE.screw.outer_diameter / 2.0, 0.0, e)
     flexible = np.linalg.inv(stretch)
     found = np.diag(flexibility)[[2, 3, 4, 5]] / (z - m.z0)

@@ -8,7 +8,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.side_by_side import Job, make
+from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.cache import Cache
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -45,14 +45,14 @@ def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
     ended = f"__import__('os')._exit(1) if __import__('os').getpid() != {os.getpid()} else __import__('time').sleep(1)"
     part = Job("any", eval, (ended,), type(None))
     with pytest.raises(MemoryError, match="ended from outside"):
-        make([part, part], Cache(None), 2)
+        compute_records([part, part], Cache(None), 2)
 
 
 def test_parts_are_made_here_and_by_others_in_their_order():
     parts = [Job("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
-    found = make(parts, Cache(None), 2)
+    found = compute_records(parts, Cache(None), 2)
     assert [one.value for one in found] == [0, 1, 2, 3]
     assert len({one.process for one in found}) == 2
     assert os.getpid() in {one.process for one in found}
     with pytest.raises(ZeroDivisionError):
-        make([*parts, Job("any", eval, ("1 / 0",), int)], Cache(None), 2)
+        compute_records([*parts, Job("any", eval, ("1 / 0",), int)], Cache(None), 2)

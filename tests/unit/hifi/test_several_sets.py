@@ -8,10 +8,10 @@ from tests.two_balls import SMALL
 
 from rollbench.compare.reference.tasks import balls_of
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_contacts, rounded
+from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_contacts, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
-from rollbench.hifi.several_sets import bodies_of, solve_sets
+from rollbench.hifi.several_sets import meshed_bodies, solve_sets
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -59,10 +59,10 @@ def prepared(_one_submodel, tmp_path_factory):
 
     def set_ups(assembly):
         setups = []
-        for of_set, found in zip(bodies_of(assembly), expected_by_set(assembly), strict=True):
+        for of_set, found in zip(meshed_bodies(assembly), expected_by_set(assembly), strict=True):
             sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
             if (of_set.bodies, sides) not in kept:
-                sizes = replace(COARSE, semi=rounded(found.semi()), reach=rounded(found.reach()))
+                sizes = replace(COARSE, semi=round_up_lengths(found.semi()), reach=round_up_lengths(found.reach()))
                 kept[of_set.bodies, sides] = prepare(of_set.bodies, sides, sizes, cache=cache)
             setups.append(kept[of_set.bodies, sides])
         return setups
@@ -73,7 +73,7 @@ def prepared(_one_submodel, tmp_path_factory):
 @pytest.mark.slow
 def test_each_set_carries_what_it_carries_alone(prepared):
     """Held between the nuts, the shaft is two shafts: each nut has the loads of a scene of one set under its own force."""
-    first, _ = bodies_of(PAIR)
+    first, _ = meshed_bodies(PAIR)
     middle = first.shift + first.bodies.screw.length
     held = replace(PAIR, supports=(Support(middle, BUT_UZ),), loads=(Load(middle, (0.0, 0.0, 300.0)),))
     setups = prepared(PAIR)
@@ -82,7 +82,7 @@ def test_each_set_carries_what_it_carries_alone(prepared):
     assert max(found.balance, found.along_groove, found.screw_balance) < 1e-9
     assert found.unknowns == sum(setup.unknowns for setup in setups)
     assert sum(wrench[2] for wrench in found.on_shaft) == pytest.approx(-300.0, rel=1e-9)
-    for of_set, setup, balls, wrench in zip(bodies_of(held), setups, balls_of(held), found.on_shaft, strict=True):
+    for of_set, setup, balls, wrench in zip(meshed_bodies(held), setups, balls_of(held), found.on_shaft, strict=True):
         at = middle - of_set.shift
         pull = (Load(at, (0.0, 0.0, -wrench[2])),)
         one = solve_reference(setup, replace(of_set.parts, supports=(Support(at, BUT_UZ),), loads=pull))
@@ -91,7 +91,7 @@ def test_each_set_carries_what_it_carries_alone(prepared):
 
 @pytest.mark.slow
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
-    (setup,), (of_set,) = prepared(ALONE), bodies_of(ALONE)
+    (setup,), (of_set,) = prepared(ALONE), meshed_bodies(ALONE)
     supports, loads = (Support(0.16 - of_set.shift, BUT_UZ),), (Load(0.16 - of_set.shift, (0.0, 0.0, 300.0)),)
     wanted = solve_reference(setup, replace(of_set.parts, supports=supports, loads=loads))
     found = solve_sets(ALONE, [setup])
@@ -151,7 +151,7 @@ def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
 
 def test_equal_nuts_have_equal_bodies():
     beyond = Support(0.35, (("ux", 0.0),))  # the shaft goes on beyond the second, as beyond the first
-    first, second = bodies_of(replace(PAIR, supports=(*PAIR.supports, beyond)))
+    first, second = meshed_bodies(replace(PAIR, supports=(*PAIR.supports, beyond)))
     assert first.bodies == second.bodies
     assert second.shift - first.shift == pytest.approx(0.048)
     assert first.bodies.screw.length == pytest.approx(0.032 + 2 * 0.008)  # half the way to one another, on both sides
@@ -168,12 +168,12 @@ def test_expected_contacts_of_one_set_are_those_of_its_scene():
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        ({"thermal_strain": 1e-5}, "a shaft that warms"),
+        ({"thermal_strain": 1e-5}, "thermal expansion"),
         ({"sets": (ball_nut("a", 0.2, 0.0), ball_nut("b", 0.23, 0.0))}, "a and b overlap by 2 mm"),
-        ({"sets": (replace(PAIR.sets[0], carrier="hub"),)}, "first: an inner ring on a housing"),
+        ({"sets": (replace(PAIR.sets[0], carrier="hub"),)}, "first: .* inner ring"),
         ({"sets": (replace(PAIR.sets[0], parts=ROLLERS),)}, "rollers"),
     ],
 )
 def test_what_has_no_3d_body_is_refused(change, why):
     with pytest.raises(ValueError, match=why):
-        bodies_of(replace(PAIR, **change))
+        meshed_bodies(replace(PAIR, **change))

@@ -9,12 +9,12 @@ import scipy.sparse as sp
 from tests.helpers import relative
 from tests.two_balls import SMALL, two_balls
 
-from rollbench.hifi.bodies.coarse import patch_modes
-from rollbench.hifi.bodies.grid_wave import approaches_at, grid_wave, periodic_approaches, resolved_forces
+from rollbench.hifi.bodies.coarse import reduce_to_modes
+from rollbench.hifi.bodies.grid_wave import approaches_at, periodic_approaches, resolved_forces, tabulate_grid_wave
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.condensation import condense_side, congruent, side_of, turned
+from rollbench.hifi.condensation import condense_side, condense_side_arguments, is_turned_left_flank, turn_to_right_flank
 from rollbench.hifi.elements.forms import mean_weights
-from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
+from rollbench.hifi.meshing.part_meshes import mesh_parts, mesh_patch, patch_normals
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import AZIMUTH_TURNED, local_points
@@ -37,7 +37,7 @@ def condensed(wanted, settings):
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
     meshes = mesh_parts(scene, m, layout, dims, wanted, settings)
     pick = wanted if len(wanted) == 4 else wanted[:1]
-    return m, meshes, {s: condense_side(*side_of(scene, m, dims, meshes, s, settings)) for s in pick}
+    return m, meshes, {s: condense_side(*condense_side_arguments(scene, m, dims, meshes, s, settings)) for s in pick}
 
 
 @pytest.mark.parametrize("right", [1, 3])
@@ -45,9 +45,9 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     """Condensed by themselves both give the same matrices, points, normals and weights; own compliances as nearly as
     unstructured meshes of left and right submodels do."""
     m, meshes, found = flanks
-    assert congruent(m, right)
-    assert not congruent(m, right - 1)
-    mirrored, direct = turned(found[right - 1]), found[right]
+    assert is_turned_left_flank(m, right)
+    assert not is_turned_left_flank(m, right - 1)
+    mirrored, direct = turn_to_right_flank(found[right - 1]), found[right]
     body = meshes.screw if right < 2 else meshes.nut
     np.testing.assert_array_equal(body.sockets[right].xi, body.sockets[right - 1].xi * AZIMUTH_TURNED)
     for part in ("groove", "ball"):
@@ -65,12 +65,12 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
 
 def test_turning_twice_changes_nothing_and_other_radii_are_not_congruent(flanks):
     m, _, found = flanks
-    back = turned(turned(found[0]))
+    back = turn_to_right_flank(turn_to_right_flank(found[0]))
     np.testing.assert_array_equal(back.local, found[0].local)
     np.testing.assert_array_equal(back.groove.H, found[0].groove.H)
     np.testing.assert_array_equal(back.ball.S, found[0].ball.S)
     np.testing.assert_array_equal(back.ball.socket, found[0].ball.socket)
-    assert not congruent(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
+    assert not is_turned_left_flank(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
 
 
 @pytest.mark.parametrize("part", ["groove", "ball"])
@@ -80,7 +80,7 @@ def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count
     round-off. Contact forces point at the ball's centre: three modes are enough."""
     m, _, found = flanks
     patch = getattr(found[2], part)
-    V, rows = patch_modes(patch, count)
+    V, rows = reduce_to_modes(patch, count)
     assert V.shape[1] == count
     centre = np.array([m.R, 0.0, 0.0]) if part == "groove" else np.zeros(3)
     hats = mean_weights(patch.weights)
@@ -109,12 +109,12 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     changes evenly from cell to cell, is a third. The right flank's wave is the left one's, turned."""
     m, meshes, found = flanks
     body, steel = meshes.screw if side < 2 else meshes.nut, two_balls().balls.material
-    mesh = patch_mesh(
+    mesh = mesh_patch(
         meshes, body.sockets[side], partial(local_points, m, meshes.size, side), replace(SETTINGS, b_over_h=1.8)
     )
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
-    wave = grid_wave(m, side, groove, groove.A, steel)
+    wave = tabulate_grid_wave(m, side, groove, groove.A, steel)
     loads = resolved_forces(m, side, groove, steel, 5)[1:]
     trend = periodic_approaches(m, side, groove, groove.A, loads, (2, 2))[1]
     places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
@@ -123,5 +123,5 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     taken = np.array([wave.at(np.full(len(places), load), centres) for load in loads]).T
     before, after = ((x / approach.mean(axis=0)).std(axis=0) for x in (approach, approach + taken))
     assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
-    right = turned(replace(found[side], wave=wave)).wave
+    right = turn_to_right_flank(replace(found[side], wave=wave)).wave
     assert right.at(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(taken[:, 0], rel=1e-9)

@@ -9,8 +9,16 @@ from tests.helpers import relative
 from tests.patch_meshes import flat, holed_cube, socket
 
 from rollbench.hifi.bodies import coarse
-from rollbench.hifi.bodies.coarse import Piece, Socket, assemble, coarse_compliance, fine_compliance, freedoms, patch_modes
-from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, pressure_rows
+from rollbench.hifi.bodies.coarse import (
+    BodyPiece,
+    Socket,
+    assemble_body_stiffness,
+    coarse_compliance,
+    fine_compliance,
+    freedoms_of_nodes,
+    reduce_to_modes,
+)
+from rollbench.hifi.bodies.patch import PatchLines, build_patch, condense_patch, pressure_mean_rows
 from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import moved, points_of
 
@@ -24,14 +32,14 @@ TURN = np.array([[0.0, 0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, -0.8]])
 def holed(*held):
     """The unit cube without the block; held: boundaries of it."""
     mesh, nodes, _ = holed_cube()
-    return Piece(mesh, nodes, np.eye(3), held)
+    return BodyPiece(mesh, nodes, np.eye(3), held)
 
 
 @cache
 def patch(cells=4, zone=0.5):
     """Patch of cells x cells / 2 x cells hexahedra, and directions of its forces, not quite upright."""
     line = np.linspace(-1.0, 1.0, cells + 1)
-    mesh = build_patch(Lines(line, np.linspace(0.0, 1.0, cells // 2 + 1), line), (zone, zone), flat, socket())
+    mesh = build_patch(PatchLines(line, np.linspace(0.0, 1.0, cells // 2 + 1), line), (zone, zone), flat, socket())
     arms = mesh.points[mesh.contact] - [0.5, 0.4, 0.0]
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
 
@@ -51,10 +59,10 @@ def test_of_a_held_piece_is_that_of_patch_and_body_condensed(rotated):
     """Same socket, no carrier: C_fine = A + H (K + S)^-1 H^T, dense algebra on the body's freedoms; also in a frame that is
     not the patch's."""
     piece, c = holed("floor"), condensed()
-    K = assemble(piece.mesh, [Socket(piece.socket, np.eye(3), 0)], {0: c}, E, NU).toarray()
+    K = assemble_body_stiffness(piece.mesh, [Socket(piece.socket, np.eye(3), 0)], {0: c}, E, NU).toarray()
     free = np.flatnonzero(np.repeat(points_of(piece.mesh)[:, 2] > 1e-9, 3))
     H = np.zeros((len(c.A), len(K)))
-    H[:, freedoms(piece.socket)] = c.H
+    H[:, freedoms_of_nodes(piece.socket)] = c.H
     wanted = c.A + H[:, free] @ np.linalg.solve(K[np.ix_(free, free)], H[:, free].T)
     found = fine_compliance(turned(piece) if rotated else piece, *patch(), E, NU)
     assert relative(found, wanted) < 1e-9
@@ -65,14 +73,14 @@ def test_modes_answer_as_the_whole_piece(rotated):
     """With all modes kept, A + V G V^T of the coarse piece is its C_fine; held or free."""
     for held in (("floor",), ()):
         piece = turned(holed(*held)) if rotated else holed(*held)
-        V, rows = patch_modes(condensed(), 10**6)
+        V, rows = reduce_to_modes(condensed(), 10**6)
         G = coarse_compliance(piece, condensed(), rows, E, NU)
         fine = fine_compliance(piece, *patch(), E, NU)
         inside = fine - V @ G @ V.T
         wanted = condensed().A
         if not held:  # the patch's own mass is not the coarse piece's; rigid motions of the patch tell which forces balance
             mesh, normals = patch()
-            rigid = pressure_rows(mesh, normals) @ rigid_modes(mesh.points)
+            rigid = pressure_mean_rows(mesh, normals) @ rigid_modes(mesh.points)
             null = np.linalg.svd(rigid.T)[2][6:]
             inside, wanted = null @ inside @ null.T, null @ wanted @ null.T
         assert relative(inside, wanted) < 1e-9
@@ -82,19 +90,19 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     """Any six freedoms may keep the matrix from being singular: the motions under any force, which a rigid field of body
     forces balances, stay the same up to a rigid motion, as nothing is left that the six would have to hold."""
     piece, (mesh, normals) = holed(), patch()
-    rows = patch_modes(condensed(), 12)[1]
+    rows = reduce_to_modes(condensed(), 12)[1]
 
     def both():
         """Motions of hats and of modes without rigid ones, under all forces."""
         at_socket = rigid_modes(points_of(piece.mesh)[piece.socket])
-        rigid = (pressure_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ at_socket)
+        rigid = (pressure_mean_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ at_socket)
         answers = (fine_compliance(piece, mesh, normals, E, NU), coarse_compliance(piece, condensed(), rows, E, NU))
         # orthogonal to the six rigid motions
         return [np.linalg.svd(R)[0][:, 6:].T @ F for F, R in zip(answers, rigid, strict=True)]
 
     found = both()
     corners = [int(np.abs(points_of(piece.mesh) - x).sum(axis=1).argmin()) for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])]
-    other = freedoms(np.array(corners))[[0, 1, 2, 4, 5, 8]]
-    monkeypatch.setattr(coarse, "isostatic", lambda *_: other)
+    other = freedoms_of_nodes(np.array(corners))[[0, 1, 2, 4, 5, 8]]
+    monkeypatch.setattr(coarse, "isostatic_freedoms", lambda *_: other)
     for again, before in zip(both(), found, strict=True):
         assert relative(again, before) < 1e-8

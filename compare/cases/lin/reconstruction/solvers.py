@@ -16,8 +16,8 @@ import numpy as np
 
 from rollbench.compare.reference.store import Run
 from rollbench.compare.reference.tasks import settings_of
-from rollbench.hifi.coupling import PlacedSet, modal_motion, mounted_screw
-from rollbench.hifi.reference import ROUNDS, Case, Round, solve_reference
+from rollbench.hifi.coupling import PlacedSet, mount_screw, normal_motion_of_nodes
+from rollbench.hifi.reference import ROUNDS, ContactRound, LoadCase, solve_reference
 from rollbench.hifi.setup import Setup, prepare
 from rollbench.hifi.shaft.beam import Frame
 from rollbench.meshes.arrays import Array
@@ -67,7 +67,7 @@ def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cac
     return out
 
 
-class Dragging(Case):
+class Dragging(LoadCase):
     """A load case whose contacts slide across their grooves, with a friction of ``mu`` times their loads.
 
     The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
@@ -78,18 +78,18 @@ class Dragging(Case):
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
         """Make a load case of one set."""
-        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.of(scene), mounted_screw(setup, scene))
+        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.from_scene(scene), mount_screw(setup, scene))
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
-    def after(self, last: Round, *, moving: bool) -> Round:
+    def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
         """Return the next round, with the friction that the contact loads of the last round cause."""
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
-        self.load_motion = modal_motion(self.C, self.at_rest)
+        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
         self.mounted = replace(self.smooth, work=self.smooth.work + last.by_rigid.T @ across)
-        return super().after(last, moving=moving)
+        return super().solve_next_round(last, moving=moving)
 
-    def across(self, last: Round) -> Array:
+    def across(self, last: ContactRound) -> Array:
         """Return nodal forces ``(balls, n)`` [N] along the normals, with the contacts' friction as resultants."""
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
@@ -112,7 +112,7 @@ def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache:
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
     out = []
     for scene, run in zip(scenes, runs, strict=True):
-        ended = Dragging(setup, scene, mu).end(ROUNDS)
+        ended = Dragging(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
             raise ValueError(f"{scene.name}: {ended.status}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))

@@ -14,7 +14,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation import on_bolts
+from rollbench.hifi.condensation import points_in_bolt_circles
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import dimensions
@@ -145,7 +145,7 @@ def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     scene = holding.fixations(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
     low, high = dimensions(scene).held_radii
     x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
-    held = on_bolts(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
+    held = points_in_bolt_circles(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
     width = high - low
     assert held.mean() * (2.0 * high) ** 2 == pytest.approx(6 * np.pi * width**2 / 4.0, rel=0.01)
     azimuth = np.arctan2(y.ravel()[held], x.ravel()[held])
