@@ -21,7 +21,7 @@ from cyclopts import App, CycloptsError, Group
 from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.running import clear
-from rollbench.compare.text.printing import OutputLost, writing
+from rollbench.compare.text.printing import OutputLost, guard_standard_output
 from rollbench.meshes import kept
 from rollbench.meshes.processes import one_thread
 
@@ -192,7 +192,7 @@ def main(tokens: list[str] | None = None) -> None:
         code = commands(asked[0] if asked else "")(
             asked, exit_on_error=False, print_error=False, result_action="return_value"
         )
-        with writing():
+        with guard_standard_output():
             sys.stdout.flush()
         if tokens is None and "rollbench.lowfi.jit" in sys.modules:
             sys.modules["rollbench.lowfi.jit"].compile_afterwards()

@@ -19,11 +19,11 @@ from rollbench.compare.results.data import (
     MeshStudy,
     Survey,
     Sweep,
-    ensemble_of,
-    friction_of,
+    ensemble_from_json,
+    friction_from_json,
     mesh_study_of,
-    survey_of,
-    sweep_of,
+    survey_from_json,
+    sweep_from_json,
 )
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
@@ -202,7 +202,7 @@ def solve_described(
     from rollbench.compare.models.answers import Answers, tangent_at_nut, tangent_of
     from rollbench.compare.models.load_cases import solve_any, together
     from rollbench.compare.models.registry import default_model
-    from rollbench.compare.results.solved import result_of
+    from rollbench.compare.results.solved import make_result
 
     solved, tangents, at_nut = [], [], []
     for scene in each_case(described, origin or described.name):
@@ -220,8 +220,8 @@ def solve_described(
             tangents.append(tangent)
             at_nut.append(K)
     if not isinstance(described, DutyCycle):
-        return result_of(solved, tangents, at_nut)
-    return result_of(solved, tangents, at_nut, described, together(described, solved))
+        return make_result(solved, tangents, at_nut)
+    return make_result(solved, tangents, at_nut, described, together(described, solved))
 
 
 @held_to_one_thread()
@@ -418,7 +418,7 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     from rollbench.compare.studies.friction.solve import library
 
     data = library(_described(scene), tuple(mu), model)
-    return friction_of(data)
+    return friction_from_json(data)
 
 
 @held_to_one_thread()
@@ -459,7 +459,7 @@ def ensemble(
     """
     from rollbench.compare.studies.members.members import library
 
-    return ensemble_of(library(_described(scene), model, members, seed, workers, LOG.info))
+    return ensemble_from_json(library(_described(scene), model, members, seed, workers, LOG.info))
 
 
 @held_to_one_thread()
@@ -507,13 +507,13 @@ def compare_models(
     from rollbench.compare.models.comparison import compared_models
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.levels import LEVELS
-    from rollbench.compare.results.comparison import comparing, comparison_of
+    from rollbench.compare.results.comparison import make_comparison, start_comparison
     from rollbench.meshes.cache import default_root
 
     if reference is not None and levels is not None:
         raise ArgumentError("reference", str(reference), "without `levels`", "leave one out")
     described = _described(scene)
-    found = comparing(
+    found = start_comparison(
         [described],
         [_origin(scene, described)],
         compared_models(tuple(models)),
@@ -524,7 +524,7 @@ def compare_models(
         otherwise=range(1, len(LEVELS) + 1),
         reference=None if reference is None else Path(reference),
     )
-    return comparison_of(described, list(found.each()), found.warnings)
+    return make_comparison(described, list(found.each()), found.warnings)
 
 
 @held_to_one_thread()
@@ -591,7 +591,7 @@ def check(
     """
     from rollbench.compare.gate.user import gate_request
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.verdict import verdict_of
+    from rollbench.compare.results.verdict import judge_request
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
@@ -607,7 +607,7 @@ def check(
         store=Path(store),
         compute=compute,
     )
-    return verdict_of([described], [_origin(scene, described)], request, Engine(cache=default_root()), LOG.info)
+    return judge_request([described], [_origin(scene, described)], request, Engine(cache=default_root()), LOG.info)
 
 
 @held_to_one_thread()
@@ -715,7 +715,7 @@ def sweep(
     from rollbench.compare.studies.sweep.summary import library
 
     data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
-    return sweep_of(data, Path(out))
+    return sweep_from_json(data, Path(out))
 
 
 @held_to_one_thread()
@@ -804,7 +804,7 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
     """
     from rollbench.compare.studies.survey_models import run_models
 
-    return survey_of(run_models([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info))
+    return survey_from_json(run_models([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info))
 
 
 def _described(scene: Described | str | Path) -> Described:

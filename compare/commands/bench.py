@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.sections.reference_time import TimePoint
@@ -88,7 +88,7 @@ def run_source(source: str, store: Path | None) -> Answer:
     for one in kept.levels:
         further = note.format(one.load_case or 0.0)
         jobs.append(Job(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
-    return Answer([asdict(job) for job in jobs], _tables(jobs))
+    return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
 def run_drawn(store: Path) -> Answer:
@@ -110,7 +110,7 @@ def run_drawn(store: Path) -> Answer:
         )
         for s in standings_of(runs, survey.known_screws())
     ]
-    return Answer([asdict(job) for job in jobs], _tables(jobs))
+    return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
@@ -118,16 +118,16 @@ def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer
     from rollbench.compare.sections.reference_time import typed_now
     from rollbench.compare.studies.run_times import TYPED, in_threads, save_times
 
-    jobs = [*models(names, store if long else None, long=long)]
+    jobs = [*time_models(names, store if long else None, long=long)]
     if not long:
         kept = typed_now(on_terminal)
         if store is not None:
             save_times(store, kept, TYPED)
         jobs += [*(command.job for command in kept.typed), *in_threads()]
-    return Answer([asdict(job) for job in jobs], _tables(jobs))
+    return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
-def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[Job]:
+def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[Job]:
     """Time the models of scenes in one measuring run and, with ``long``, the levels of the 3D reference.
 
     The times are kept in ``store`` if it is given. Raises InputError for a scene without a reference.
@@ -148,10 +148,10 @@ def models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[
         save_times(store, kept)
     study.computed[measuring_run, on_terminal] = kept
     for name in wanted:
-        yield from jobs_of(name, time_points(name, known[name], study, on_terminal))
+        yield from rows_of_scene(name, time_points(name, known[name], study, on_terminal))
 
 
-def jobs_of(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
+def rows_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
     """Yield the measured times of a scene."""
     from rollbench.compare.studies.run_times import Job
 
@@ -162,8 +162,8 @@ def jobs_of(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
             yield Job(f"{scene}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note)
 
 
-def _tables(jobs: Sequence[Job]) -> Iterator[object]:
+def _tables_of_times(jobs: Sequence[Job]) -> Iterator[object]:
     forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
     rows = ([job.job, *(cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
     headings = ("job", "seconds", "error %", "ratio", "unknowns", "peak MB", "what is included")
-    yield ruled("bench", headings, rows, ("job", "what is included"))
+    yield ruled_table("bench", headings, rows, ("job", "what is included"))

@@ -9,10 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Word, app, cache_folder, model_of
+from rollbench.compare.commands.terminal import (
+    Flag,
+    Json,
+    Names,
+    OfProgram,
+    Verbose,
+    Word,
+    app,
+    cache_folder,
+    model_name_of,
+)
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled, text_width
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table, text_width
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -60,7 +70,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
     from rollbench.compare.gate.publish import of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import as_text
-    from rollbench.compare.results.verdict import verdict_of
+    from rollbench.compare.results.verdict import judge_request
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
 
@@ -72,7 +82,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
                 advice = "verdicts differ by the name of file and case: rename one"
                 raise InputError(name, "name", scene.name, "each scene once, with a unique name", advice)
             taken[scene.name] = name
-    found = verdict_of(described, names, request, engine, on_terminal)
+    found = judge_request(described, names, request, engine, on_terminal)
     verdicts, left = found.judged, found.not_judged
     outcomes = [of_verdict(v) for v in verdicts]
     changed = files.changed(outcomes)
@@ -154,7 +164,9 @@ def gate_table(rows: Sequence[GateRow]) -> Table:
         )
         for row in sorted(rows, key=lambda row: row.passed)
     )
-    return ruled("gate", ("", "check", "kind", "value", "reference", "error %", "limit %"), texts, ("", "check", "kind"))
+    return ruled_table(
+        "gate", ("", "check", "kind", "value", "reference", "error %", "limit %"), texts, ("", "check", "kind")
+    )
 
 
 @app.command
@@ -251,7 +263,7 @@ def check(
     verbose
         Without scenes: also print the rows that pass.
     """
-    model = model_of(program, model)
+    model = model_name_of(program, model)
     if printed:
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}

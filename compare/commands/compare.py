@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine, model_of
+from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine_of, model_name_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import need_packages, on_terminal
-from rollbench.compare.text.printing import Answer, aligned, print_answer, text_width
+from rollbench.compare.text.printing import Answer, aligned_table, print_answer, text_width
 
 if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 NOT_SETTLED = 5
 
 
-def code_of(references: Iterable[Reference]) -> int:
+def exit_code(references: Iterable[Reference]) -> int:
     """Return the exit code: `NOT_SETTLED` if the loads of any reference did not settle, else 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
@@ -70,8 +70,8 @@ def run_compare(
     from rollbench.compare.commands.compare_output import older_times, start_lines, write_files
     from rollbench.compare.models.comparison import RULE, compared_models, comparison_rows, finest_bodies
     from rollbench.compare.results.base import as_text, with_schema
-    from rollbench.compare.results.compared import answer_rows, answers_json, verdict
-    from rollbench.compare.results.comparison import comparing, cycles_of, named, together_json
+    from rollbench.compare.results.compared import answer_rows, answers_json, comparison_verdict
+    from rollbench.compare.results.comparison import duty_cycles, model_label, start_comparison, together_json
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import cases_by_name
     from rollbench.compare.scenes.scene_file import each_case
@@ -82,18 +82,23 @@ def run_compare(
         if beside:
             raise ArgumentError(name, "given with `reference`", "only one of both", "the file replaces the 3D reference")
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
-    found = comparing(described, names, chosen, engine, on_terminal, **how)
+    found = start_comparison(described, names, chosen, engine, on_terminal, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
     cases, warnings, stores, own = cases_by_name(described), found.warnings, found.stores, found.own
 
     def heading(one: Referenced) -> dict[str, Any]:
-        return named(one) | (cases[one.described].keys if one.described in cases else {})
+        return model_label(one) | (cases[one.described].keys if one.described in cases else {})
 
     def parts() -> Iterator[Any]:
         comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
         for one, whole in found.each():
             comparisons.append(((one.described, one.set), whole))
-            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", *filter(None, [whole.total.beside]), *warned, "")
+            yield from (
+                f"{one.found.scene}: {comparison_verdict(whole, one.found)}",
+                *filter(None, [whole.total.beside]),
+                *warned,
+                "",
+            )
             warned = []
             headings, answers = answer_rows(whole)
             yield from (as_text(answers, text_width(), headings), "", compared_table(whole.models, whole.itself), "")
@@ -101,7 +106,7 @@ def run_compare(
                 yield from (whole.total.text, f"gate's rule: {RULE}")
                 yield from (*start_lines(whole), *older_times(whole.models, whole.itself))
             if balls:
-                yield from (_contacts(one.scene, whole.models, one.found), "")
+                yield from (contact_lines(one.scene, whole.models, one.found), "")
             bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
             if bodies is not None:
                 name = next(name for scene, name in origins if scene is one.scene)
@@ -110,7 +115,7 @@ def run_compare(
             yield write_files(one.scene, whole.models, one.found, store)
             if not verbose:
                 yield "--verbose: the uncertainty by its causes, the gate's rule, times of stored runs"
-        yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(comparisons)))
+        yield from (line for cycle in duty_cycles(cases) for line in together_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
         pairs = list(found.each())
@@ -126,28 +131,28 @@ def run_compare(
         if not cases:
             return out
         by_name = {(one.described, one.set): whole for one, whole in pairs}
-        summaries = [row for cycle in cycles_of(cases) for row in together_json(cycle, by_name)]
+        summaries = [row for cycle in duty_cycles(cases) for row in together_json(cycle, by_name)]
         return out | {"summary": summaries, "cases": [x for one, x in answers if one.described in cases]}
 
-    return Answer(data, parts(), code_of(one.found for sets in found.references for one in sets))
+    return Answer(data, parts(), exit_code(one.found for sets in found.references for one in sets))
 
 
-def _contacts(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
+def contact_lines(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
     """Return the table of contact loads of one scene for the terminal."""
     from rollbench.compare.commands.compare_output import contact_rows
 
     listed = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
-    return aligned(listed, ".2f", f"{scene.name}: contact loads / N")
+    return aligned_table(listed, ".2f", f"{scene.name}: contact loads / N")
 
 
 def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
     """Return the comparison over a duty cycle as lines for the terminal."""
     from rollbench.compare.results.comparison import together_json
 
-    return [line for data in together_json(cycle, each) for line in ("", _line(data))]
+    return [line for data in together_json(cycle, each) for line in ("", _answer_line(data))]
 
 
-def _line(data: dict[str, Any]) -> str:
+def _answer_line(data: dict[str, Any]) -> str:
     """Return a sentence on a model's largest error and its life over a duty cycle."""
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
     life = "no life over the duty cycle"
@@ -209,15 +214,15 @@ def compare(
         For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     """
     wanted = None if levels is None else parse_levels(levels)
-    command = model_of(program)
+    command = model_name_of(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
     means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
     if rolling := rolling_scenes(scenes, bodies, means_nothing):
-        answer = run_rolling_compare(rolling, wanted, store, engine(where), fresh=fresh, bodies=bodies)
+        answer = run_rolling_compare(rolling, wanted, store, engine_of(where), fresh=fresh, bodies=bodies)
     else:
         models = [*(model or ()), *filter(None, [command])]
         how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
-        answer = run_compare(scenes, models, wanted, store, engine(where), **how)
+        answer = run_compare(scenes, models, wanted, store, engine_of(where), **how)
     return print_answer(answer, as_json)
 
 

@@ -12,8 +12,8 @@ from rollbench.compare.files import write_csv, write_figure
 from rollbench.compare.models.registry import is_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.compared import OURS, Beside, Compared
-from rollbench.compare.sections.curves import load_panel, loads
-from rollbench.compare.text.printing import cell, plain, ruled
+from rollbench.compare.sections.curves import load_curve, load_panel
+from rollbench.compare.text.printing import cell, plain_table, ruled_table
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
@@ -36,7 +36,7 @@ def start_lines(whole: Compared) -> list[str]:
     ]
 
 
-def _cells(b: Beside) -> list[str]:
+def _error_cells(b: Beside) -> list[str]:
     e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     at = "" if e is None else f"{e.ball} {e.side}".strip()
     errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{b.by_gate:.2f}")
@@ -53,7 +53,7 @@ def _cells(b: Beside) -> list[str]:
 
 def models_table(models: Sequence[Beside], itself: Beside) -> RenderableType:
     """Return the table of models, the reference first; narrower than 80 columns."""
-    return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
+    return plain_table(COLUMNS, map(_error_cells, (itself, *models)), COLUMNS[:1])
 
 
 def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
@@ -83,8 +83,8 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
             continue
-        series = [loads(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
-        series += [loads(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
+        series = [load_curve(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
+        series += [load_curve(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
         panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 
@@ -125,7 +125,7 @@ def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
         [f"{r.quantity} [{r.unit}]", *(cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
         for r, x in zip(rows, known, strict=True)
     )
-    table = ruled(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
+    table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
     table.caption = f"low-order: {1e3 * rows[0].low_seconds:.2f} ms now; 3D on the finest grid: {rows[0].seconds:.2f} s, "
     table.caption += f"measured with {rows[0].measured_with}"
     return table

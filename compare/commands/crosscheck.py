@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rollbench.compare.commands.terminal import Flag, Json, app, cache_folder
 from rollbench.compare.errors import InputError
 from rollbench.compare.running import need_gmsh, on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
@@ -39,13 +39,13 @@ def run_crosscheck(
         if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
             written.append(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
     found = stored(folder, scene)
-    ours = _ours(scene, store, engine)
+    ours = _our_loads(scene, store, engine)
     rows = contact_rows(found, ours)
     agreed = agreement(scene.name, rows)
     alone = nut.load_nut(folder)
     sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
     answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
-    return Answer(answer, [*written, _table(scene, rows), agreed, *sentence])
+    return Answer(answer, [*written, _loads_table(scene, rows), agreed, *sentence])
 
 
 def stored(folder: Path, scene: Scene) -> CrossData:
@@ -65,7 +65,7 @@ def stored(folder: Path, scene: Scene) -> CrossData:
     return found
 
 
-def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
+def _our_loads(scene: Scene, store: Path, engine: Engine) -> Reference:
     from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.jobs import ensure, plan
     from rollbench.compare.reference.levels import LEVELS
@@ -82,13 +82,13 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
     return found
 
 
-def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
+def _loads_table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
     from rollbench.compare.studies.crosscheck.results import COLUMNS
 
     heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
     texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
     title = f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json"
-    return ruled(title, heads.values(), texts, [heads["side"]])
+    return ruled_table(title, heads.values(), texts, [heads["side"]])
 
 
 @app.command

@@ -16,7 +16,7 @@ from typing import Literal
 from rollbench.compare import __version__
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.running import available_GB, cores, gmsh_fault, gmsh_remedy
-from rollbench.compare.text.printing import Answer, print_answer, writing
+from rollbench.compare.text.printing import Answer, guard_standard_output, print_answer
 
 State = Literal["ok", "missing", "optional"]
 
@@ -62,7 +62,15 @@ class Check:
 
 def run_doctor(store: Path) -> Answer:
     """Check the machine; exit code 1 if something is missing that is not optional."""
-    checks = [*_python(), *_packages(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
+    checks = [
+        *_check_python(),
+        *_check_packages(),
+        *_check_graphics(),
+        *_check_programs(),
+        *_check_folders(store),
+        *_check_cache_size(),
+        *_check_shipped_runs(),
+    ]
     lacking = [check for check in checks if check.state == "missing"]
     rows = [asdict(check) for check in checks]
     data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
@@ -71,19 +79,21 @@ def run_doctor(store: Path) -> Answer:
     return Answer(data, parts, 1 if lacking else 0)
 
 
-def _looked(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
+def _report_finding(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
     """Return the check of a requirement: found, or missing with cost, remedy and state."""
     return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
 
 
-def _python() -> Iterator[Check]:
+def _check_python() -> Iterator[Check]:
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
     old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
     lack = present if old else ""
-    yield _looked("Python", f"{present}, at least {least}", lack, "not supported", f"install Python {least} or newer")
+    yield _report_finding(
+        "Python", f"{present}, at least {least}", lack, "not supported", f"install Python {least} or newer"
+    )
 
 
-def requirements() -> dict[str, str]:
+def check_requirements() -> dict[str, str]:
     """Return the least versions of the packages of rollbench and its extras, by name; empty if it is not installed."""
     from rollbench.meshes.libraries import EXTRA
 
@@ -95,10 +105,10 @@ def requirements() -> dict[str, str]:
     return {bound[1]: bound[2] for bound in bounds if bound and (bound[3] is None or EXTRA.get(bound[1]) == bound[3])}
 
 
-def _packages() -> Iterator[Check]:
+def _check_packages() -> Iterator[Check]:
     from rollbench.meshes.libraries import EXTRA, ONLY_FOR, fault, pip, version
 
-    needed = requirements()
+    needed = check_requirements()
     if not needed:
         yield Check(
             "rollbench", "missing", "not installed", "versions of packages are not known", "pip install . installs it"
@@ -111,60 +121,60 @@ def _packages() -> Iterator[Check]:
             lack = "not installed"
             if name in EXTRA:
                 advice, state = pip(name), "optional"
-        elif _numbers(present) < _numbers(least):
+        elif _version_numbers(present) < _version_numbers(least):
             lack = f"{present}, older than {least}"
-        elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_graphics`
+        elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_check_graphics`
             lack, advice = f"{present}, {broken}", f"pip install --force-reinstall {wanted}"
         cost = ONLY_FOR.get(name, "rollbench does not run")
-        yield _looked(name, f"{present}, at least {least}{licence}", lack, cost, advice, state)
+        yield _report_finding(name, f"{present}, at least {least}{licence}", lack, cost, advice, state)
 
 
-def _numbers(version: str) -> tuple[int, ...]:
+def _version_numbers(version: str) -> tuple[int, ...]:
     """Return the leading numbers of a version.
 
     Examples
     --------
-    >>> _numbers("4.15.2rc1") > _numbers("4.13")
+    >>> _version_numbers("4.15.2rc1") > _version_numbers("4.13")
     True
     """
     return tuple(int(number) for number in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
 
 
-def _graphics() -> Iterator[Check]:
+def _check_graphics() -> Iterator[Check]:
     from rollbench.meshes.libraries import ONLY_FOR, PICTURES, install, version
     from rollbench.reports import offscreen
 
     if version("gmsh"):
-        yield _looked("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
+        yield _report_finding("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
     if version("pyvista"):
         lack, cost = offscreen.fault(), ONLY_FOR["pyvista"]
-        yield _looked("off-screen rendering", "a picture was drawn", lack, cost, install(PICTURES))
+        yield _report_finding("off-screen rendering", "a picture was drawn", lack, cost, install(PICTURES))
 
 
-def _programs() -> Iterator[Check]:
+def _check_programs() -> Iterator[Check]:
     for name, (commands, purpose, package) in PROGRAMS.items():
         path = next(filter(None, map(shutil.which, commands)), "")
         lack, advice = "" if path else "not found", f"apt-get install {package}"
-        yield _looked(name, path, lack, f"needed only so that {purpose}", advice, "optional")
+        yield _report_finding(name, path, lack, f"needed only so that {purpose}", advice, "optional")
 
 
-def _folders(store: Path) -> Iterator[Check]:
+def _check_folders(store: Path) -> Iterator[Check]:
     from rollbench.lowfi.jit import cached, code_folder
     from rollbench.meshes.cache import default_root
 
     folder, slow = code_folder(), "compiles for some 20 s"
     kept = f"kept in {folder and folder.parent}" + ("" if cached() else f"; the first use {slow}")
     lack = "" if folder else "not kept"
-    yield _looked("compiled kernels", kept, lack, f"every process {slow}", "see ROLLBENCH_CACHE")
+    yield _report_finding("compiled kernels", kept, lack, f"every process {slow}", "see ROLLBENCH_CACHE")
     root = default_root()
     if root is None:
         yield Check("cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE")
     else:
-        yield _folder("cache of meshes", root, "meshes are built every time", "name another with ROLLBENCH_CACHE")
-    yield _folder("store of references", store, "no run of the 3D reference can be kept", "name another by --store")
+        yield _check_folder("cache of meshes", root, "meshes are built every time", "name another with ROLLBENCH_CACHE")
+    yield _check_folder("store of references", store, "no run of the 3D reference can be kept", "name another by --store")
 
 
-def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
+def _check_folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     from rollbench.compare.errors import InputError
     from rollbench.compare.files import need_writable
 
@@ -180,10 +190,10 @@ def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     free = 0.0 if lack else 1e-9 * shutil.disk_usage(near).free
     if not lack and free < DISC_GB:
         lack, advice = f"{folder}: {free:.1f} GB free", f"free at least {DISC_GB:g} GB"
-    return _looked(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
+    return _report_finding(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
 
 
-def _size() -> Iterator[Check]:
+def _check_cache_size() -> Iterator[Check]:
     yield Check("cores", "ok", f"{cores()} of {os.cpu_count()} for this process")
     free = available_GB()
     if free is None:
@@ -192,10 +202,10 @@ def _size() -> Iterator[Check]:
     room = f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB"
     lack = f"{free:.1f} GB free" if free < ENOUGH_GB else ""
     cost = f"less than a 3D run of 64 contacts needs ({ENOUGH_GB:g} GB)"
-    yield _looked("memory", room, lack, cost, "close other programs, or take a larger machine")
+    yield _report_finding("memory", room, lack, cost, "close other programs, or take a larger machine")
 
 
-def _shipped() -> Iterator[Check]:
+def _check_shipped_runs() -> Iterator[Check]:
     from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.store import PROGRAMS
     from rollbench.compare.scenes import catalogue
@@ -208,7 +218,7 @@ def _shipped() -> Iterator[Check]:
     )
     lack = "" if len(held) == len(names) else f"of {len(held)} of {len(names)} scenes, made by {programs}"
     found, cost = f"of all {len(names)} scenes, made by {programs}", "the others are recomputed, in hours"
-    yield _looked("shipped references", found, lack, cost, "reinstall rollbench")
+    yield _report_finding("shipped references", found, lack, cost, "reinstall rollbench")
 
 
 @app.command
@@ -241,5 +251,5 @@ def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) 
     if install:
         print_answer(Answer(parts=[f"{app.install_completion(shell=shell)} written; open a new shell"]))
     else:
-        with writing():
+        with guard_standard_output():
             sys.stdout.write(f"{text}\n")

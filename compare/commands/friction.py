@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app
 from rollbench.compare.errors import one_line
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, listed, print_answer, text_width
+from rollbench.compare.text.printing import Answer, listed_table, print_answer, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -110,7 +110,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
     if lines := [f"{label:<10}{text}" for label, text in answer.lines if details or not (rows or label in BEHIND)]:
         parts += ["", *lines, ""]
     for title, columns, body in [*answer.tables, *(answer.ball_tables if balls else ())]:
-        parts += [listed(title, columns, body), ""]
+        parts += [listed_table(title, columns, body), ""]
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")
     warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again

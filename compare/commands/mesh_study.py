@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine
+from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine_of
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, aligned, print_answer
+from rollbench.compare.text.printing import Answer, aligned_table, print_answer
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -60,9 +60,9 @@ def mesh_study(
     if all_rollers(scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where):
         answer = run_roller_study(scenes, levels, store, fresh=fresh)
     elif rolling := rolling_scenes(scenes, bodies, {"spread": spread}):
-        answer = run_rolling_study(rolling, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
+        answer = run_rolling_study(rolling, levels, store, engine_of(where), source=source_mesh, fresh=fresh, bodies=bodies)
     else:
-        answer = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
+        answer = run_mesh_study(scenes, levels, store, engine_of(where), spread=spread, source=source_mesh, fresh=fresh)
     return print_answer(answer, as_json)
 
 
@@ -76,7 +76,7 @@ def run_rolling_study(
     parts: list[Any] = []
     for name in dict.fromkeys(row["scene"] for row in rows):
         of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
-        parts += [f"mesh study of {name}", "", aligned(of_scene, ".6g")]
+        parts += [f"mesh study of {name}", "", aligned_table(of_scene, ".6g")]
     return Answer(rows, parts)
 
 
@@ -87,7 +87,7 @@ def run_mesh_study(
 
     count: as for `levels_of`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
     """
-    from rollbench.compare.commands.compare import code_of
+    from rollbench.compare.commands.compare import exit_code
     from rollbench.compare.files import no_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
@@ -108,10 +108,17 @@ def run_mesh_study(
         figure = study_figure(one.scene.name, table, one.found)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)
-        parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(extremes(table)), ""]
+        parts += [
+            f"mesh study of {one.found.scene}",
+            "",
+            aligned_table(level_rows(one.found)),
+            "",
+            aligned_table(extremes(table)),
+            "",
+        ]
         parts += [closing(one.found), *filter(None, [one.found.unsettled])]
         parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
-    return Answer(tables, parts, code_of(one.found for one in references))
+    return Answer(tables, parts, exit_code(one.found for one in references))
 
 
 def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: Where | None) -> bool:
@@ -158,7 +165,12 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
             stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
             write_csv(Path(f"{stem}.csv"), said["quantities"])
             write_csv(Path(f"{stem}-profile.csv"), said["profile"])
-            parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.sets)}", "", aligned(said["levels"]), ""]
-            parts += [aligned(roller.shown(said["quantities"])), "", roller.closing(one, runs)]
+            parts += [
+                f"mesh study of {scene.name}: a roller of {', '.join(one.sets)}",
+                "",
+                aligned_table(said["levels"]),
+                "",
+            ]
+            parts += [aligned_table(roller.shown(said["quantities"])), "", roller.closing(one, runs)]
             parts.append(f"along the roller: {stem}-profile.csv")
     return Answer(found, parts)

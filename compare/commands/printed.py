@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.evidence import Evidence
@@ -26,7 +26,7 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
 
-    rows = chosen(Study(), sources, only)
+    rows = choose_entries(Study(), sources, only)
     if write is not None:
         verdicts = {row.printed.name: row.verdict for row in rows}
         replace_file(write, json.dumps(verdicts, indent=0) + "\n")
@@ -34,23 +34,23 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     return Answer(as_json(rows, changed), as_table(rows, changed), 1 if changed else 0)
 
 
-def chosen(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
+def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """Return the chosen printed entries with computed values, in the order of tables; arguments as `run_printed`."""
     from rollbench.compare.case import every_case
     from rollbench.compare.evidence import computations, evidence
     from rollbench.compare.printed import load_table
 
     cases = [case.name for case in every_case() if case.title]
-    _known("source", sources, cases)
+    _check_known("source", sources, cases)
     tables = [name for name, one in sorted(computations().items()) if not sources or one.case.name in sources]
     names = {row.name for table in tables for row in load_table(table)} if any(":" in word for word in only) else set()
-    _known("only", only, [*tables, *sorted(names)])
+    _check_known("only", only, [*tables, *sorted(names)])
     asked = only or tables
     found = evidence(study, *(name for name in tables if any(word.partition(":")[0] == name for word in asked)))
     return [one for one in found if one.printed.table in asked or one.printed.name in asked]
 
 
-def _known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
+def _check_known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
     """Raise ArgumentError for the first given name that is not known."""
     from rollbench.compare.files import alike, question
 
@@ -105,7 +105,7 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
-    table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
+    table = ruled_table("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
     entries = Table(title="entries", title_justify="left")
     for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
@@ -118,7 +118,7 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
 
 
-def traced(table: str = "") -> Answer:
+def trace_table(table: str = "") -> Answer:
     """Return the origin of every printed entry of one table, or of all. Raises InputError for an unknown table.
 
     An entry has table, key, text as printed, class, scenes or the reason why there are none, computation
@@ -155,7 +155,7 @@ def audit(*, only: Names = None, write: Path | None = None, as_json: Json = Fals
 def shipped() -> Answer:
     """Return scenes, models and printed tables."""
     data = _shipped_json()
-    return Answer(data, _lines(data))
+    return Answer(data, _verdict_lines(data))
 
 
 def _shipped_json() -> dict[str, dict[str, Any]]:
@@ -177,7 +177,7 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     }
 
 
-def _lines(data: Mapping[str, Any]) -> Iterator[str]:
+def _verdict_lines(data: Mapping[str, Any]) -> Iterator[str]:
     """Yield the lists for the terminal."""
     groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
     groups |= {group: entries for group, entries in data.items() if group != "scenes"}
@@ -201,6 +201,6 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
         As --trace, for one printed table.
     """
     if trace or table:
-        print_answer(traced(table), as_json)
+        print_answer(trace_table(table), as_json)
     else:
         print_answer(shipped(), as_json)

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Names, Where, Word, app, engine
+from rollbench.compare.commands.terminal import Flag, Names, Where, Word, app, engine_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import Answer, print_answer
 
@@ -87,18 +87,20 @@ def report(
         for name, value in given.items():
             if value:
                 raise ArgumentError(name, str(value), "without a scene", "leave it out")
-        return shown(print_answer(run_pages(scene, out, store, against, reference)), out / "index.html", open_page)
+        return show_written_report(
+            print_answer(run_pages(scene, out, store, against, reference)), out / "index.html", open_page
+        )
     if reference is not None:
         raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.compare.report.report import make_report
 
     kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     kinds |= {"source": source or "", "against": against}
-    answer = make_report(only or (), out, store=store, engine=engine(where, 2), **kinds)
-    return shown(print_answer(answer), out / "index.html", open_page)
+    answer = make_report(only or (), out, store=store, engine=engine_of(where, 2), **kinds)
+    return show_written_report(print_answer(answer), out / "index.html", open_page)
 
 
-def shown(code: int, page: Path, wanted: bool) -> int:
+def show_written_report(code: int, page: Path, wanted: bool) -> int:
     """Show a page in the browser if it is wanted; return the exit code."""
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
@@ -157,7 +159,7 @@ def view(
         raise Refusal(scene, "scene", found.reason or str(found.status), "see: rollbench solve") from None
     replace_file(out, html)
     code = print_answer(Answer(parts=[*found._notes, f"page: {out}"], code=int(not found.converged)))
-    return shown(code, out, open_page)
+    return show_written_report(code, out, open_page)
 
 
 @app.command

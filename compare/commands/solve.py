@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Verbose, Word, app, model_of
+from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Verbose, Word, app, model_name_of
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, print_answer, ruled
+from rollbench.compare.text.printing import Answer, print_answer, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis
@@ -62,7 +62,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
 
     described = catalogue.any_scene(name)
     scenes: Sequence[Scene | Assembly] = each_case(described, name)
-    model, station = _checked(choices)
+    model, station = _check_choices(choices)
     model = model or default_model(scenes[0])
     _check_parts(scenes[0], choices, station)
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
@@ -73,7 +73,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
     of_cases = [_of_case(choices, case) for case in names] or [choices]
     written: list[str] = []
     for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
-        written += _write(one, tangent, files)
+        written += _write_files(one, tangent, files)
     if choices.loads_csv is not None:
         written += _write_loads(choices.loads_csv, solved, names)
     shown = {"balls": choices.balls, "details": choices.verbose, "stiffness": bool(choices.stiffness_at)}
@@ -84,7 +84,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
         from rollbench.compare.text.solved import cases_table
 
         lines = cases_table(found.cycle, solved, found.together, found.tangents, **shown)
-    return Answer(found.to_dict, [*lines, *written], code_of(solved, choices), folded=True)
+    return Answer(found.to_dict, [*lines, *written], exit_code(solved, choices), folded=True)
 
 
 def _of_case(choices: Choices, name: str) -> Choices:
@@ -142,14 +142,14 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
         raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"give a station of the {what}")
 
 
-def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
+def exit_code(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
     """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning; else 0."""
     from rollbench.lowfi.warned import above
 
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 
-def _checked(choices: Choices) -> tuple[str, float]:
+def _check_choices(choices: Choices) -> tuple[str, float]:
     """Check the options; return the model's name (empty: the default) and the station of the stiffness [m].
 
     Raises InputError for options that exclude each other, and for a file that cannot be written.
@@ -181,7 +181,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
         raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
 
 
-def _write(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
+def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
     """Write the requested files other than loads; return a line for each. Raises InputError."""
     import numpy as np
 
@@ -189,7 +189,7 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) 
 
     if not one.result.converged:
         return []
-    lines, path, (K, where) = [], choices.matrix, _stiffness(one, tangent)
+    lines, path, (K, where) = [], choices.matrix, _stiffness_lines_of(one, tangent)
     if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
         advice = "ask for a station where no freedom of the shaft is held"
         raise ArgumentError("matrix", str(path), "a stiffness in all six freedoms", advice)
@@ -201,7 +201,7 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) 
     return lines
 
 
-def _stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
+def _stiffness_lines_of(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
     """Return the requested stiffness (6, 6) [N, m, rad], or None, and a text on where it is taken."""
     from rollbench.compare.models.load_cases import SolvedAxis
 
@@ -283,7 +283,7 @@ def solve(
     verbose
         Also print further quantities, the assumptions, neglected effects, the balance and the solver.
     """
-    model = model_of(program, model)
+    model = model_name_of(program, model)
     if program is not None and time_limit is not None:
         raise ArgumentError("time_limit", f"{time_limit:g}", "without a program", "`model_seconds` limits each of its runs")
     if len(scenes) > 1:
@@ -303,7 +303,9 @@ def solve(
             named = "stiffness_at, matrix, curve, loads_csv, strict"
             raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
-        return print_answer(run(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
+        return print_answer(
+            run_ensemble_command(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json
+        )
     if seed is not None or workers is not None or (csv is not None and not curve):
         raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
     choices = Choices(
@@ -322,7 +324,7 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
     from rollbench.lowfi.warned import above
 
     described = [catalogue.any_scene(name) for name in names]
-    model, station = _checked(choices)
+    model, station = _check_choices(choices)
     for one, name in zip(described, names, strict=True):
         _check_parts(each_case(one, name)[0], choices, station)
     at = station if choices.stiffness_at else None
@@ -345,7 +347,7 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
 
     if choices.stiffness_at or choices.matrix or choices.loads_csv or choices.balls:
         raise ArgumentError("stiffness_at, matrix, loads_csv, balls", "given", "without `curve`", "they are of one load")
-    model, _ = _checked(choices)
+    model, _ = _check_choices(choices)
     if csv_out is not None:
         from rollbench.compare.files import need_writable
 
@@ -361,7 +363,7 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
     return Answer(found.to_dict, lines, int(not found.converged or (choices.strict and bool(found.above))), folded=True)
 
 
-def run(
+def run_ensemble_command(
     name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
 ) -> Answer:
     """Solve many samples and write one CSV row for each as they come; exit code 1 where none converged.
@@ -380,7 +382,7 @@ def run(
     return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
-def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
     table = []
     for key, stats in rows.items():
         if stats is None:
@@ -389,7 +391,7 @@ def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict
         first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
         table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
     heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
-    return ruled(title, heads, table, ("",))
+    return ruled_table(title, heads, table, ("",))
 
 
 def as_table(members: Members, *, balls: bool = False) -> list[Any]:
@@ -406,19 +408,19 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     ]
     parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
     headings = WHOLE if several else KEPT
-    tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
-    tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
+    tables = [_statistics_table("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
+    tables += [_statistics_table(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
     of_nut = (
         "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; "
         "the rigidity of solve is that of the nut only"
     )
     stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]
-    return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]
+    return [*parts, _bands_table(data, members.bands.width) if balls else "bands of every ball: --balls"]
 
 
-def _bands(data: dict[str, Any], width: float) -> Any:
+def _bands_table(data: dict[str, Any], width: float) -> Any:
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
     headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
-    return ruled(f"bands of the contact loads / N (to {width:.2g} N)", headings, rows)
+    return ruled_table(f"bands of the contact loads / N (to {width:.2g} N)", headings, rows)

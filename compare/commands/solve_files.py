@@ -29,10 +29,10 @@ def check_matrix(path: Path) -> None:
 def write_stiffness(path: Path, matrix: Array, words: str) -> None:
     """Write a stiffness (6, 6) in the format given by the suffix, with ``words`` as comment."""
     comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
-    replace_file(path, market(matrix, comment) if path.suffix.lower() == ".mtx" else dmig(matrix, comment))
+    replace_file(path, matrix_market_text(matrix, comment) if path.suffix.lower() == ".mtx" else dmig_text(matrix, comment))
 
 
-def market(matrix: Array, comment: str) -> str:
+def matrix_market_text(matrix: Array, comment: str) -> str:
     """Return the Matrix Market text of a symmetric matrix."""
     from scipy.io import mmwrite
 
@@ -41,7 +41,7 @@ def market(matrix: Array, comment: str) -> str:
     return stream.getvalue().decode("ascii")
 
 
-def dmig(matrix: Array, comment: str) -> str:
+def dmig_text(matrix: Array, comment: str) -> str:
     """Return the DMIG cards of a symmetric ``(6, 6)`` matrix at one grid point: lower triangle, real, double precision.
 
     Large fields of 16 columns.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rollbench.compare.commands.terminal import Json, app
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, aligned, cell, print_answer, ruled
+from rollbench.compare.text.printing import Answer, aligned_table, cell, print_answer, ruled_table
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -25,10 +25,10 @@ def run_stability() -> Answer:
     rows = solve_cases(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
     bad = failures(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
-    return Answer(data, _parts(rows, bad), 1 if bad else 0)
+    return Answer(data, _stability_tables(rows, bad), 1 if bad else 0)
 
 
-def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
+def _stability_tables(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
     from rollbench.compare.studies.extremes import FORMULATIONS, tally, wide_rows
 
     words = ("case", *FORMULATIONS)
@@ -36,7 +36,7 @@ def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[Renderab
         [*(str(line[f]) for f in words), cell(line["residual"], ".1e"), cell(line["difference"], ".0e")]
         for line in wide_rows(rows)
     )
-    yield ruled("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
+    yield ruled_table("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
     for name, (solved, tried, total) in tally(rows).items():
         yield f"{name}: {solved} of {tried} tried ({total} cases)"
     for row in bad:
@@ -65,7 +65,7 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
         replace_file(keep, survey.text(SEED, records))
         keep_loads(keep.with_name(LOADS), folder / "runs", count)
     found = survey.summary(records)
-    parts: list[Any] = [aligned(found)] if found else []
+    parts: list[Any] = [aligned_table(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
     parts += [f"scene {r['number']}: {r['status']}" for r in bad]
     return Answer({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)

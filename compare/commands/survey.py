@@ -9,10 +9,10 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_of
+from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_name_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, aligned, print_answer
+from rollbench.compare.text.printing import Answer, aligned_table, print_answer
 
 
 @app.command
@@ -49,7 +49,7 @@ def survey(
     workers
         Number of screws solved in parallel. Default: 1.
     """
-    command = model_of(program)
+    command = model_name_of(program)
     models = [*(model or ()), *filter(None, [command])]
     if screw is not None:
         if models:
@@ -77,10 +77,10 @@ def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, w
     write_csv(table, [{"model": title_of(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
     drawn = write_figure(drawing, figure(data)) if any("verdict" in r for r in data["models"][models[0]]) else "no figure"
     bad = sum(data["without_answer"].values())
-    return Answer(data, [*_parts(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0)
+    return Answer(data, [*_survey_tables(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0)
 
 
-def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
+def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
     from rollbench.compare.models.programs import title_of
     from rollbench.compare.studies.survey_models import WORST, where
 
@@ -108,8 +108,10 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
         for reason, numbers in reasons.items():
             yield f"no answer for {len(numbers)} of {len(rows)} screws, the first {numbers[0]}: {reason}"
     yield f"{data['screws']} screws with a stored reference{missing}"
-    yield aligned(data["summary"], ".2f", "sizes of errors over the screws / %, those of loads of the mean load")
-    yield aligned(where(data["models"]), ".2f", "error of the worst load by kind of screw, medians / % of the mean load")
+    yield aligned_table(data["summary"], ".2f", "sizes of errors over the screws / %, those of loads of the mean load")
+    yield aligned_table(
+        where(data["models"]), ".2f", "error of the worst load by kind of screw, medians / % of the mean load"
+    )
 
 
 def run_screw(number: int, out: Path) -> Answer:

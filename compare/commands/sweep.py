@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine, model_of
+from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine_of, model_name_of
 from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled
+from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -62,9 +62,9 @@ def sweep(
     from rollbench.compare.studies.sweep.summary import sweep_of
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
-    model = model_of(program, model)
+    model = model_name_of(program, model)
     what = sweep_of(scene, vary, samples, method, seed, model, names)
-    return print_answer(run_sweep(what, out, engine(where)), as_json)
+    return print_answer(run_sweep(what, out, engine_of(where)), as_json)
 
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
@@ -77,10 +77,10 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
 
     found = solve_sweep(sweep, out, engine, on_terminal)
     written = f"{out}: written: samples.csv, summary.json and {no_figure() or 'figures (SVG)'}"
-    return Answer(found, [*terminal(sweep.keys, found), written], 0 if found["converged"] else 1)
+    return Answer(found, [*sweep_tables(sweep.keys, found), written], 0 if found["converged"] else 1)
 
 
-def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
+def sweep_tables(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     """Return the summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
     from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS
 
@@ -88,13 +88,13 @@ def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
     rows = ([OUTPUTS[name], *(cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
-    parts.append(ruled("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
-    parts.append(_effects(keys, found))
+    parts.append(ruled_table("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
+    parts.append(_effects_table(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
-    return [*parts, ruled("worst samples", ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)], worst)]
+    return [*parts, ruled_table("worst samples", ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)], worst)]
 
 
-def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
+def _effects_table(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
     from rollbench.compare.studies.sweep.sample import MAIN
 
     indices = found["indices"].get("outputs", {}).get(MAIN)
@@ -104,10 +104,10 @@ def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
     for vary in keys:
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
-        cells += [_interval(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
+        cells += [_interval_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
         rows.append([vary.label, *cells])
-    return ruled(title, ("key", "smallest mean / N", "largest mean / N", "first index", "total index"), rows)
+    return ruled_table(title, ("key", "smallest mean / N", "largest mean / N", "first index", "total index"), rows)
 
 
-def _interval(row: Mapping[str, float], kind: str) -> str:
+def _interval_text(row: Mapping[str, float], kind: str) -> str:
     return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, Where, Word, app, engine
+from rollbench.compare.commands.terminal import Json, Where, Word, app, engine_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, print_answer
 
@@ -60,7 +60,7 @@ def table(
     if out is not None:
         need_format(out)
         need_writable(out)
-    found = solve_table(asked, engine(where), on_terminal)
+    found = solve_table(asked, engine_of(where), on_terminal)
     parts = table_parts(found)
     if out is not None:
         write_table(out, found)

@@ -56,7 +56,7 @@ class OfProgram:
     ] = None
 
 
-def model_of(program: OfProgram | None, model: str = "") -> str:
+def model_name_of(program: OfProgram | None, model: str = "") -> str:
     """Return the model given by its name, or by a command; InputError for both, and for a time limit without command."""
     if program is None or program == OfProgram():
         return model
@@ -86,7 +86,7 @@ class Where:
     tls_key: Annotated[Path | None, Parameter(help="Key of the client certificate.")] = None
 
 
-def engine(where: Where | None, here: int | None = None) -> Engine:
+def engine_of(where: Where | None, here: int | None = None) -> Engine:
     """Return where jobs run. Raises InputError for certificates that cannot be used.
 
     here: number of jobs at a time on this machine, unless the user gives it.

@@ -10,10 +10,10 @@ import numpy as np
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.answers import AxisAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
-from rollbench.compare.report.parts import answers_table, notes, provenance, scene_text, source_files
-from rollbench.compare.results.rows import expected_words, rows_of, set_rows
-from rollbench.compare.results.scene_json import case_json, rollers, set_balls
-from rollbench.compare.results.view import view_of
+from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_files
+from rollbench.compare.results.rows import answer_rows, expected_words, set_rows
+from rollbench.compare.results.scene_json import case_json, roller_rows, set_balls
+from rollbench.compare.results.view import make_view
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS, SIDES
@@ -47,24 +47,24 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
     if one.answers is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
     text, data = scene_text(name), case_json(one)
-    parts = [Section("sets", "Sets", _sets(one)), Section("loads", "Loads and pressures", [*_contacts(result)])]
+    parts = [Section("sets", "Sets", _sets_table(one)), Section("loads", "Loads and pressures", [*_contacts_table(result)])]
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure and life by rollbench, model {result.model}",
-        verdict(result, one.answers),
+        verdict_sentence(result, one.answers),
         (),
         None,
-        (*parts, notes(result)),
-        provenance(name, scene, text, result.model),
+        (*parts, notes_section(result)),
+        page_provenance(name, scene, text, result.model),
         text,
         data,
         source_files(),
-        view=view_of(scene.title, [one], data, (), stores),
-        table=answers_table(rows_of(one), f"Answers of model {result.model}", expected_words(None)),
+        view=make_view(scene.title, [one], data, (), stores),
+        table=answers_table(answer_rows(one), f"Answers of model {result.model}", expected_words(None)),
     )
 
 
-def verdict(result: AxisResult, answers: AxisAnswers) -> str:
+def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     """Return one sentence on the contact with the highest pressure relative to its limit, of all sets.
 
     Parameters
@@ -91,7 +91,7 @@ def verdict(result: AxisResult, answers: AxisAnswers) -> str:
     )
 
 
-def _sets(one: SolvedAxis) -> list[Table]:
+def _sets_table(one: SolvedAxis) -> list[Table]:
     """Return the table of the sets and, if computed, that of the stiffness of the whole shaft."""
     result = one.result
     rows: list[Row] = [
@@ -110,7 +110,7 @@ def _sets(one: SolvedAxis) -> list[Table]:
     return tables
 
 
-def _contacts(result: AxisResult) -> Iterator[Table]:
+def _contacts_table(result: AxisResult) -> Iterator[Table]:
     """Yield the tables of every loaded ball contact and of every roller."""
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
@@ -136,7 +136,7 @@ def _contacts(result: AxisResult) -> Iterator[Table]:
             Quantity("line", "largest line load", "N/mm", ".1f"): row["largest_line_load_N_mm"],
             **{Quantity(race, f"{race} race", "MPa", ".0f"): row["pressure_MPa"][race] for race in RACES},
         }
-        for row in rollers(result)
+        for row in roller_rows(result)
     ]
     if found:
         yield Table.of("rollers", "Every roller", found, "Largest pressure along the roller at either race.")

@@ -79,14 +79,14 @@ class Standing:
     passed: int
 
 
-def family_of(point: TimePoint) -> str:
+def model_family(point: TimePoint) -> str:
     """Return the family of a model; all 3D meshes are one family."""
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
-def off(point: TimePoint) -> float:
+def error_or_uncertainty(point: TimePoint) -> float:
     """Return the largest error of a point [% of the mean load]; of the finest level its grid uncertainty."""
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
@@ -96,27 +96,27 @@ def by_gate(point: TimePoint) -> Largest:
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
-def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
+def median_errors(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
     """Return errors and times of every model and mesh over its scenes, largest median error first."""
     found: dict[str, list[tuple[str, TimePoint]]] = {}
     for scene, several in points.items():
         for point in several:
-            if point.status == "converged" and off(point) > 0.0:
+            if point.status == "converged" and error_or_uncertainty(point) > 0.0:
                 found.setdefault(point.label, []).append((scene, point))
-    return sorted((_standing(label, group) for label, group in found.items()), key=lambda s: -s.median)
+    return sorted((_median_error_of(label, group) for label, group in found.items()), key=lambda s: -s.median)
 
 
-def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
     """Return errors and times of one model or mesh over its scenes."""
     first = group[0][1]
-    errors = [off(p) for _, p in group]
+    errors = [error_or_uncertainty(p) for _, p in group]
     k = int(np.argmax(errors))
     times = [p.cold for _, p in group if p.cold is not None]
     gate = [by_gate(p) for _, p in group]
     return Standing(
         name=first.name,
         label=label,
-        family=family_of(first),
+        family=model_family(first),
         scenes=len(group),
         worst=errors[k],
         worst_scene=group[k][0],
@@ -129,7 +129,7 @@ def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
     )
 
 
-def front(found: Sequence[Standing]) -> list[Standing]:
+def pareto_front(found: Sequence[Standing]) -> list[Standing]:
     """Return the models and meshes that no other one beats in both median gate error and time, fastest first."""
     best: list[Standing] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
@@ -162,7 +162,7 @@ def first_figure(
         Whether all points are named; else levels, one model of each family and those of the front.
     """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
-    time = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
+    time = _time_panel(points, median_errors(points), "run time of a cold start / s", all_names=all_names)
     counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
     caption = (
         f"Share of screws: by the largest error of a contact load on each of {counts}. {TIMED} A cold start is a new "
@@ -193,7 +193,7 @@ def screw_panel(screws: Mapping[str, Array]) -> Panel:
 def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
     """Draw the error over the time of a further solution."""
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
-    panel = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=True)
+    panel = _time_panel(warm, median_errors(warm), "time of a further solve / s", all_names=True)
     return Figure(
         "error-time-further",
         "Largest error of each model and mesh level over the time of a further load case",
@@ -222,7 +222,7 @@ def _time_panel(
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
-        drawn = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        drawn = [(scene, p) for scene, several in points.items() for p in several if _is_drawn(p, family)]
         shown = [(scene, p, p.cold) for scene, p in drawn if p.cold is not None]
         series.append(
             Series(
@@ -234,7 +234,7 @@ def _time_panel(
                 names=[f"{p.name}, {scene}" for scene, p, _ in shown],
             )
         )
-    edge = front(found)
+    edge = pareto_front(found)
     line = ([s.cold for s in edge if s.cold is not None], [max(s.gate.error, FLOOR) for s in edge])
     series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
     for family in families:
@@ -259,12 +259,12 @@ def _time_panel(
     return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
 
 
-def _shown(point: TimePoint, family: str) -> bool:
+def _is_drawn(point: TimePoint, family: str) -> bool:
     """Return whether a point is drawn: converged, with an error, and of the family."""
-    return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
+    return point.status == "converged" and error_or_uncertainty(point) > 0.0 and model_family(point) == family
 
 
-def answer(
+def accuracy_sentence(
     screws: Mapping[str, Array], gate: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None
 ) -> str:
     """Return the sentence on the errors of representative models on all screws, and the accuracy of the reference.
@@ -290,7 +290,7 @@ def answer(
     whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
     return (
         f"{passed_text(gate)}. Median and 95th percentile of the largest error: {', '.join(largest)}, of the mean contact "
-        f"load; {drawn} of the screws were drawn at random. Uncertainty of the 3D reference: {_range(bars)}{whole}."
+        f"load; {drawn} of the screws were drawn at random. Uncertainty of the 3D reference: {_range_text(bars)}{whole}."
     )
 
 
@@ -307,7 +307,7 @@ def passed_text(errors: Mapping[str, Array]) -> str:
     return f"Within the gate's {LIMIT:g} % of every contact load: {', '.join(counts)} screws" if counts else ""
 
 
-def _range(bars: Sequence[float]) -> str:
+def _range_text(bars: Sequence[float]) -> str:
     """Return the range of uncertainties as text."""
     if not bars:
         return "unknown (one mesh level only)"
@@ -323,7 +323,7 @@ def drawn_words(drawn: int) -> str:
     )
 
 
-def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
+def describe_coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
     """Return paragraphs on how many scenes there are, and on the ranges of their inputs."""
     if not scenes:
         return []
@@ -430,16 +430,16 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     screws, drawn = screw_errors(compared), len({p.scene for p in surveyed_points()})
     wide = first_figure(screws, points, "error-time", (11.0, 4.1))
     narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
-    covered = [drawn_words(drawn), *coverage({name: study.scene(name) for name in points}, found)]
-    sentence = answer(screws, gate_errors(compared), drawn, bars, largest_total(study, found))
+    covered = [drawn_words(drawn), *describe_coverage({name: study.scene(name) for name in points}, found)]
+    sentence = accuracy_sentence(screws, gate_errors(compared), drawn, bars, largest_total(study, found))
     limits = (*LIMITS, when_measured(study, step))
-    table = standing_table(standings(points))
+    table = standing_table(median_errors(points))
     step("every model on every quantity")
     step("printed values by table and section")
     laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
     items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
-    shown = (models_figure(standings(points)), table, further_figure(points))
+    shown = (models_figure(median_errors(points)), table, further_figure(points))
     return Section("overview", title, shown, conclusion=sentence, summary=summary)
 
 

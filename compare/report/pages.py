@@ -128,16 +128,16 @@ def _with_cases() -> tuple[Listed, ...]:
 SECTIONS = _with_cases()
 
 
-def pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
+def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
     """Return the pages, in order, from sections by name of their part; pages without a section are left out."""
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
         if part.name in by_name:
             by_page.setdefault(part.page, []).extend(by_name[part.name])
-    return [Page(name, PAGES[name] or group[0].title, group, conclusion(group)) for name, group in by_page.items()]
+    return [Page(name, PAGES[name] or group[0].title, group, first_sentence(group)) for name, group in by_page.items()]
 
 
-def conclusion(sections: Sequence[Section]) -> str:
+def first_sentence(sections: Sequence[Section]) -> str:
     """Return the first sentence of a page: the conclusion of its first section that has one, else a count of verdicts."""
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
@@ -199,7 +199,7 @@ def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tup
     return [part for part in parts if part.name not in out], left
 
 
-def lacking(sections: Iterable[Section]) -> list[LeftOut]:
+def missing_features(sections: Iterable[Section]) -> list[LeftOut]:
     """Return what a report leaves out because a package is not installed or 3D pictures cannot be drawn."""
     left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (

@@ -28,7 +28,7 @@ def scene_text(name: str) -> str:
     return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
 
 
-def notes(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
+def notes_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
     """Return the section of warnings, assumptions and neglected effects."""
     items: list[Text | Table | Figure] = []
     warned = (*warnings, *result.warnings)
@@ -67,7 +67,7 @@ def source_files() -> dict[str, str]:
     return {SOURCES: sources_hash()}
 
 
-def provenance(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
+def page_provenance(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
     """Return the provenance of a page: scene with its hash, versions, date and model."""
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",

@@ -21,9 +21,18 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.parallel import as_done
-from rollbench.compare.report.pages import COMPILED, GATHERING, SECTIONS, Listed, kept_parts, lacking, live_check, pages
-from rollbench.compare.report.scene_page import replaced
-from rollbench.compare.report.verify import moved_tables, tables
+from rollbench.compare.report.pages import (
+    COMPILED,
+    GATHERING,
+    SECTIONS,
+    Listed,
+    arrange_pages,
+    kept_parts,
+    live_check,
+    missing_features,
+)
+from rollbench.compare.report.scene_page import writing_to_folder
+from rollbench.compare.report.verify import moved_tables, read_tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
 from rollbench.compare.running import cores, gmsh_fault, libraries, machine, need_packages, on_terminal
@@ -37,7 +46,7 @@ from rollbench.reports.content import Report, Section
 Step = Callable[[str], None]
 
 
-def provenance() -> dict[str, str]:
+def report_provenance() -> dict[str, str]:
     """Return version, date, machine and versions of libraries."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
@@ -148,7 +157,7 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
-def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
+def _make_part(part: Listed, step: Step, study: Study) -> Sequence[Section]:
     """Return the sections of a part; for the ladder also write the measured model errors."""
     path, _, function = part.module.partition(":")
     module = import_module(f"{part.package}.{path}")
@@ -161,12 +170,12 @@ def _made(part: Listed, step: Step, study: Study) -> Sequence[Section]:
     return (made,) if isinstance(made, Section) else tuple(made)
 
 
-def _elsewhere(
+def _make_in_worker(
     parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
     """Make sections in a worker process; return them by part, with a study of the scenes and evidence used.
 
-    The study also gets the evidence of the printed ``tables``. With ``keeping`` the bodies of geometries are kept on
+    The study also gets the evidence of the printed ``read_tables``. With ``keeping`` the bodies of geometries are kept on
     disk, as on the command line.
     """
     if keeping:
@@ -174,7 +183,7 @@ def _elsewhere(
     study, progress, made = Study(*given), Progress(len(parts), say), {}
     for part in parts:
         progress.section(part.name)
-        made[part.name] = _made(part, progress.step, study)
+        made[part.name] = _make_part(part, progress.step, study)
     if tables:
         evidence(study, *tables)
     return made, Study(scenes=study.scenes, others=study.others, evidence=study.evidence)
@@ -218,7 +227,7 @@ def make_sections(
             half = [part for part in parts if part not in last and (part.page in COMPILED) == compiled]
             tables = [name for name, case in gathered if (case in COMPILED) == compiled]
             if half or tables:
-                jobs.append((partial(_elsewhere, keeping=kept.switched_on()), (half, tables, given, say)))
+                jobs.append((partial(_make_in_worker, keeping=kept.switched_on()), (half, tables, given, say)))
         for _, (made, used) in as_done(jobs, workers=2):
             for name in made:
                 announce(name)
@@ -229,7 +238,7 @@ def make_sections(
         parts = last
     for part in parts:
         announce(part.name)
-        sections[part.name] = _made(part, step, study)
+        sections[part.name] = _make_part(part, step, study)
     return sections
 
 
@@ -287,7 +296,7 @@ def make_report(
         For an unknown section or a folder that cannot be used.
     """
     need_packages(*PAGES, "scikit-fem")
-    before = None if against is None else tables(against)
+    before = None if against is None else read_tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:
             raise ArgumentError(name, str(value), "without `source`", "leave it out")
@@ -296,14 +305,14 @@ def make_report(
         raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
     from rollbench.reports.pages import write
 
-    with replaced(out):
+    with writing_to_folder(out):
         need_writable(out / "index.html")
     wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
     from rollbench.compare.reference.store import shipped_store
 
     stores = (store,) if fresh or quick else (store, shipped_store())
-    facts = provenance()  # before anything is written
+    facts = report_provenance()  # before anything is written
     engine = engine or Engine()
     runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
@@ -325,7 +334,7 @@ def make_report(
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
-    missed += lacking(section for several in sections.values() for section in several)
+    missed += missing_features(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
@@ -337,14 +346,14 @@ def make_report(
         + (f" (quick run: coarse meshes, cases 1 and 2 only{without})" if quick else "")
         + "".join(f" (left out: {gap})" for gap in missed),
         provenance=facts,
-        pages=pages(sections),
+        pages=arrange_pages(sections),
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
-    with replaced(out):
+    with writing_to_folder(out):
         page = write(report, out, progress.step)
     parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
     if before is not None:
-        parts += [*moved_tables(before, tables(page.parent))] or ["nothing moved"]
+        parts += [*moved_tables(before, read_tables(page.parent))] or ["nothing moved"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
     return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
 

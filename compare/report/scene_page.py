@@ -26,15 +26,15 @@ from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.report.axis_page import page_of_axis
-from rollbench.compare.report.parts import answers_table, notes, provenance, scene_text, source_files
-from rollbench.compare.results.rows import expected_words, rows_of, together_rows
+from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_files
+from rollbench.compare.results.rows import answer_rows, expected_words, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json
-from rollbench.compare.results.view import view_of
+from rollbench.compare.results.view import make_view
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.sections.fit import range_figure, range_table
-from rollbench.compare.sections.sheets import sketch_of
+from rollbench.compare.sections.sheets import sketch_scene
 from rollbench.compare.studies.friction.answer import lines_of, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
 from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
@@ -57,7 +57,7 @@ SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
 
 
 @contextmanager
-def replaced(out: Path) -> Iterator[None]:
+def writing_to_folder(out: Path) -> Iterator[None]:
     """Turn errors of writing to the folder ``out`` into InputError, also if it holds files of something else."""
     from rollbench.reports.pages import check_target
 
@@ -69,7 +69,7 @@ def replaced(out: Path) -> Iterator[None]:
         raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
-def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
+def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
     """Make the page of a scene, or of its load cases.
 
     Parameters
@@ -133,7 +133,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
         table=answers_table(answers, "Of all load cases"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
-        view=view_of(cycle.title, solved, data, names, stores),
+        view=make_view(cycle.title, solved, data, names, stores),
     )
 
 
@@ -154,28 +154,28 @@ def _page_of_scene(
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
     text, data = scene_text(name), case_json(one)
     sections = (
-        Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
-        _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
-        _stiffness(answers, tangent),
-        *filter(None, [section(scene, result, options)]),
-        _error(scene, worth, judged, stored, None if given is None else against(given, result)),
-        notes(result, warnings),
+        Section("scene", "The scene", (sketch_scene(scene, "sketch", SKETCH),)),
+        _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
+        _stiffness_section(answers, tangent),
+        *filter(None, [friction_section(scene, result, options)]),
+        _error_section(scene, worth, judged, stored, None if given is None else compare_with_reference(given, result)),
+        notes_section(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
+        verdict_sentence(answers, worth, judged, stored, None if given is None else compare_with_reference(given, result)),
         (),
-        _picture(scene, result),
+        _picture_of_scene(scene, result),
         sections,
-        _provenance(name, scene, text, stored, file),
+        _scene_provenance(name, scene, text, stored, file),
         text,
         data,
-        _files(scene, stored, stores),
+        _hash_files(scene, stored, stores),
         warnings,
-        view_of(scene.title, [one], data, (), stores, given),
+        make_view(scene.title, [one], data, (), stores, given),
         table=answers_table(
-            rows_of(one), f"Answers of model {DEFAULT}, each with the error to expect", expected_words(worth)
+            answer_rows(one), f"Answers of model {DEFAULT}, each with the error to expect", expected_words(worth)
         ),
     )
 
@@ -198,13 +198,13 @@ class Against:
         return f"loads are off by up to {e.max_percent:.2f} % of their mean (ball {e.ball} {e.side})"
 
 
-def against(given: Reference, result: StaticResult) -> Against:
+def compare_with_reference(given: Reference, result: StaticResult) -> Against:
     """Compare the loads of a result with the user's reference."""
     error = load_error(result.load, given.load, given.contacts)
     return Against(error, uncertainty_percent(given), given.stated)
 
 
-def verdict(
+def verdict_sentence(
     answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
 ) -> str:
     """Return the main result in one sentence: highest pressure, static safety, and measured or expected error."""
@@ -228,15 +228,17 @@ def verdict(
     return f"{text}; an error of up to {worth.percent:.1f} % of the mean load is to be expected of scenes like it."
 
 
-def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
+def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
     """Return the section of all contact loads with their pressures, next to those of the references."""
     panels = []
     pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
-        series = [loads(r.label, r, s, "markers", bar=r.uncertainty) for r in references]
-        panels.append(load_panel(f"screw's flank {side}", loads(DEFAULT, result, s, emphasis=True), *series, zero=True))
+        series = [load_curve(r.label, r, s, "markers", bar=r.uncertainty) for r in references]
+        panels.append(
+            load_panel(f"screw's flank {side}", load_curve(DEFAULT, result, s, emphasis=True), *series, zero=True)
+        )
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
@@ -255,7 +257,7 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
     return Section("loads", "Loads and pressures", items)
 
 
-def _stiffness(answers: Answers, tangent: Tangent) -> Section:
+def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
     """Return the section on rigidities by formulas and model, and the tangent stiffness at the nut."""
     three = answers.rigidities
     names = (
@@ -286,7 +288,7 @@ def _stiffness(answers: Answers, tangent: Tangent) -> Section:
     return Section("stiffness", "Stiffness", (first, Table.of("tangent", "Stiffness 6 x 6", cells, note)))
 
 
-def _error(
+def _error_section(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
     """Return the section of errors: measured with u_val, expected, and whether the scene is in the compared range."""
@@ -325,14 +327,14 @@ def _error(
     return Section("error", "How far these numbers may be trusted", items)
 
 
-def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
+def _picture_of_scene(scene: Scene, result: StaticResult) -> LoadedScrew:
     loaded = result.load > 0.0
     arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
     caption = "Balls are coloured by their load; arrows are the contact forces on them."
     return LoadedScrew("picture", "The scene under load", scene, result.load, *arrows, caption)
 
 
-def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
+def _hash_files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
     """Return SHA-256 by file: sources, data of the error estimate, and the reference runs that were used."""
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
@@ -340,9 +342,9 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
     return source_files() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
-def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
+def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
     """Return the provenance of the page, with that of the references."""
-    out = provenance(name, scene, text, DEFAULT)
+    out = page_provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
@@ -360,7 +362,7 @@ STEPS = 24
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
-def section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
+def friction_section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
     """Return the section on friction; None if the scene has no friction coefficient."""
     if scene.friction is None:
         return None
@@ -377,7 +379,9 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
     lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))
     panels, notes = [_over_coefficient(solved, result), _over_play(solved)], [f"{label}: {text}." for label, text in lines]
     try:
-        run = solve_run(replace(scene, time=_turn(scene, motion)), scene.friction, motion, DEFAULT, options.member)
+        run = solve_run(
+            replace(scene, time=_time_of_one_turn(scene, motion)), scene.friction, motion, DEFAULT, options.member
+        )
     except InputError as error:  # circuits that cannot be
         notes.append(f"No run in time: {error}.")
     else:
@@ -406,7 +410,7 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
     )
 
 
-def _turn(scene: Scene, motion: Motion) -> Time:
+def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
     """Return the scene's time span, or one turn; for a bearing the angle at which the ball pattern repeats."""
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")

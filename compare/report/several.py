@@ -11,7 +11,7 @@ from rollbench.compare.files import need_writable
 from rollbench.compare.provenance import SOURCES
 from rollbench.compare.quantities import count_of, split_unit
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.scene_page import page_of, replaced
+from rollbench.compare.report.scene_page import make_page, writing_to_folder
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Quantity, Row, Section, Table
 from rollbench.reports.manifest import sha256
@@ -69,10 +69,10 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
     """
     for name in names:
         catalogue.any_scene(name)
-    with replaced(out):
+    with writing_to_folder(out):
         need_writable(out / INDEX)
-    pages = [page_of(name, (store, shipped_store()), reference) for name in names]
-    files = dict(zip([INDEX] if len(pages) == 1 else _files(names), map(render, pages), strict=True))
+    pages = [make_page(name, (store, shipped_store()), reference) for name in names]
+    files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(render, pages), strict=True))
     if len(pages) > 1:
         files[INDEX] = render(side_by_side(names, pages, files))
 
@@ -80,12 +80,12 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
         for name, html in files.items():
             (folder / name).write_text(html, encoding="utf-8", newline="\n")
 
-    with replaced(out):
+    with writing_to_folder(out):
         replace_folder(out, write)
     return pages
 
 
-def _files(names: Sequence[str]) -> list[str]:
+def _page_file_names(names: Sequence[str]) -> list[str]:
     """Return a file name for each scene; of equal names the later ones are numbered."""
     files = [INDEX]
     for name in names:
@@ -125,10 +125,10 @@ def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     for label, page in zip(labels, pages, strict=True):
         for one in page.results.get("cases", [page.results]):
             heading = f"{label}, {one['case']}" if "case" in one else label
-            columns[heading] = dict(_numbers({**one["summary"], "model_form": one["model_form"]}))
+            columns[heading] = dict(_numbers_of_summary({**one["summary"], "model_form": one["model_form"]}))
             if "case" in one and (life := page.results["summary"].get("life")):
-                columns[heading] |= dict(_numbers({"life": life}, "life of all cases"))
-    keys = sorted(dict.fromkeys(key for column in columns.values() for key in column), key=_place)
+                columns[heading] |= dict(_numbers_of_summary({"life": life}, "life of all cases"))
+    keys = sorted(dict.fromkeys(key for column in columns.values() for key in column), key=_group_rank)
     found: list[Row] = []
     for group, key in keys:
         words, unit = split_unit(key)
@@ -137,13 +137,13 @@ def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     return found
 
 
-def _place(key: tuple[str, str]) -> int:
+def _group_rank(key: tuple[str, str]) -> int:
     """Return the sort rank of a row's group; rows within a group keep their order."""
     groups = [split_unit(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
-def _numbers(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
+def _numbers_of_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
     """Yield the numbers of a summary, with the name of their group and their key."""
     for name in GROUPS:
         table = summary.get(name)

@@ -76,7 +76,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
             [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
         ),
         *levels_items(study, scenes),
-        *_unseen(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
+        *_unseen_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
             "Errors of two low-order models on each randomly drawn screw",
@@ -112,13 +112,13 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
             "model or mesh": s.name,
             "screws": s.seconds.size,
             "errors against": s.judged_by or "not known",
-            Quantity("median", "largest error by the gate's rule, median", "%", ".2f"): _at(s.errors, 50),
-            Quantity("p95", "95th percentile", "%", ".2f"): _at(s.errors, 95),
-            Quantity("mean_median", "largest error, median", "% of mean", ".2f"): _at(s.of_mean, 50),
-            Quantity("mean_p95", "95th percentile of that", "% of mean", ".2f"): _at(s.of_mean, 95),
-            Quantity("seconds", "new screw, median", "s", "g3"): _at(s.seconds, 50),
-            Quantity("slowest", "new screw, 95th percentile", "s", "g3"): _at(s.seconds, 95),
-            Quantity("further", "further load case, median", "s", "g3"): _at(s.further, 50),
+            Quantity("median", "largest error by the gate's rule, median", "%", ".2f"): _percentile(s.errors, 50),
+            Quantity("p95", "95th percentile", "%", ".2f"): _percentile(s.errors, 95),
+            Quantity("mean_median", "largest error, median", "% of mean", ".2f"): _percentile(s.of_mean, 50),
+            Quantity("mean_p95", "95th percentile of that", "% of mean", ".2f"): _percentile(s.of_mean, 95),
+            Quantity("seconds", "new screw, median", "s", "g3"): _percentile(s.seconds, 50),
+            Quantity("slowest", "new screw, 95th percentile", "s", "g3"): _percentile(s.seconds, 95),
+            Quantity("further", "further load case, median", "s", "g3"): _percentile(s.further, 50),
         }
         for s in found
     ]
@@ -130,8 +130,8 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
     title = (
         "Errors of models and mesh levels over processor time on drawn screws"
         if coarse is None
-        else f"Level 1 of the 3D reference differs from level 2 by {_at(coarse.errors, 50):.2f} % in the median of drawn "
-        f"screws, and takes {_at(coarse.seconds, 50):.0f} s"
+        else f"Level 1 of the 3D reference differs from level 2 by {_percentile(coarse.errors, 50):.2f} % in the median "
+        f"of drawn screws, and takes {_percentile(coarse.seconds, 50):.0f} s"
     )
     caption = (
         f"Markers: medians of the largest error by the gate's rule, {RULE}; bars: up to the 95th percentile. The line is "
@@ -144,7 +144,7 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
     )
 
 
-def _at(values: Array, percent: float) -> float | None:
+def _percentile(values: Array, percent: float) -> float | None:
     """Return a percentile of values; None without values."""
     return float(np.percentile(values, percent)) if values.size else None
 
@@ -180,7 +180,7 @@ def _levels_panel(found: Sequence[Standing], time: str, lin: Sequence[tuple[floa
     return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
 
 
-def _unseen(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
+def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
     """Return text and table of the refined model's errors on first and on further screws; empty without further."""
     if not further:
         return ()
@@ -204,7 +204,7 @@ def _unseen(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple
     return Text((about,)), Table.of("stability-unseen", "The refined model on the first screws and on further ones", rows)
 
 
-def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
+def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
     """Return (n, 2): distance of the outermost ball from a face [ball radii], largest error [% of mean load]."""
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
@@ -216,7 +216,7 @@ def _errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
 
 def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw the histogram of the largest errors, and the errors over the distance of the outermost ball from a face."""
-    found = {model: errors for model in MODELS if (errors := _errors(scenes, model)).size}
+    found = {model: errors for model in MODELS if (errors := _face_distances_and_errors(scenes, model)).size}
     every = np.concatenate([errors[:, 1] for errors in found.values()])
     edges = np.geomspace(0.999 * every.min(), 1.001 * every.max(), BINS + 1)
     bars = [Series(m, edges.tolist(), np.histogram(e[:, 1], edges)[0].tolist(), "steps") for m, e in found.items()]
@@ -226,12 +226,12 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
         Panel("How often", error, "screws", bars, log="x", zero=True),
         Panel("Near a face", "distance of the outermost ball from a face / ball radii", error, points, log="y"),
     )
-    near = "; ".join(f"{name}: {_near(errors)}" for name, errors in found.items())
+    near = "; ".join(f"{name}: {_median_errors_near_faces(errors)}" for name, errors in found.items())
     title = f"The error grows towards the faces of the nut: median within and beyond {NEAR:g} ball radii, {near}"
     return Figure("survey", title, panels, f"{len(scenes)} drawn screws, {BINS} bins of equal ratio.")
 
 
-def _near(errors: Array) -> str:
+def _median_errors_near_faces(errors: Array) -> str:
     """Return the median errors of screws whose outermost ball is near a face, and of the others."""
     near = errors[:, 0] < NEAR
     return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())

@@ -29,7 +29,7 @@ MOST = 6
 Tables = Mapping[str, list[dict[str, str]]]
 
 
-def tables(report: Path) -> Tables:
+def read_tables(report: Path) -> Tables:
     """Return all tables of a report by name, from its CSV files; InputError for a folder that is no report."""
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
         advice = "reports are written by: rollbench report"
@@ -54,15 +54,15 @@ def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
         if name not in old or name not in new:
             yield f"{name}: {'new table' if name not in old else 'no longer there'}"
             continue
-        lines = list(_moved(old[name], new[name]))
+        lines = list(_table_differences(old[name], new[name]))
         yield from (f"{name}: {line}" for line in lines[:MOST])
         if len(lines) > MOST:
             yield f"{name}: and {len(lines) - MOST} more"
 
 
-def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iterator[str]:
+def _table_differences(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iterator[str]:
     """Yield a line for each difference between two tables."""
-    before, after = _keyed(old), _keyed(new)
+    before, after = _rows_by_text(old), _rows_by_text(new)
     if before.keys() != after.keys() and len(old) == len(new):
         before, after = ({f"row {k + 1}": row for k, row in enumerate(rows)} for rows in (old, new))
     for key in dict.fromkeys((*before, *after)):
@@ -71,34 +71,34 @@ def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iter
             continue
         for column in dict.fromkeys((*before[key], *after[key])):
             if not column.endswith(MEASURED):
-                yield from _cell(f"{key}, {column}", before[key].get(column), after[key].get(column))
+                yield from _cell_difference(f"{key}, {column}", before[key].get(column), after[key].get(column))
 
 
-def _keyed(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
+def _rows_by_text(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
     """Return rows by their text cells, numbered where those are equal."""
     by_text: dict[str, dict[str, str]] = {}
     for row in rows:
-        texts = [cell for cell in row.values() if cell and _parsed(cell) is None]
+        texts = [cell for cell in row.values() if cell and _number_or_text(cell) is None]
         key = ", ".join(text if len(text) <= 40 else f"{text[:37]}..." for text in texts[:3]) or "row"
         count = sum(known == key or known.startswith(f"{key} (") for known in by_text)
         by_text[f"{key} ({count + 1})" if count else key] = row
     return by_text
 
 
-def _parsed(text: str) -> float | None:
+def _number_or_text(text: str) -> float | None:
     with suppress(ValueError):
         return float(text)
     return None
 
 
-def _cell(where: str, old: str | None, new: str | None) -> Iterator[str]:
+def _cell_difference(where: str, old: str | None, new: str | None) -> Iterator[str]:
     """Yield a line if two cells differ by more than round-off."""
     if old == new:
         return
     if old is None or new is None:
         yield f"{where}: {'new column' if old is None else 'column no longer there'}"
         return
-    a, b = _parsed(old), _parsed(new)
+    a, b = _number_or_text(old), _number_or_text(new)
     if a is None or b is None:
         yield f"{where}: {old[:60] or 'nothing'} became {new[:60] or 'nothing'}"
         return
@@ -132,7 +132,7 @@ class Checked:
         return f"{self.state:8} {escaped(self.name)} {escaped(self.stated[:16])}{now}"
 
 
-def folder_of(report: Path) -> Path:
+def report_folder(report: Path) -> Path:
     """Return the folder of a report, given by that folder or by its first page."""
     return report if report.is_dir() else report.parent
 
@@ -142,7 +142,7 @@ def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
 
     InputError for a damaged manifest.
     """
-    folder = folder_of(report)
+    folder = report_folder(report)
     try:
         manifest = read_manifest(folder)
     except (OSError, ValueError) as error:
@@ -155,7 +155,7 @@ def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
     yield from (Checked(name, "", files[name]) for name in files.keys() - manifest["files"].keys())
 
 
-def read(report: Path) -> tuple[str, dict[str, Any]]:
+def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
     """Return text and data blocks of a page, or of the first one of a folder; InputError for another file."""
     path = report / "index.html" if report.is_dir() else report
     try:
@@ -182,9 +182,9 @@ def checked_page(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> I
 
 def run_verify(report: Path, store: Path) -> Answer:
     """Check every hash; exit code 1 if one differs. Raises InputError for a file without manifest."""
-    stores = (store, shipped_store(), folder_of(report))  # the last one: pages of several scenes
-    whole = (folder_of(report) / FILE).is_file()
-    rows = list(checked_report(report, stores) if whole else checked_page(*read(report), stores))
+    stores = (store, shipped_store(), report_folder(report))  # the last one: pages of several scenes
+    whole = (report_folder(report) / FILE).is_file()
+    rows = list(checked_report(report, stores) if whole else checked_page(*read_first_page(report), stores))
     shown = [row for row in rows if not whole or row.state != "ok"]  # a whole report has hundreds
     wrong = sum(row.state != "ok" for row in rows)
     count = f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}"
@@ -196,9 +196,9 @@ def run_pages(
 ) -> Answer:
     """Write the page of a scene, or of several with a table, and list changes against an earlier page of one scene.
 
-    Exit code 1 if a load case did not converge. InputError as `make_pages`, `read`.
+    Exit code 1 if a load case did not converge. InputError as `make_pages`, `read_page`.
     """
-    before = None if against is None else read(against)[1]
+    before = None if against is None else read_first_page(against)[1]
     pages = make_pages(scenes, out, store, reference)
     parts = []
     for name, page in zip(scenes, pages, strict=True):
@@ -206,47 +206,47 @@ def run_pages(
         parts += [*(f"WARNING: {said}{warning}" for warning in page.warnings), f"{said}{page.verdict}"]
     parts.append(f"page: {out / INDEX}")
     if before is not None:
-        after = read(out)[1]
+        after = read_first_page(out)[1]
         lines = [
-            *moved(_inputs(before["manifest"]), _inputs(after["manifest"])),
-            *moved(_stable(before["results"]), _stable(after["results"])),
+            *result_differences(_manifest_inputs(before["manifest"]), _manifest_inputs(after["manifest"])),
+            *result_differences(_results_without_times(before["results"]), _results_without_times(after["results"])),
         ]
         parts += lines or ["nothing moved"]
     return Answer(parts=parts, code=int(any(page.results["status"] != "converged" for page in pages)))
 
 
-def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
+def _manifest_inputs(manifest: dict[str, Any]) -> dict[str, Any]:
     """Return a manifest without what differs in every run: date, hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
-def _stable(results: dict[str, Any]) -> dict[str, Any]:
+def _results_without_times(results: dict[str, Any]) -> dict[str, Any]:
     """Return results without the solver's report, which has run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
-    return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
+    return kept | ({"cases": [_results_without_times(one) for one in results["cases"]]} if "cases" in results else {})
 
 
-def moved(old: Any, new: Any, path: str = "") -> Iterator[str]:
+def result_differences(old: Any, new: Any, path: str = "") -> Iterator[str]:
     """Yield a line for each difference between two results; numbers count if they differ beyond round-off."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
-            yield from moved(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
+            yield from result_differences(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
     elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         for k, (a, b) in enumerate(zip(old, new, strict=True)):
-            yield from moved(a, b, f"{path}[{k + 1}]")
-    elif _number(old) and _number(new):
+            yield from result_differences(a, b, f"{path}[{k + 1}]")
+    elif _number_or_none(old) and _number_or_none(new):
         change = float(error_percent(new, old)) if old else float("inf") if new else 0.0
         if abs(change) > ROUND_OFF:
             yield f"{path}: {old:.6g} became {new:.6g} ({change:+.3g} %)"
     elif old != new:
-        yield f"{path}: {_short(old)} became {_short(new)}"
+        yield f"{path}: {_shorten(old)} became {_shorten(new)}"
 
 
-def _number(value: Any) -> bool:
+def _number_or_none(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _short(value: Any) -> str:
+def _shorten(value: Any) -> str:
     text = "nothing" if value is None else str(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -246,7 +246,7 @@ class Record(ABC):
         Sequence[Sequence[str]]
             Texts of each row, one for each of `headings`.
         """
-        return [Row(name, _text(value), unit) for name, value, unit in _flat(self._at(self._shown), "")]
+        return [Row(name, _value_text(value), unit) for name, value, unit in _flatten_record(self._at(self._shown), "")]
 
     def __str__(self) -> str:
         """Return the table as aligned text, with the notes below it."""
@@ -280,7 +280,7 @@ def deprecated(what: str, instead: str) -> None:
     warnings.warn(f"{what} goes in the next version: use {instead}", DeprecationWarning, stacklevel=3)
 
 
-def _flat(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
+def _flatten_record(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
     """Yield name, value and unit of every single value inside a JSON value; None and lists of records are left out.
 
     A key without a unit takes the unit of its table (``of_all``).
@@ -290,18 +290,18 @@ def _flat(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON,
             words, unit = split_unit(key)
             whole = f"{name}: {words}" if name else words
             if isinstance(inner, dict):
-                yield from _flat(inner, whole, unit or of_all)
+                yield from _flatten_record(inner, whole, unit or of_all)
             elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (dict, list)) for x in inner)):
                 yield whole, inner, unit or of_all
     elif isinstance(value, list):
         for number, inner in enumerate(value, start=1):
-            yield from _flat(inner, f"{name} {number}".strip())
+            yield from _flatten_record(inner, f"{name} {number}".strip())
 
 
-def _text(value: JSON) -> str:
+def _value_text(value: JSON) -> str:
     """Return a JSON value as the text of a table cell."""
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, list):
-        return ", ".join(map(_text, value))
+        return ", ".join(map(_value_text, value))
     return str(value)

@@ -121,7 +121,7 @@ class Compared:
     models: tuple[Beside, ...]
     #: The reference.
     itself: Beside
-    #: Expected error of the model that `verdict` judges, estimated from other scenes.
+    #: Expected error of the model that `comparison_verdict` judges, estimated from other scenes.
     expected: ModelForm | None
     #: Uncertainty of the comparison.
     total: Total
@@ -130,7 +130,7 @@ class Compared:
 
     @property
     def spoken(self) -> Beside:
-        """Model that `verdict` judges: the default model, else the first one."""
+        """Model that `comparison_verdict` judges: the default model, else the first one."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
@@ -171,7 +171,7 @@ def compared(
     """
     answers, expected, starts = [], {}, {}
     for model in models:
-        of_model = answer_of(model, scene, reference, stores) if of is None else answered(of, model.name)
+        of_model = solve_and_compare(model, scene, reference, stores) if of is None else answered(of, model.name)
         if isinstance(of_model, str):
             raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one with --model")
         answers.append(from_result(of_model.result, of_model.seconds))
@@ -189,7 +189,7 @@ def compared(
     return replace(whole, expected=expected.get(whole.spoken.label))
 
 
-def answer_of(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
+def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
     """Solve a scene with one set by a low-order model, with and without its loads."""
     result, seconds = solved(model, scene, reference, stores)
     bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
@@ -202,7 +202,7 @@ def others_than(reference: Reference) -> list[Point]:
     return [point for point in shipped_points() if point.scene not in own]
 
 
-def answers_of(b: Beside) -> dict[str, Any]:
+def loads_and_rigidities(b: Beside) -> dict[str, Any]:
     """Return the JSON of results from the loads of a model or the reference; null for missing quantities."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
@@ -220,7 +220,7 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
     error, expected = whole.spoken.error, whole.expected
     return {
         "scene": reference.scene,
-        "verdict": verdict(whole, reference),
+        "verdict": comparison_verdict(whole, reference),
         "levels": list(reference.levels),
         "uncertainty_percent": uncertainty_percent(reference),
         "reference_status": reference.unsettled or "converged",
@@ -229,7 +229,7 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
         "expected_error_percent": None if expected is None else expected.percent,
         **expected_json(expected, "expected_{}_error_percent"),
         "measured_error_percent": None if error is None else error.max_percent,
-        "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
+        "answers": {b.label: loads_and_rigidities(b) for b in (whole.itself, *whole.models)},
     }
 
 
@@ -248,7 +248,7 @@ def levels_text(reference: Reference, total: Total) -> str:
     return f"uncertain by {total.percent:.2f} % ({of})"
 
 
-def verdict(whole: Compared, reference: Reference) -> str:
+def comparison_verdict(whole: Compared, reference: Reference) -> str:
     """Return the summary of a comparison in one sentence: error of the judged model, expected error, uncertainty."""
     b, worth, e = whole.spoken, whole.expected, whole.spoken.error
     off = expected = ""
@@ -277,4 +277,6 @@ def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]
         Headings, and the texts of each row, one for each heading.
     """
     headings = ("quantity", whole.spoken.title, whole.itself.label, "unit", "difference", "expected")
-    return headings, [*compared_rows(answers_of(whole.spoken), answers_of(whole.itself), whole.expected)]
+    return headings, [
+        *compared_rows(loads_and_rigidities(whole.spoken), loads_and_rigidities(whole.itself), whole.expected)
+    ]

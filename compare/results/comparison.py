@@ -21,7 +21,14 @@ from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.results.base import JSON, Record, with_schema
-from rollbench.compare.results.compared import Beside, Compared, answer_rows, answers_of, compared, verdict
+from rollbench.compare.results.compared import (
+    Beside,
+    Compared,
+    answer_rows,
+    compared,
+    comparison_verdict,
+    loads_and_rigidities,
+)
 from rollbench.compare.results.solved import ExpectedError, expected_error
 from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
@@ -174,7 +181,7 @@ class Comparison(Record):
         return with_schema(self._json())
 
     def _json(self) -> dict[str, Any]:
-        results = [_set_json(whole, one) | named(one) for one, whole in self.compared]
+        results = [_set_json(whole, one) | model_label(one) for one, whole in self.compared]
         if isinstance(self.described, DutyCycle):
             cases = cases_by_name([self.described])
             rows = [row | cases[one.described].keys for row, (one, _) in zip(results, self.compared, strict=True)]
@@ -213,7 +220,7 @@ class Comparison(Record):
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
 
 
-def comparison_of(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
     """Make the record of a scene's comparison from the comparisons of its load cases and sets.
 
     Parameters
@@ -237,7 +244,7 @@ def comparison_of(described: Described, pairs: Pairs, warnings: Sequence[str]) -
     }
     return Comparison(
         scene=described.name,
-        verdict="\n".join(verdict(whole, one.found) for one, whole in pairs),
+        verdict="\n".join(comparison_verdict(whole, one.found) for one, whole in pairs),
         warnings=tuple(warnings),
         cases={name: _of_sets(name, None, its, ()) for name, its in by_case.items()},
         compared=tuple(pairs),
@@ -252,7 +259,7 @@ def _of_sets(name: str, described: Described | None, pairs: Pairs, warnings: Seq
         return _of_set(name, first, whole, described, warnings)
     return Comparison(
         scene=name,
-        verdict="\n".join(verdict(whole, one.found) for one, whole in pairs),
+        verdict="\n".join(comparison_verdict(whole, one.found) for one, whole in pairs),
         warnings=tuple(warnings),
         sets={one.set: _of_set(one.found.scene, one, whole, None, ()) for one, whole in pairs},
         compared=tuple(pairs),
@@ -267,23 +274,23 @@ def _of_set(
     found, t = one.found, whole.total
     return Comparison(
         scene=name,
-        verdict=verdict(whole, found),
+        verdict=comparison_verdict(whole, found),
         warnings=tuple(warnings),
-        reference=Loads(**_loads(whole.itself)),
+        reference=Loads(**_contact_loads_json(whole.itself)),
         levels=found.levels,
         unsettled=found.unsettled,
         uncertainties=found.uncertainty,
         uncertainty=Uncertainty(
             t.percent, t.discretisation, None if t.choices is None else t.choices.percent, t.inputs, t.second_order, t.text
         ),
-        models={b.label: _model(b, one) for b in whole.models},
+        models={b.label: _model_json(b, one) for b in whole.models},
         expected_error=expected_error(whole.expected),
         compared=((one, whole),),
         described=described,
     )
 
 
-def _loads(b: Beside) -> dict[str, Any]:
+def _contact_loads_json(b: Beside) -> dict[str, Any]:
     """Return the fields of `Loads` for a model or the reference."""
     life = b.found.life
     return {
@@ -298,13 +305,13 @@ def _loads(b: Beside) -> dict[str, Any]:
     }
 
 
-def _model(b: Beside, one: Referenced) -> ModelLoads:
+def _model_json(b: Beside, one: Referenced) -> ModelLoads:
     """Return the loads of a model with their errors against the reference."""
     assert b.error is not None, "a model has errors"
     errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
     e = b.error
     return ModelLoads(
-        **_loads(b),
+        **_contact_loads_json(b),
         errors=errors,
         largest_error=e.max_percent,
         rms_error=e.rms_percent,
@@ -331,7 +338,7 @@ def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
             }
             for b in whole.models
         },
-        "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
+        "answers": {b.label: loads_and_rigidities(b) for b in (whole.itself, *whole.models)},
     }
 
 
@@ -372,7 +379,7 @@ class Comparing:
         return each_compared(self.scenes, self.references, self.models, self.stores, self.failed, own=self.own)
 
 
-def comparing(
+def start_comparison(
     described: Sequence[Described],
     origins: Sequence[str],
     models: Sequence[Model],
@@ -436,7 +443,7 @@ def comparing(
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in referenced(scene, (store,), (task.level,)):
                     whole = compared(one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of)
-                    step(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
+                    step(f"{one.found.scene}, by level {task.level} alone: {comparison_verdict(whole, one.found)}")
 
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
@@ -445,7 +452,7 @@ def comparing(
     )
 
 
-def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
+def unconverged_error(name: str, failed: Sequence[Run]) -> Refusal:
     """Return the error for a scene without a converged 3D reference run.
 
     Parameters
@@ -503,7 +510,7 @@ def each_compared(
     """
     for scene, sets in zip(scenes, references, strict=True):
         if not sets:
-            raise unconverged(scene.name, failed)
+            raise unconverged_error(scene.name, failed)
         for one in sets:
             ours = stored_beside(one, stores) if own else None
             yield one, compared(one.scene, models or suitable_models(scene), one.found, stores, one.of, ours)
@@ -544,7 +551,7 @@ def own_references(
     return references
 
 
-def named(one: Referenced) -> dict[str, str]:
+def model_label(one: Referenced) -> dict[str, str]:
     """Return the keys that identify a set in the JSON of a comparison.
 
     Parameters
@@ -560,7 +567,7 @@ def named(one: Referenced) -> dict[str, str]:
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
-def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
+def duty_cycles(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
     """Return the duty cycles to which load cases belong, each once.
 
     Parameters
@@ -610,10 +617,10 @@ def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
         For each set of balls: largest error of the default model and its load case, and the life [10^6 revolutions] of
         every model and of the reference; None where a load case has none.
     """
-    return [_summary(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
+    return [_summary_json(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
 
 
-def _summary(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
+def _summary_json(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
     """Return the JSON summary of a comparison over all load cases, for one set."""
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
     errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]

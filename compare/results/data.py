@@ -272,7 +272,7 @@ class Friction(Data):
     """Friction over all load cases; None without load cases."""
 
 
-def friction_of(data: Mapping[str, Any]) -> Friction:
+def friction_from_json(data: Mapping[str, Any]) -> Friction:
     """Convert the JSON of ``rollbench friction`` to a record.
 
     Parameters
@@ -291,7 +291,7 @@ def friction_of(data: Mapping[str, Any]) -> Friction:
         known[name] = None if known[name] is None else 1e-2 * known[name]
     if converged and known["loss"] is None:
         known["loss"] = (data.get("energy") or {}).get("loss_W")
-    cases = {str(one["case"]): friction_of(one) for one in data.get("cases", ())}
+    cases = {str(one["case"]): friction_from_json(one) for one in data.get("cases", ())}
     return Friction(
         values=data,
         shown="torque" if data.get("torque") else "",
@@ -460,7 +460,7 @@ class Ensemble(Data):
     """Ensemble of each load case, by name; empty without load cases."""
 
 
-def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
+def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
     """Convert the JSON of ``rollbench solve --members`` to a record.
 
     Parameters
@@ -473,25 +473,25 @@ def ensemble_of(data: Mapping[str, Any]) -> Ensemble:
     Ensemble
         The record.
     """
-    cases = {str(one["case"]): ensemble_of(one) for one in data.get("cases", ())}
+    cases = {str(one["case"]): ensemble_from_json(one) for one in data.get("cases", ())}
     return Ensemble(
         values=data,
         shown="cases" if cases else "statistics",
         scene=str(data["scene"]),
         members=data["members"] if not cases else min(one.members for one in cases.values()),
         converged=data["converged"] if not cases else min(one.converged for one in cases.values()),
-        outputs=_outputs(data.get("statistics", {})),
+        outputs=_outputs_from_json(data.get("statistics", {})),
         failed={one["member"]: one["status"] for one in data.get("failed", ())},
-        sets={one["name"]: _outputs(one["statistics"]) for one in data.get("sets", ())},
+        sets={one["name"]: _outputs_from_json(one["statistics"]) for one in data.get("sets", ())},
         contacts=tuple(data.get("balls", ())),
         band_resolution=data.get("band_resolution_N"),
         cases=cases,
     )
 
 
-def _outputs(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
+def _outputs_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
     """Return the statistics of outputs by name from JSON; None without statistics."""
-    return {name: None if x is None else _statistics(x) for name, x in each.items()}
+    return {name: None if x is None else _statistics_from_json(x) for name, x in each.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -511,7 +511,7 @@ class Sweep(Data):
     left out."""
 
 
-def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
+def sweep_from_json(data: Mapping[str, Any], folder: Path) -> Sweep:
     """Convert the JSON summary of a sweep to a record.
 
     Parameters
@@ -534,7 +534,7 @@ def sweep_of(data: Mapping[str, Any], folder: Path) -> Sweep:
         folder=folder,
         solved=data["solved"],
         converged=data["converged"],
-        outputs=_outputs(data["outputs"]),
+        outputs=_outputs_from_json(data["outputs"]),
         sobol={name: {key: x["total"] for key, x in of.items()} for name, of in indices.items() if of is not None},
     )
 
@@ -553,7 +553,7 @@ class Survey(Data):
     """Results of every screw by model, in the units of the keys; ``status`` is "converged" or says why there is none."""
 
 
-def survey_of(data: Mapping[str, Any]) -> Survey:
+def survey_from_json(data: Mapping[str, Any]) -> Survey:
     """Convert the JSON of ``rollbench survey`` to a record.
 
     Parameters
@@ -581,7 +581,7 @@ def survey_of(data: Mapping[str, Any]) -> Survey:
     )
 
 
-def _statistics(x: Mapping[str, Any]) -> Statistics:
+def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
     """Convert the JSON statistics of one output to a record."""
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
     quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}

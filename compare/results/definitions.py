@@ -193,12 +193,12 @@ TABLES = (
 
 
 @cache
-def _known() -> tuple[tuple[re.Pattern[str], Stated], ...]:
+def _known_definitions() -> tuple[tuple[re.Pattern[str], Stated], ...]:
     """Return pattern and definition of every path in `TABLES`, in their order."""
-    return tuple((_pattern(path), one) for table in TABLES for path, one in table.paths())
+    return tuple((_path_pattern(path), one) for table in TABLES for path, one in table.paths())
 
 
-def _pattern(path: str) -> re.Pattern[str]:
+def _path_pattern(path: str) -> re.Pattern[str]:
     """Return the pattern of full JSON paths that end with a path of `TABLES`."""
     named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
     return re.compile(rf"(.*\.)?{named}")
@@ -218,4 +218,4 @@ def definition(path: str) -> Stated | None:
     'largest contact load'
     """
     path = re.sub(r"\[\d+\]", "[]", path)
-    return next((known for pattern, known in _known() if pattern.fullmatch(path)), None)
+    return next((known for pattern, known in _known_definitions() if pattern.fullmatch(path)), None)

@@ -92,7 +92,7 @@ def read_course(text: str) -> Course:
             turn = 0.0 if word in AXES else units.parse(word, "angle")
             direction = AXES.get(word, (math.cos(turn), math.sin(turn), 0.0))
         else:
-            at = _place(word) if kind else word
+            at = _direction_of_word(word) if kind else word
     if not (low < high and 2 <= points <= MOST):
         allowed = f"LOW below HIGH, and 2 to {MOST} points"
         raise ArgumentError("curve", units.show(text), allowed, f"give {FORM}")
@@ -103,7 +103,7 @@ def read_course(text: str) -> Course:
     return Course(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
-def _place(word: str) -> float:
+def _direction_of_word(word: str) -> float:
     """Return a station [m] from its text; ArgumentError for anything else."""
     try:
         return units.parse(word, "length")
@@ -243,7 +243,7 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
     for a vanishing force F.
     """
     model, options = model or default_model(scene), replace(options or Options(), discretisation=False)
-    loaded, direction, at, unit = _loading(scene, course)
+    loaded, direction, at, unit = _load_course(scene, course)
 
     @cache
     def state(value: float) -> _State:
@@ -252,13 +252,15 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
         if not result.converged:
             return _State(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
-        return _State(here, result, float(np.dot(_motion(here, result, at)[:3], direction)), max(map(_largest, loads)))
+        return _State(
+            here, result, float(np.dot(_motion_along_load(here, result, at)[:3], direction)), max(map(_largest_load, loads))
+        )
 
     bare = state(0.0)
     pressed = bare.largest > 0.0
     start = bare.moved if pressed else 0.0
     top = max(map(abs, course.values))
-    ends, words = _lash(course, lambda f: state(f).moved, top)
+    ends, words = _lash_of_curve(course, lambda f: state(f).moved, top)
     lash = None if ends is None else ends[1] - ends[0]
 
     def tangent(value: float) -> float | None:
@@ -297,20 +299,20 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
         lash=lash,
         lash_words=words or None,
         peak_to_peak=known[-1].displacement - known[0].displacement if len(known) > 1 else None,  # type: ignore[operator]
-        forward=None if ends is None else _chord(points[-1], ends[1] - start),
-        backward=None if ends is None else _chord(points[0], ends[0] - start),
+        forward=None if ends is None else _chord_stiffness(points[-1], ends[1] - start),
+        backward=None if ends is None else _chord_stiffness(points[0], ends[0] - start),
         points=tuple(points),
         warnings=tuple(dict.fromkeys(w for result in of_ends for w in result.warnings)),
         assumed=bare.result.assumed,
     )
 
 
-def _loading(
+def _load_course(
     scene: Scene | Assembly, course: Course
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
     """Return a function that loads the scene by a value, the force's direction and place, and the force [N] of 1."""
     several = isinstance(scene, Assembly)
-    at: float | str = _asked(scene) if isinstance(scene, Assembly) else scene.nut.position
+    at: float | str = _requested_scene(scene) if isinstance(scene, Assembly) else scene.nut.position
     if course.factors:
         if isinstance(scene, Scene) and scene.loads:
             at = scene.loads[0].at
@@ -342,26 +344,26 @@ def _loading(
     return loaded, course.direction, at, 1.0
 
 
-def _asked(assembly: Assembly) -> float | str:
+def _requested_scene(assembly: Assembly) -> float | str:
     """Return the station [m] or housing of interest of an assembly."""
     from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
     return asked(assembly)
 
 
-def _motion(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
+def _motion_along_load(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
     """Return the displacement (6,) [m, rad] of the station or housing on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
         return motion_asked(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
 
 
-def _largest(loads: Any) -> float:
+def _largest_load(loads: Any) -> float:
     """Return the largest of some loads [N]; zero if there are none."""
     return float(np.max(loads, initial=0.0))
 
 
-def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
+def _lash_of_curve(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
     """Return the displacements [m] at both ends of the lash and an empty text; None and the reason if not defined."""
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "the loads have one sign"
@@ -378,7 +380,7 @@ def _lash(course: Course, moved: Callable[[float], float], top: float) -> tuple[
     return (ends[0], ends[1]), ""
 
 
-def _chord(end: CurvePoint, edge: float) -> float | None:
+def _chord_stiffness(end: CurvePoint, edge: float) -> float | None:
     """Return the stiffness [N/m] from the end of the lash (``edge`` [m]) to the curve's end; None if not solved."""
     moved = None if end.displacement is None else end.displacement - edge
     return end.load / moved if moved else None

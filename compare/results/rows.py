@@ -85,7 +85,7 @@ OF_SETS = (
 )
 
 
-def rows_of(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
+def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
     """Return the table rows of a solved scene.
 
     For several sets on a shaft these are the rows of the whole, then those of the set with the worst contact.
@@ -134,13 +134,13 @@ def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, det
     """
     found = []
     mean = (data.get("loads") or {}).get("mean_N")
-    for (group, _), (kind, table, stated) in zip(GROUPS, _tables(data), strict=True):
+    for (group, _), (kind, table, stated) in zip(GROUPS, _tables_by_name(data), strict=True):
         for key, x in stated if details else [pair for pair in stated if pair[1].heading]:
-            row = _row(table, key, x, worth, mean)
+            row = _answer_row(table, key, x, worth, mean)
             if row is not None and (details or row.unit or row.value not in ("0", "no")):
                 of = "" if x.heading or not group else f"{group.replace('_', ' ')}: "
                 found.append(row._replace(quantity=f"{of}{row.quantity}"))
-        found += _reasons(data, kind)
+        found += _reasons_without_value(data, kind)
     return found
 
 
@@ -163,35 +163,35 @@ def compared_rows(
     tuple[str, str, str, str, str, str]
         Name, value of the model, value of the reference, unit, difference [%], and the error that was to be expected.
     """
-    theirs = {(kind, key): _at(table, key) for kind, table, stated in _tables(reference) for key, _ in stated}
+    theirs = {(kind, key): _value_at(table, key) for kind, table, stated in _tables_by_name(reference) for key, _ in stated}
     mean = (data.get("loads") or {}).get("mean_N")
-    for kind, table, stated in _tables(data):
+    for kind, table, stated in _tables_by_name(data):
         for key, x in stated if kind is not Ratings else ():
-            value, other = _at(table, key), theirs.get((kind, key))
+            value, other = _value_at(table, key), theirs.get((kind, key))
             if x.heading and isinstance(value, float) and isinstance(other, float):
-                name, unit = _named(x)
+                name, unit = _name_of_table(x)
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
-                yield name, shown(value), shown(other), unit, off, _error(value, x.expected, worth, mean)[1]
+                yield name, shown(value), shown(other), unit, off, _expected_error(value, x.expected, worth, mean)[1]
 
 
-def _tables(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
+def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
     """Yield, for each group, its record, its table in the summary (empty if missing), and its quantities by key."""
     for group, kind in GROUPS:
         table = data.get(group) if group else data
         stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
-        known = isinstance(table, Mapping) and _at(table, stated[0][0]) is not ...
+        known = isinstance(table, Mapping) and _value_at(table, stated[0][0]) is not ...
         if kind is Preload and table and not table["loaded_contacts"]:
             known = False
         yield kind, table if known and table else {}, stated
 
 
-def _named(x: Stated) -> tuple[str, str]:
+def _name_of_table(x: Stated) -> tuple[str, str]:
     """Return name and unit of a quantity as shown in tables."""
     name, unit = heading_of(x)
     return name, unit.replace("million revolutions", "1e6 rev")
 
 
-def _at(table: Mapping[str, Any], key: str) -> Any:
+def _value_at(table: Mapping[str, Any], key: str) -> Any:
     """Return the value at a key, whose dots lead into inner tables; an ellipsis if there is no such key."""
     value: Any = table
     for name in key.split("."):
@@ -199,26 +199,26 @@ def _at(table: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def _row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
+def _answer_row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
     """Return the table row of one quantity; None if it has no value that a row can show."""
-    value = _at(table, key)
+    value = _value_at(table, key)
     if value in (None, ..., ""):
         return None
-    name, unit = _named(x)
+    name, unit = _name_of_table(x)
     digits = int(x.form[1:]) if x.form in ("g2", "g3") else 4
     if isinstance(value, str):
         return Row(name, "", note=value)
     if isinstance(value, bool | int) and not unit:
         return Row(name, str(value) if type(value) is int else "yes" if value else "no")
     if isinstance(value, list) and len(value) == 2 and all(isinstance(end, float) for end in value):
-        return Row(name, range_text(value, digits), unit, "", _note(table, x.note))
+        return Row(name, range_text(value, digits), unit, "", _note_from_template(table, x.note))
     if not isinstance(value, int | float):
         return None
-    error, words = _error(value, x.expected, worth, mean)
-    return Row(name, shown(value, error, digits), unit, words, _note(table, x.note))
+    error, words = _expected_error(value, x.expected, worth, mean)
+    return Row(name, shown(value, error, digits), unit, words, _note_from_template(table, x.note))
 
 
-def _error(
+def _expected_error(
     value: float, expected: tuple[str, float], worth: ModelForm | None, mean: float | None
 ) -> tuple[float | None, str]:
     """Return the expected error of a value, in the unit of the value and in words; None and empty text if not known."""
@@ -231,7 +231,7 @@ def _error(
     return abs(whole or 0.0) * times * percent / 100.0, f"{text} of mean" if whole is mean else text
 
 
-def _note(table: Mapping[str, Any], template: str) -> str:
+def _note_from_template(table: Mapping[str, Any], template: str) -> str:
     """Return a note with the values of its table filled in; empty if one of them is not known."""
     known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
@@ -241,7 +241,7 @@ def _note(table: Mapping[str, Any], template: str) -> str:
         return ""
 
 
-def _reasons(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
+def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     """Yield rows that explain why quantities of a record (``kind``) have no value."""
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
     if kind is LoadSums and "loads" in data and data["loads"] is None:

@@ -414,7 +414,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
             "kind": one.scene.kind,
             "sets": [{"set": k, **(as_json(s) or {}), "summary": set_json(s, x, one.scene.motion)} for k, (s, x) in pairs],
             "balls": set_balls(one.result),
-            "rollers": rollers(one.result),
+            "rollers": roller_rows(one.result),
             "summary": whole_json(one),
             "housings": [as_json(housing) for housing in one.result.housings],
             "stiffness": whole_stiffness(one.result),
@@ -486,7 +486,7 @@ def set_balls(result: AxisResult) -> list[dict[str, Any]]:
     return rows
 
 
-def rollers(result: AxisResult) -> list[dict[str, Any]]:
+def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
     """Return the JSON rows of the rollers of all sets, numbered from 1 in each set."""
     rows = []
     for k, s in enumerate(result.sets, 1):
@@ -523,11 +523,13 @@ def cases_json(
         "model": solved[0].result.model,
         "status": unsolved or "converged",
         "summary": together_json(whole),
-        "cases": [{**head(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each],
+        "cases": [
+            {**json_head(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each
+        ],
     }
 
 
-def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
+def json_head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
     """Return the keys with which the JSON of every load case begins: scene, and data of the case."""
     return {"scene": cycle.name, **(as_json(case) or {})}
 

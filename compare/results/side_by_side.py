@@ -127,7 +127,7 @@ class SideBySide(Record):
         >>> [round(x, 1) for x in both.difference_percent("displacement_um")]
         [0.0, -0.5]
         """
-        values = [_middle((as_json(one) or {})[key]) for one in self.scenes]
+        values = [_middle_value((as_json(one) or {})[key]) for one in self.scenes]
         if values[0] is None:
             return (None,) * len(values)
         found = [None if x is None else float(error_percent(x, values[0])) for x in values]
@@ -148,7 +148,7 @@ class SideBySide(Record):
         )
 
 
-def _middle(value: Any) -> float | None:
+def _middle_value(value: Any) -> float | None:
     """Return the middle of a range, or a single number unchanged; None for None."""
     return None if value is None else float(np.mean(value))
 
@@ -171,16 +171,16 @@ def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySi
     parts = [one.solved[0].scene for one in results]
     return SideBySide(
         model=results[0].model,
-        scenes=tuple(_alternative(one, name) for one, name in zip(results, names, strict=True)),
-        differ=tuple(_differ(parts)),
+        scenes=tuple(_alternative_by_name(one, name) for one, name in zip(results, names, strict=True)),
+        differ=tuple(_differing_keys(parts)),
     )
 
 
-def _alternative(whole: Result, name: str) -> Alternative:
+def _alternative_by_name(whole: Result, name: str) -> Alternative:
     """Return the answers of one scene for the comparison, under a name."""
     first = next(iter(whole.cases.values()), whole)
     K, worst, life, system = first.stiffness, first.worst, whole.life, whole.axis_life
-    running, starting, inertia = _torques(first)
+    running, starting, inertia = _torques_of_rows(first)
     across = None if K is None or not np.isfinite(K[:2, :2]).all() else float(np.linalg.eigvalsh(K[:2, :2])[0])
     axial = first.axial_stiffness
     loads = [x.max() for x in (first.loads, *(s.roller_loads for s in first.sets.values())) if x is not None and x.size]
@@ -209,7 +209,7 @@ def _alternative(whole: Result, name: str) -> Alternative:
     )
 
 
-def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
+def _torques_of_rows(one: Result) -> tuple[Band | None, Band | None, float | None]:
     """Return running and starting torques (low, high) [N m], and an axis' inertia [kg m^2]; None: not known."""
     if one.drive is not None:
         return one.drive.running, one.drive.starting, one.drive.inertia
@@ -221,7 +221,7 @@ def _torques(one: Result) -> tuple[Band | None, Band | None, float | None]:
     return None if driving is None else (1e-3 * driving, 1e-3 * driving), None, None
 
 
-def _differ(scenes: Sequence[Scene | Assembly]) -> list[str]:
+def _differing_keys(scenes: Sequence[Scene | Assembly]) -> list[str]:
     """Return the names of the shared data (shaft, loads, operation) that differ between the scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):

@@ -14,7 +14,7 @@ from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnsw
 from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.results.base import JSON, Record, Row, as_html, deprecated, with_schema
-from rollbench.compare.results.rows import expected_words, rows_of, set_rows, together_rows
+from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json, pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact
@@ -338,10 +338,10 @@ class Result(Record, Balls):
         (['ball', 'azimuth_rad', 'z_m', 'load_SL_N', 'load_SR_N'], 234)
         """
         if self.cases:
-            return _stacked("case", {name: one.columns() for name, one in self.cases.items()})
+            return _stack_arrays("case", {name: one.columns() for name, one in self.cases.items()})
         if self.sets:
-            return _stacked("set", {name: _columns(one) for name, one in self.sets.items()})
-        return _columns(self)
+            return _stack_arrays("set", {name: _contact_columns(one) for name, one in self.sets.items()})
+        return _contact_columns(self)
 
     def plot(self) -> Figure:
         """Draw the contact loads over the number of the ball, in a panel for each set and load case.
@@ -421,13 +421,13 @@ class Result(Record, Balls):
         ValueError
             If there are no loads.
         """
-        from rollbench.compare.results.view import view_of
+        from rollbench.compare.results.view import make_view
         from rollbench.reports.view import page
 
         if not any(one.answers for one in self.solved):
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
         title = (self.cycle or self.solved[0].scene).title
-        return page(view_of(title, self.solved, self.to_dict(), [*self.cases], stores))
+        return page(make_view(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     def table(self) -> Sequence[Row]:
         """Return the rows that ``rollbench solve`` prints; for load cases the rows on all of them together.
@@ -437,7 +437,7 @@ class Result(Record, Balls):
         Sequence[Row]
             The rows.
         """
-        return together_rows(self.together) if self.together is not None else rows_of(self.solved[0])
+        return together_rows(self.together) if self.together is not None else answer_rows(self.solved[0])
 
     def _repr_html_(self) -> str:
         """Return the table as HTML for a notebook; with several sets, a second table has a row for each."""
@@ -464,7 +464,7 @@ class Result(Record, Balls):
         return "\n".join([self._notes[0], *told])
 
 
-def result_of(
+def make_result(
     solved: Sequence[Solved | SolvedAxis],
     tangents: Sequence[Tangent | None],
     at_nut: Sequence[Tangent | None],
@@ -507,7 +507,7 @@ def result_of(
         assumed=tuple(dict.fromkeys(words for one in each for words in one.assumed)),
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
-        life=_life(together.least.life, together.speed),
+        life=_life_result(together.least.life, together.speed),
         modified_life=together.least.modified,
         reference_life=together.least.reference,
         axis_life=together.axis_life,
@@ -540,7 +540,7 @@ def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent |
 def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     """Return a result with the answers of a scene with one set filled in."""
     answers = one.answers
-    balls = _balls(one.scene, one.result, solved=answers is not None)
+    balls = _ball_rows(one.scene, one.result, solved=answers is not None)
     if answers is None:
         return replace(head, azimuth=balls.azimuth, z=balls.z)
     speed = None if one.scene.motion is None else one.scene.motion.speed
@@ -553,12 +553,12 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
         rigidity=None if answers.rigidities is None else answers.rigidities.unequal,
         stiffness=None if K is None else K.matrix,
         axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
-        worst=_worst("", answers.loads),
-        life=_life(answers.loads.life, speed),
+        worst=_worst_contact("", answers.loads),
+        life=_life_result(answers.loads.life, speed),
         modified_life=answers.loads.modified,
         reference_life=answers.loads.reference,
         shaft=answers.shaft,
-        preload=_preload(answers.preload),
+        preload=_preload_result(answers.preload),
         bearing_torque=answers.torque,
         expected_error=expected_error(one.expected),
     )
@@ -569,7 +569,7 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
     found, answers = one.result, one.answers
     speed = None if one.scene.motion is None else one.scene.motion.speed
     each = [None] * len(found.sets) if answers is None else [*answers.sets]
-    sets = {s.of.name: _set(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
+    sets = {s.of.name: _set_result(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
     if answers is None:
         return replace(head, sets=sets)
     balls = [s for s in sets.values() if s.loads is not None]
@@ -595,11 +595,13 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
     )
 
 
-def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
+def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
     """Make the result of one of several sets on a shaft."""
     known = answers is not None
     balls = (
-        _balls(answers.parts, s.balls, solved=True) if answers and s.balls and isinstance(answers.parts, Scene) else None
+        _ball_rows(answers.parts, s.balls, solved=True)
+        if answers and s.balls and isinstance(answers.parts, Scene)
+        else None
     )
     loads = None if answers is None else answers.loads
     return SetResult(
@@ -611,17 +613,17 @@ def _set(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetRe
         moment=s.moment if known else None,
         stiffness=s.stiffness if known else None,
         roller_loads=s.roller_load if known else None,
-        worst=None if loads is None else _worst(s.of.name, loads),
-        life=None if loads is None else _life(loads.life, speed),
+        worst=None if loads is None else _worst_contact(s.of.name, loads),
+        life=None if loads is None else _life_result(loads.life, speed),
         rib=loads.rib if isinstance(loads, RollerAnswers) else None,
         torque=loads.torque if isinstance(loads, RollerAnswers) else None,
-        preload=None if answers is None else _preload(answers.preload),
+        preload=None if answers is None else _preload_result(answers.preload),
         bearing_torque=None if answers is None else answers.torque,
         reference_life=None if loads is None else loads.reference,
     )
 
 
-def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
+def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
     """Return positions, loads, angles and pressures of the balls of a set; only positions unless ``solved``."""
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
@@ -630,7 +632,7 @@ def _balls(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
     return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
 
 
-def _worst(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
+def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
     """Return the contact with the highest pressure, under the name of its set; None without load."""
     w, safety = answers.worst, answers.safety
     if w is None or safety is None:
@@ -640,7 +642,7 @@ def _worst(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | No
     return WorstContact(name, w.roller, w.race, w.force, w.pressure, safety.factor, None, None, None)
 
 
-def _life(known: rating.Life | None, speed: float | None) -> Life | None:
+def _life_result(known: rating.Life | None, speed: float | None) -> Life | None:
     """Convert a rated life to the record of the library; None without one."""
     if known is None:
         return None
@@ -648,7 +650,7 @@ def _life(known: rating.Life | None, speed: float | None) -> Life | None:
     return Life(1e6 * known.revolutions, known.distance, seconds, known.rating, known.equivalent, known.standard)
 
 
-def _preload(known: loading.Preload | None) -> Preload | None:
+def _preload_result(known: loading.Preload | None) -> Preload | None:
     """Convert a preload to the record of the library; None without one."""
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
@@ -672,7 +674,7 @@ def expected_error(m: ModelForm | None) -> ExpectedError | None:
     return ExpectedError(m.percent, m.rms_percent, *others, m.nearest, m.words)
 
 
-def _columns(one: Balls) -> dict[str, Array | list[str]]:
+def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
     """Return the columns of `Result.columns` for the balls of one set; empty without loads."""
     if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
         return {}
@@ -682,7 +684,7 @@ def _columns(one: Balls) -> dict[str, Array | list[str]]:
     return out
 
 
-def _stacked(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
+def _stack_arrays(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
     """Stack columns of several sets or cases; the first column, ``key``, holds their names."""
     known = {name: columns for name, columns in each.items() if columns}
     names = [name for name, columns in known.items() for _ in columns["ball"]]

@@ -183,7 +183,7 @@ class Table(Data):
             Lists by column: values of the keys, status, ``K_ux_ux`` to ``K_rz_rz`` in N, m and rad, the other quantities
             and the errors to expect.
         """
-        flat = [dict(_flat(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
+        flat = [dict(_flatten_row(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
         names = dict.fromkeys(name for row in flat for name in row)
         return {name: [row.get(name) for row in flat] for name in names}
 
@@ -205,7 +205,7 @@ class Table(Data):
         return pandas.DataFrame(self.columns())
 
 
-def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def _flatten_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield keys and values of a row's JSON with inner tables flattened; the stiffness as 36 terms."""
     for key, value in row.items():
         if key == "stiffness":
@@ -217,7 +217,7 @@ def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield key, value
 
 
-def table_of(data: Mapping[str, Any]) -> Table:
+def table_from_json(data: Mapping[str, Any]) -> Table:
     """Convert the JSON of ``rollbench table`` to a record.
 
     Parameters

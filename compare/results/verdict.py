@@ -193,7 +193,7 @@ class Verdict(Record):
         return "\n".join([f"verdict: {self.word}", *self._notes])
 
 
-def verdict_of(
+def judge_request(
     described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, step: Callable[[str], None]
 ) -> Verdict:
     """Judge scenes and their load cases, and return all judgements as one record.
@@ -224,10 +224,10 @@ def verdict_of(
     warnings: list[str] = []
     judged = judged_cases(described, names, request, engine, step, warnings.append)
     left = not_judged(judged) if request.loads or request.values else []
-    return Verdict(tuple(map(_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
+    return Verdict(tuple(map(_verdict_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
 
 
-def _row(v: gate.Verdict) -> VerdictRow:
+def _verdict_row(v: gate.Verdict) -> VerdictRow:
     """Convert a verdict of the gate to a row of the library."""
     return VerdictRow(
         scene=v.scene,
@@ -262,7 +262,7 @@ def judged_cases(
     Parameters
     ----------
     described, names, request, engine, step
-        As for `verdict_of`.
+        As for `judge_request`.
     warn
         Called with warnings.
 

@@ -23,7 +23,7 @@ from rollbench.meshes.surface import groove_profile
 from rollbench.reports.content import CaseView, SetView, View
 
 
-def view_of(
+def make_view(
     title: str,
     solved: Sequence[Solved | SolvedAxis],
     results: Mapping[str, Any],
@@ -53,7 +53,7 @@ def view_of(
     View
         The data.
     """
-    each = [_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
+    each = [_view_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
     words = [count_of(len(cases), "load case")] if cases else []
     sets = len(each[0].sets)
     words += [count_of(sets, "set")] if sets > 1 else []
@@ -65,7 +65,7 @@ def view_of(
     )
 
 
-def _case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
+def _view_case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
     """Return the data of a load case for the 3D view."""
     if isinstance(one, Solved):
         known = given or reference(one.scene, stores)
@@ -73,19 +73,19 @@ def _case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, gi
         mean = mean_load(one.result.load, nominal_contacts(one.scene, one.result)) if one.answers else 0.0
         share = None if expected is None else expected * mean
         kind = "ball nut" if one.scene.track.lead else "bearing"
-        found = _balls("", kind, one.scene, one.scene.nut.position, one.result, one.answers is not None, known, share)
+        found = _view_balls("", kind, one.scene, one.scene.nut.position, one.result, one.answers is not None, known, share)
         return CaseView(name, [found])
     sets = []
     for s in one.result.sets:
         solved = one.answers is not None
         if s.balls is not None and isinstance(s.of.parts, Scene):
-            sets.append(_balls(s.of.name, s.of.kind, s.of.parts, s.of.position, s.balls, solved))
+            sets.append(_view_balls(s.of.name, s.of.kind, s.of.parts, s.of.position, s.balls, solved))
         else:
             sets.append(SetView(s.of.name, s.of.kind, s.of.parts, s.of.position, s.of.thrust))
     return CaseView(name, sets, one.scene)
 
 
-def _balls(
+def _view_balls(
     name: str,
     kind: str,
     parts: Scene,

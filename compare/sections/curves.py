@@ -15,12 +15,12 @@ from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Series
 
 
-def numbers(values: Array, factor: float = 1.0) -> list[float]:
+def plain_numbers(values: Array, factor: float = 1.0) -> list[float]:
     """Return plain numbers for a record, times a factor."""
     return [factor * float(v) for v in values]
 
 
-def lateral(
+def lateral_displacement_curves(
     stations: Array, moved: Array, name: str = "u_{}", style: str = "line", *, emphasis: bool = False
 ) -> tuple[Series, Series]:
     """Return curves of both lateral displacements [um] of an axis over its stations.
@@ -38,9 +38,10 @@ def lateral(
     emphasis
         Whether they are drawn bold.
     """
-    z = numbers(stations, 1e3)
+    z = plain_numbers(stations, 1e3)
     x, y = (
-        Series(name.format(axis), z, numbers(moved[:, k], 1e6), style, emphasis=emphasis) for k, axis in enumerate("xy")
+        Series(name.format(axis), z, plain_numbers(moved[:, k], 1e6), style, emphasis=emphasis)
+        for k, axis in enumerate("xy")
     )
     return x, y
 
@@ -50,7 +51,7 @@ def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
-def loads(
+def load_curve(
     label: str,
     result: StaticResult | Loads | Reference,
     side: int,
@@ -62,8 +63,8 @@ def loads(
     """Return the curve of the loads of one flank over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
-    ends = None if bar is None else (numbers(load - bar[:, side]), numbers(load + bar[:, side]))
-    return Series(label, balls, numbers(load), style, emphasis=emphasis, bars=ends)
+    ends = None if bar is None else (plain_numbers(load - bar[:, side]), plain_numbers(load + bar[:, side]))
+    return Series(label, balls, plain_numbers(load), style, emphasis=emphasis, bars=ends)
 
 
 #: Curves of a panel.
@@ -86,7 +87,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
         ("centreline", [row for row in table if row["quantity"].startswith("centreline")]),
     ):
         scale = max((abs(row[keys[-1]]) for row in rows), default=0.0)
-        series = [s for row in rows[:MOST] for s in _curves(row, keys, sizes, scale)]
+        series = [s for row in rows[:MOST] for s in _curve_and_power_law(row, keys, sizes, scale)]
         if series:
             label = f"difference from the finest / % of {scale:.3g} {rows[0]['unit']}"
             panels.append(Panel(title, "cell size over the finest's", label, tuple(series)))
@@ -96,7 +97,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
     return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels), caption)
 
 
-def _curves(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
+def _curve_and_power_law(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
     """Return the curve of one quantity over cell size, and its power law down to zero cell size."""
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:

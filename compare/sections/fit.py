@@ -94,7 +94,7 @@ class Fit:
         }
 
 
-def fits(points: Sequence[Point]) -> list[Fit]:
+def errors_by_quantity(points: Sequence[Point]) -> list[Fit]:
     """Return the errors of every model in every compared quantity."""
     found = []
     for model in dict.fromkeys(p.model for p in points):
@@ -105,17 +105,17 @@ def fits(points: Sequence[Point]) -> list[Fit]:
     return found
 
 
-def conclusion(found: Sequence[Fit]) -> str:
+def fitness_sentence(found: Sequence[Fit]) -> str:
     """Return a sentence on which model is fit, and which is not, for which quantities."""
     good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
     bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
     held = " The gate's limits hold there on at least 95 of 100 compared scenes."
-    fit = f"is fit for the {_listed(good)}.{held}" if good else "is not shown to be fit."
-    unfit = f" lin is not fit for the {_listed(bad)}." if bad else ""
+    fit = f"is fit for the {_join_names(good)}.{held}" if good else "is not shown to be fit."
+    unfit = f" lin is not fit for the {_join_names(bad)}." if bad else ""
     return f"On ordinary screws the model {DEFAULT} {fit}{unfit}"
 
 
-def _listed(names: Sequence[str]) -> str:
+def _join_names(names: Sequence[str]) -> str:
     """Return names as a list in a sentence."""
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
@@ -123,7 +123,7 @@ def _listed(names: Sequence[str]) -> str:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Return the section of the report."""
     step("all compared scenes")
-    found = fits(shipped_points())
+    found = errors_by_quantity(shipped_points())
     note = (
         "All shipped and surveyed scenes, each against the 3D reference. Verdict: at least 95 of 100 scenes within the "
         f"gate's limit, {LIMIT:g} % of contact loads {RULE}, and of other quantities what loads off by that much make of "
@@ -136,7 +136,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         "fit",
         "Quantities for which each model is accurate enough",
         (table, Text(NOT_FIT, bullets=True)),
-        conclusion=conclusion(found),
+        conclusion=fitness_sentence(found),
     )
 
 
@@ -178,16 +178,16 @@ def range_figure(scene: Scene | None = None) -> Figure:
         series = [Series("compared", compared_values(a, ring=ring), compared_values(b, ring=ring), "markers")]
         if scene is not None:
             series.append(Series(scene.name, [a.value(scene)], [b.value(scene)], "markers", emphasis=True))
-        panels.append(Panel("", _label(a), _label(b), tuple(series)))
+        panels.append(Panel("", _descriptor_label(a), _descriptor_label(b), tuple(series)))
     return Figure(
         "applicability", "Range of screw sizes and features that were compared with the 3D reference", tuple(panels)
     )
 
 
-def _label(d: Descriptor) -> str:
+def _descriptor_label(d: Descriptor) -> str:
     return f"{d.name} / {d.unit}" if d.unit else d.name
 
 
-def items_of(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
+def range_items(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
     """Return table and figure of the compared ranges, without marking a scene."""
     return range_table(), range_figure()

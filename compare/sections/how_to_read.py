@@ -58,7 +58,7 @@ TERMS = (
 )
 
 
-def worked(study: Study) -> str:
+def explain_one_row(study: Study) -> str:
     """Return an explanation of one row of a table of loads, word by word; empty without the reference."""
     found = study.reference(SCENE)
     if found is None:
@@ -81,10 +81,10 @@ def worked(study: Study) -> str:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("one worked row")
-    return Section("how-to-read", "How to read this report", (Text((worked(study),)), Text(TERMS, bullets=True)))
+    return Section("how-to-read", "How to read this report", (Text((explain_one_row(study),)), Text(TERMS, bullets=True)))
 
 
-def assumptions(study: Study) -> list[dict[str, Cell]]:
+def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
     """Return the assumptions, with the scenes that make them."""
     by_text: dict[str, list[str]] = {}
     for name, scene in study.used.items():
@@ -97,7 +97,7 @@ def assumptions(study: Study) -> list[dict[str, Cell]]:
     ]
 
 
-def _why(f: Evidence) -> str:
+def _explain_verdict(f: Evidence) -> str:
     """Return the explanation of an entry: that of its computed value, else its printed remark."""
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
@@ -110,7 +110,7 @@ def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
             "place": p.place,
             "class": p.cls,
             "verdict": verdict,
-            Quantity("why", "best explanation and its evidence", "", "s"): _why(f),
+            Quantity("why", "best explanation and its evidence", "", "s"): _explain_verdict(f),
         }
         for f in found
         for p, verdict in ((f.printed, f.verdict),)
@@ -134,7 +134,7 @@ def notes_section(study: Study, step: Callable[[str], None]) -> Section:
                 "assumptions",
                 "Inputs that a publication leaves open, and what its scene assumes",
                 (Quantity("assumed", "assumed", "", "s"), Quantity("scenes", "scenes", "", "s")),
-                assumptions(study),
+                collect_assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
         ),

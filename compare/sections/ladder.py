@@ -54,7 +54,7 @@ class Changed:
     error: LoadError
 
 
-def choices_of(study: Study, name: str) -> Iterator[Changed]:
+def vary_choices(study: Study, name: str) -> Iterator[Changed]:
     """Yield the refined model unchanged and with every choice varied; nothing for a scene without a stored reference."""
     scene, reference = study.scene(name), study.reference(name)
     if reference is None:
@@ -133,7 +133,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
                 Quantity("max", "largest error with it", "% of mean", ".2f"): c.error.max_percent,
                 Quantity("rms", "RMS error", "% of mean", ".2f"): c.error.rms_percent,
             }
-            for c in choices_of(study, name)
+            for c in vary_choices(study, name)
         ]
     note = (
         "Choices of the refined model, made by argument and not fitted: a patch as wide as the groove (half "
@@ -221,7 +221,7 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
     return out
 
 
-def headline(rungs: Sequence[Rung]) -> str:
+def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
     """Return a sentence on the largest errors by model, on case studies and on screws not used in development."""
     words = []
     for label, names in (("case studies", REFERENCED), ("unseen screws", UNSEEN)):
@@ -254,7 +254,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             "(Saint-Venant). Balls are elastic spheres (Lur'e's series); bearing rings are bodies of revolution "
             "with their groove. It contains no 3D solve, and nothing is fitted to one."
         ),
-        headline(rungs),
+        largest_errors_sentence(rungs),
     )
     step("bodies exchanged for those from 3D")
     items = (Text(text), ladder_table(rungs), ladder_figure(rungs), shares_table(study), choices_table(study, step))

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 MM, MPA = 1e3, 1e-6
 
 
-def panel_of(name: str, found: ContactPressure) -> PressurePanel:
+def pressure_panel(name: str, found: ContactPressure) -> PressurePanel:
     """Return the pressure map of one contact."""
     h = found.hertz
     return PressurePanel(
@@ -61,7 +61,7 @@ def panel_of(name: str, found: ContactPressure) -> PressurePanel:
     )
 
 
-def profiles(found: dict[str, ContactPressure]) -> Figure:
+def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
     """Draw the pressure along both lines of nodes through the most loaded node, with Hertz's."""
     panels = []
     for name, one in found.items():
@@ -198,7 +198,7 @@ def solve_pictured(study: Study, step: Step) -> Solved:
     return Solved(scene, setup, meshes, result, contact_forces(setup, result), int(result.load[:, 0].argmax()))
 
 
-def stresses(solved: Solved, step: Step) -> Stresses:
+def compute_stresses(solved: Solved, step: Step) -> Stresses:
     """Compute the stress fields around the chosen ball."""
     from rollbench.hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
 
@@ -219,7 +219,7 @@ def stresses(solved: Solved, step: Step) -> Stresses:
     )
 
 
-def frame(solved: Solved) -> tuple[Array, Array, Array]:
+def groove_frame(solved: Solved) -> tuple[Array, Array, Array]:
     """Return unit vectors x3, y3, z3 of the groove's section at azimuth 0: radial, along the track, across it."""
     alpha = solved.setup.map.alpha
     return (
@@ -237,7 +237,7 @@ def contact_point(solved: Solved, side: int) -> Array:
     return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * directions(m, side)[0])
 
 
-def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
+def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
     """Return part of a mesh with only the nodes that its cells use."""
     nodes, local = np.unique(cells, return_inverse=True)
     return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
@@ -253,7 +253,10 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     nut = meshes.nut
     behind = nut.points[nut.cells[:, :4]].mean(axis=1) @ toward < 0.0
     kind = body_kind(setup.settings)
-    parts = [used(meshes.screw.points, meshes.screw.cells, kind, STEEL), used(nut.points, nut.cells[behind], kind, NUT)]
+    parts = [
+        keep_used_nodes(meshes.screw.points, meshes.screw.cells, kind, STEEL),
+        keep_used_nodes(nut.points, nut.cells[behind], kind, NUT),
+    ]
     for s in setup.sides:
         mesh = mesh_groove_patch(setup, meshes, s)
         for phi, z in zip(setup.layout.azimuth, setup.layout.z, strict=True):
@@ -279,7 +282,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     )
 
 
-def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
+def _pieces_around_ball(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
     """Return all pieces around the ball, with the mesh or coloured by the equivalent stress in MPa."""
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
@@ -302,7 +305,7 @@ def section_picture(
 
     The cut is the groove's section; the screw is below, the nut above.
     """
-    x3, y3, _ = frame(solved)
+    x3, y3, _ = groove_frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
     focus = centre if side is None else contact_point(solved, side)
@@ -310,7 +313,7 @@ def section_picture(
     return FieldPicture(
         name,
         title,
-        _around(found, values=False),
+        _pieces_around_ball(found, values=False),
         sight=tuple(y3),
         up=tuple(x3),
         focus=tuple(focus),
@@ -325,7 +328,7 @@ def section_picture(
 
 def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
     """Return the picture of the screw's groove around one contact, seen along the normal from the ball."""
-    x3, y3, _ = frame(solved)
+    x3, y3, _ = groove_frame(solved)
     point, b = contact_point(solved, 0), solved.setup.map.ball
     normal = point - np.array([solved.setup.map.R, 0.0, 0.0])
     body, patch = found.bodies[0], found.grooves[0]
@@ -350,7 +353,7 @@ def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
     """Return the picture of the ball with its patches, seen towards its contact with the screw."""
-    x3, y3, _ = frame(solved)
+    x3, y3, _ = groove_frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
     whole = [found.ball, *found.patches.values()]
@@ -373,7 +376,7 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
     )
 
 
-def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
+def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
     """Press one ball on a fine mesh by its loads in the stored reference, and return its number and pressures.
 
     It is the ball whose least loaded contact carries most. Without a stored reference its loads are those of the
@@ -392,7 +395,7 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
     return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in pressures.items()}
 
 
-def loaded(solved: Solved) -> LoadedScrew:
+def loaded_balls_picture(solved: Solved) -> LoadedScrew:
     """Return the picture of the contact loads of the 3D reference on all balls."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
@@ -436,7 +439,7 @@ def stress_caption(solved: Solved, found: Stresses) -> str:
 
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
     """Return the pressures of the contacts of a ball, with the ellipses of Hertz."""
-    panels = tuple(panel_of(contact, x) for contact, x in found.items())
+    panels = tuple(pressure_panel(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
     return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
 
@@ -444,12 +447,12 @@ def pressure_map(name: str, title: str, found: dict[str, ContactPressure], capti
 def make_section(study: Study, step: Step) -> Section:
     """Return the section of the report."""
     solved = solve_pictured(study, step)
-    found = stresses(solved, step)
+    found = compute_stresses(solved, step)
     ball, b = f"ball {solved.ball + 1}", solved.setup.map.ball
     step(f"pressures of a ball of {SCENE}, mesh level {FINE_LEVEL}")
-    ball2, two = pressed(study, SCENE)
+    ball2, two = solve_contact_pressures(study, SCENE)
     step(f"pressures of a ball of {FOUR}, mesh level {FINE_LEVEL}")
-    ball4, four = pressed(study, FOUR)
+    ball4, four = solve_contact_pressures(study, FOUR)
     text = (
         f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, so that its "
         f"lines can be told apart; contact pressures are on level {FINE_LEVEL}. Sections lie in the plane of the groove's "
@@ -471,7 +474,7 @@ def make_section(study: Study, step: Step) -> Section:
         f"{solved.setup.dims.nut_held}. The scale goes by tens."
     )
     whole = section_picture(solved, found, "mesh-section", f"Mesh around {ball}, plane section", mesh, height=3.3 * b)
-    stressed = _around(found, values=True)
+    stressed = _pieces_around_ball(found, values=True)
     shown = replace(whole, parts=stressed, label="von Mises stress [MPa]", words=())
     title = f"Von Mises stress around {ball}, plane section"
     around = replace(shown, name="stress-section", title=title, caption=stress, limits=(2.0, 2000.0), log=True)
@@ -488,7 +491,7 @@ def make_section(study: Study, step: Step) -> Section:
             contact_picture(solved, found),
             ball_picture(solved, found),
             pressure_map("pressure-two", f"Contact pressure of ball {ball2 + 1} of {SCENE}, screw and nut", two, pressure),
-            profiles(two),
+            pressure_profiles_figure(two),
             pressure_map(
                 "pressure-four",
                 f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four flanks",
@@ -498,6 +501,6 @@ def make_section(study: Study, step: Step) -> Section:
             pressure_table({SCENE: two, FOUR: four}),
             around,
             near,
-            loaded(solved),
+            loaded_balls_picture(solved),
         ),
     )

@@ -28,7 +28,7 @@ from rollbench.compare.printed import entry
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.sections.curves import lateral, load_panel, loads, numbers
+from rollbench.compare.sections.curves import lateral_displacement_curves, load_curve, load_panel, plain_numbers
 from rollbench.compare.sections.reference_time import time_items
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -41,19 +41,19 @@ def case_studies(study: Study) -> dict[str, Reference]:
     return study.references(REFERENCED)
 
 
-def modelling(study: Study) -> dict[str, Modelling]:
+def modelling_uncertainties(study: Study) -> dict[str, Modelling]:
     """Return the modelling uncertainty of the scenes whose modelling choices were varied."""
-    return study.once(_modelling)
+    return study.once(_compute_modelling_uncertainty)
 
 
-def _modelling(study: Study) -> dict[str, Modelling]:
-    """Compute the modelling uncertainty for `modelling`."""
+def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
+    """Compute the modelling uncertainty for `modelling_uncertainties`."""
     scenes = [study.scene(name) for name in VARIED]
     found = {scene.name: combined(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 
-def answer(study: Study, name: str, model: str) -> Loads:
+def solve_by_model(study: Study, name: str, model: str) -> Loads:
     """Return loads and displacements of a scene by a low-order model."""
     return from_result(study.solve(name, model))
 
@@ -61,7 +61,7 @@ def answer(study: Study, name: str, model: str) -> Loads:
 def error_table(study: Study, found: References) -> Table:
     """Return the table of errors against the finest level: of low-order models, the source's mesh, coarser levels."""
     rows: list[Row] = []
-    modelled = modelling(study)
+    modelled = modelling_uncertainties(study)
     for name, ref in found.items():
         scene, bars = study.scene(name), (uncertainty_percent(ref), modelling_percent(name, modelled))
         keys = PRINTED.get(name)
@@ -120,7 +120,7 @@ def load_tables(study: Study, found: References) -> list[Table]:
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = [answer(study, name, m.name) for m in suitable_models(scene)]
+        answers = [solve_by_model(study, name, m.name) for m in suitable_models(scene)]
         answers += reference_answers(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
         headings = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(headings)]
@@ -138,15 +138,15 @@ def load_tables(study: Study, found: References) -> list[Table]:
                     **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
                     Quantity("bar", "uncertainty of the reference", "N", ".2f"): bar,
                     Quantity("error", "error of the refined model", "% of own load", "+.2f"): error,
-                    Quantity("angle", "contact angle, reference", "deg", ".2f"): _number(ref.best.angle[i, s]),
-                    Quantity("low_angle", "contact angle, refined model", "deg", ".2f"): _number(low.angle[i, s]),
+                    Quantity("angle", "contact angle, reference", "deg", ".2f"): _number_or_none(ref.best.angle[i, s]),
+                    Quantity("low_angle", "contact angle, refined model", "deg", ".2f"): _number_or_none(low.angle[i, s]),
                 }
             )
         out.append(Table.of(f"reference-loads-{name}", f"{name}: contact loads and angles", rows))
     return out
 
 
-def _number(value: Any) -> float | None:
+def _number_or_none(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
@@ -154,7 +154,7 @@ def line_table(study: Study, found: References) -> Table:
     """Return the table of the screw axis displacement at the reference's stations, by refined model and reference."""
     rows: list[Row] = []
     for name, ref in found.items():
-        low = answer(study, name, "refined")
+        low = solve_by_model(study, name, "refined")
         line = ref.best.centreline
         for row in line:
             cells: Row = {"scene": name, Quantity("z", "station", "mm", ".1f"): 1e3 * float(row[0])}
@@ -172,16 +172,18 @@ def load_figures(study: Study, found: References) -> list[Figure]:
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = {m: answer(study, name, m.name) for m in suitable_models(scene) if m.name != "lin-source-partition"}
+        answers = {
+            m: solve_by_model(study, name, m.name) for m in suitable_models(scene) if m.name != "lin-source-partition"
+        }
         panels = []
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
-            series = [loads(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
+            series = [load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
             if ref.uncertainty is not None:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
-                series.insert(0, Series("its uncertainty", series[0].x, numbers(low), "band", numbers(high)))
-            series += [loads(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
+                series.insert(0, Series("its uncertainty", series[0].x, plain_numbers(low), "band", plain_numbers(high)))
+            series += [load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(load_panel(SIDES[s], *series))
         out.append(Figure(f"reference-loads-{name}", f"{name}: contact loads of all models", tuple(panels)))
     return out
@@ -191,10 +193,10 @@ def line_figure(study: Study, found: References) -> Figure:
     """Draw the lateral deflection of the screw: beam against 3D."""
     panels = []
     for name, ref in found.items():
-        low = answer(study, name, "refined")
+        low = solve_by_model(study, name, "refined")
         line = ref.best.centreline
-        model = lateral(low.stations, low.line, "u{}, refined model")
-        solid = lateral(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
+        model = lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
+        solid = lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "station / mm", "displacement / µm", tuple(series)))
     return Figure("reference-centreline", "Lateral displacement of the screw's centreline over its length", tuple(panels))

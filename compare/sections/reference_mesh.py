@@ -17,7 +17,7 @@ from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
 from rollbench.compare.reference.store import Measured, Run, load_run, most_of
 from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.compare.sections.curves import study_figure
-from rollbench.compare.sections.reference import case_studies, modelling
+from rollbench.compare.sections.reference import case_studies, modelling_uncertainties
 from rollbench.compare.sections.u_val import MANY, Held, coverage, share_of
 from rollbench.compare.studies.mesh_study import closing, studied, study_table
 from rollbench.lowfi.statics.result import StaticResult
@@ -26,7 +26,7 @@ from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Tabl
 References = Mapping[str, Reference]
 
 
-def _changed(error: LoadError, form: str = ".2f") -> Row:
+def _load_change_cells(error: LoadError, form: str = ".2f") -> Row:
     """Return table cells with the load changes that a choice causes."""
     return {
         Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
@@ -35,7 +35,7 @@ def _changed(error: LoadError, form: str = ".2f") -> Row:
     }
 
 
-def _refined(variant: str) -> bool:
+def _refines_one_choice(variant: str) -> bool:
     """Return whether a variant refines a single numerical choice."""
     return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
@@ -80,7 +80,7 @@ def level_table(study: Study, found: References) -> Table:
     note = (
         "Elements across the short axis 2b of the contact ellipse, as expected in the least loaded scene of "
         "the geometry. Balances are relative to the largest contact load. Seconds and peak memory are each "
-        f"run's own; scenes of one geometry share set-up and memory. {_only(common)}"
+        f"run's own; scenes of one geometry share set-up and memory. {_measured_times_sentence(common)}"
     )
     return Table.of(
         "reference-levels", "Contact loads, unknowns and times on each mesh level of the 3D reference", rows, note
@@ -176,7 +176,7 @@ def shared_text(study: Study) -> str:
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
         for e in varied(study.scene(REFINED), study.stores)
-        if _refined(e.variant)
+        if _refines_one_choice(e.variant)
     ]
     finer = f" On {REFINED}, refining one choice at a time moves the mean load by: {', '.join(moves)}." if moves else ""
     return (
@@ -186,7 +186,7 @@ def shared_text(study: Study) -> str:
     )
 
 
-def _only(common: Measured | None) -> str:
+def _measured_times_sentence(common: Measured | None) -> str:
     """Return a sentence on which measured times a table shows."""
     return f"Times are those measured with {common}; others are left out."
 
@@ -203,7 +203,7 @@ def stage_table(found: References) -> Table:
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
     columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
     columns.append(Quantity("contact", "load case", "s", ".1f"))
-    note = f"Scenes of one geometry share all stages but the last. {_only(common)}"
+    note = f"Scenes of one geometry share all stages but the last. {_measured_times_sentence(common)}"
     return Table("reference-stages", "Stages of the finest runs", columns, rows, note)
 
 
@@ -246,7 +246,7 @@ def spread_table(study: Study) -> Table | None:
         scene = study.scene(name)
         low = study.solve(name, "lin")
         for e in varied(scene, study.stores):
-            if _refined(e.variant):
+            if _refines_one_choice(e.variant):
                 continue
             run = load_run(scene, min(LEVELS), e.variant, study.stores)
             model = None if run is None else load_error(low.load, run.load)
@@ -258,7 +258,7 @@ def spread_table(study: Study) -> Table | None:
                     "choice": e.choice,
                     Quantity("variant", "varied", "", "s"): e.label,
                     "kind": KINDS[e.kind],
-                    **_changed(e.error),
+                    **_load_change_cells(e.error),
                     Quantity("ratio", "change of largest : smallest, SL", "%", "+.2f"): ratio,
                     Quantity("model", "low-order model against this variant: largest", "% of mean", ".2f"): largest,
                     Quantity("model_rms", "RMS", "% of mean", ".2f"): rms,
@@ -281,7 +281,7 @@ def single_choice_table(study: Study) -> Table | None:
         return None
     grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
     for e in varied(scene, study.stores):
-        if not _refined(e.variant):
+        if not _refines_one_choice(e.variant):
             continue
         at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
         beyond = int((np.abs(e.change) > grid + 1e-9).sum())
@@ -290,7 +290,7 @@ def single_choice_table(study: Study) -> Table | None:
                 "scene": REFINED,
                 "choice": e.choice,
                 Quantity("variant", "refined alone", "", "s"): e.label,
-                **_changed(e.error, ".3f"),
+                **_load_change_cells(e.error, ".3f"),
                 Quantity("grid", "grid uncertainty of that load", "% of mean", ".3f"): float(grid[at]),
                 Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
                 Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
@@ -305,7 +305,7 @@ def single_choice_table(study: Study) -> Table | None:
 
 def modelling_table(study: Study) -> Table | None:
     """Return the table of the modelling uncertainty by choice and in total, and of choices not varied."""
-    found = modelling(study)
+    found = modelling_uncertainties(study)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
@@ -345,7 +345,7 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
-def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
+def _scenes_without_ingredients(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
     """Yield name, coarsest run and source's model of case studies that were also solved with ingredients left out."""
     for name in case_studies(study):
         run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
@@ -356,8 +356,8 @@ def _ablated(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
 def ablation_table(study: Study) -> Table | None:
     """Return the table of each reference ingredient's effect on loads [%] and time [s]; None if there is no run."""
     rows: list[Row] = []
-    common = most_of(run.measured for _, run, _ in _ablated(study))
-    for name, run, low in _ablated(study):
+    common = most_of(run.measured for _, run, _ in _scenes_without_ingredients(study))
+    for name, run, low in _scenes_without_ingredients(study):
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
@@ -369,13 +369,14 @@ def ablation_table(study: Study) -> Table | None:
                     "scene": name,
                     Quantity("without", "left out", "", "s"): ingredient,
                     Quantity("meaning", "what stands in", "", "s"): meaning,
-                    **_changed(e),
+                    **_load_change_cells(e),
                     Quantity("seconds", "seconds it takes", "s", "+.1f"): saved if run.measured == common else None,
                     Quantity("before", "low-order error against the full reference", "% of mean", ".2f"): full,
                     Quantity("model", "against this one", "% of mean", ".2f"): model.max_percent,
                 }
             )
-    note = f"On the coarsest level. A scene may leave out what changes less than it needs to know. {_only(common)}"
+    note = "On the coarsest level. A scene may leave out what changes less than it needs to know. "
+    note += _measured_times_sentence(common)
     title = "What each ingredient of the reference changes"
     return Table.of("reference-ablation", title, rows, note) if rows else None
 
@@ -383,7 +384,7 @@ def ablation_table(study: Study) -> Table | None:
 def ablation_text(study: Study) -> str:
     """Return a text on how the low-order error changes if the nut is rigid in the reference too."""
     parts = []
-    for name, run, low in _ablated(study):
+    for name, run, low in _scenes_without_ingredients(study):
         if "elastic nut" not in run.without:
             continue
         before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
@@ -397,7 +398,7 @@ def ablation_text(study: Study) -> str:
     )
 
 
-def conclusion(found: References) -> str:
+def mesh_uncertainty_sentence(found: References) -> str:
     """Return a sentence on the mesh uncertainty of the finest levels."""
     bars = [uncertainty_percent(ref) for ref in found.values()]
     if not bars:
@@ -434,4 +435,6 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     cause, ablation = ablation_text(study), ablation_table(study)
     items += [Text((cause,)) if cause and ablation else None, ablation]
     shown = tuple(item for item in items if item is not None)
-    return Section("reference-mesh", "Uncertainty of the 3D reference", shown, conclusion=conclusion(everything))
+    return Section(
+        "reference-mesh", "Uncertainty of the 3D reference", shown, conclusion=mesh_uncertainty_sentence(everything)
+    )

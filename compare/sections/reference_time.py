@@ -136,7 +136,7 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
     return Largest(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
 
 
-def errors_of(value: Array, found: Reference) -> dict[str, Any]:
+def errors_against_reference(value: Array, found: Reference) -> dict[str, Any]:
     """Return the errors of a `TimePoint` from loads (n, 4) [N]."""
     e = load_error(value, found.load, found.contacts)
     of_mean = error_range(value, found, np.full(value.shape, found.mean))
@@ -158,13 +158,13 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     """Measure all models of scenes with a reference now; ``levels``: also the reference and first processes."""
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
-        for model, bodies in models_of(name, found, study):
+        for model, bodies in models_with_bodies(name, found, study):
             step(f"{name}, {model.label}: cold and warm")
             cold = measure(name, model.name, condensed=bodies, repeats=1)
             options = Options(discretisation=False, engine="compiled", condensed=bodies)
             warm = warm_seconds(model, study.scene(name), options)
             times[name, model.name] = RunTime(cold.process, warm, cold.memory)
-        for run in runs_of(name, found, study) if levels else ():
+        for run in reference_runs(name, found, study) if levels else ():
             step(f"{name}, level {run.level} of the 3D reference, cold")
             cold_levels.append(measure_level(name, run.level))
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
@@ -201,7 +201,7 @@ def compared_scenes(study: Study) -> dict[str, Reference]:
     return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
 
 
-def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
+def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
     """Return the models of a scene, each with the file of its condensed bodies, if it takes them."""
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
@@ -209,7 +209,7 @@ def models_of(name: str, found: Reference, study: Study) -> list[tuple[Model, Pa
     return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
 
 
-def runs_of(name: str, found: Reference, study: Study) -> list[Run]:
+def reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
     """Return the runs of the 3D reference of a scene: on the source's mesh, if any, and on its levels."""
     source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
@@ -222,14 +222,18 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
     """
     kept, out = study.once(measuring_run, step), []
     measured = None if kept is None else kept.measured
-    for model, bodies in models_of(name, found, study):
+    for model, bodies in models_with_bodies(name, found, study):
         known = None if kept is None else kept.times.get((name, model.name))
-        result = _solved(name, model, study, bodies)
+        result = _solve_scene(name, model, study, bodies)
         cold, warm, memory = (None, None, None) if known is None else (known.cold, known.warm, known.memory)
         costs: dict[str, Any] = {"cold": cold, "warm": warm, "unknowns": result.solver.unknowns, "memory": memory}
         notes: dict[str, Any] = {"status": result.status, "measured": None if known is None else measured}
-        out.append(TimePoint(model.label, "model", **errors_of(result.load, found), **costs, name=model.name, **notes))
-    for run in runs_of(name, found, study):
+        out.append(
+            TimePoint(
+                model.label, "model", **errors_against_reference(result.load, found), **costs, name=model.name, **notes
+            )
+        )
+    for run in reference_runs(name, found, study):
         cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
         for level in () if kept is None else kept.levels:
             if (level.scene, level.level) == (name, run.level):
@@ -241,12 +245,12 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
         kind: Literal["source mesh", "level"] = "source mesh" if of_source else "level"
         costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
         notes = {"status": run.status, "measured": None if cold is None else measured, "older": older}
-        errors = errors_of(run.load, found)
+        errors = errors_against_reference(run.load, found)
         out.append(TimePoint(f"3D reference, {label}", kind, **errors, **costs, name=short, **notes))
     return out
 
 
-def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
+def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
     """Return the result of a model on a scene; with condensed bodies that of the ladder if it was computed."""
     if bodies is None:
         return study.solve(name, model.name)
@@ -345,7 +349,7 @@ def level_table(kept: Kept) -> Table:
             Quantity("cold", "new process, empty caches", "s", "g3"): c.process,
             Quantity("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
             Quantity("load_case", "of it a load case", "s", "g3"): c.load_case,
-            Quantity("stages", "of it the set-up's dearest stages", "", "s"): _dearest(c),
+            Quantity("stages", "of it the set-up's dearest stages", "", "s"): _costliest_stages(c),
             Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
             "status": c.status,
         }
@@ -402,7 +406,7 @@ def cost_tables(costs: Costs) -> list[Table]:
     ]
 
 
-def _dearest(level: ColdLevel) -> str:
+def _costliest_stages(level: ColdLevel) -> str:
     """Return the stages that take most of a set-up's time, in words."""
     if level.stages is None:
         return "not measured"

@@ -19,12 +19,12 @@ from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Table, Text
 
 
-def sketch_of(scene: Scene, name: str, title: str) -> Sketch:
+def sketch_scene(scene: Scene, name: str, title: str) -> Sketch:
     """Return the sketch of a scene, with the inputs that the drawing does not show."""
-    return Sketch(name, title, scene, inputs(scene))
+    return Sketch(name, title, scene, describe_inputs(scene))
 
 
-def inputs(scene: Scene) -> str:
+def describe_inputs(scene: Scene) -> str:
     """Return the inputs that the drawing does not show, in words."""
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
@@ -33,7 +33,7 @@ def inputs(scene: Scene) -> str:
         lead if track.lead else "ball bearing",
         f"pitch diameter {2e3 * track.pitch_radius:.5g} mm",
         f"contact angle {degrees(track.contact_angle):.4g} deg",
-        f"conformity {_conformity(scene)}",
+        f"conformity {_conformity_text(scene)}",
     ]
     if errors.oversize:
         words.append(f"ball radii {errors.oversize * 1e6:+.3g} um")
@@ -42,7 +42,7 @@ def inputs(scene: Scene) -> str:
     return f"{', '.join(words)}."
 
 
-def _conformity(scene: Scene) -> str:
+def _conformity_text(scene: Scene) -> str:
     found = [f"{body.groove_radius / (2.0 * scene.balls.radius):.3g}" for body in (scene.screw, scene.nut)]
     return " and ".join(dict.fromkeys(found))
 
@@ -67,13 +67,16 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     title = "Geometry, loads and errors of each compared scene"
     if not found:
         return Section("sheets", title, (Text(("No run of the 3D reference was found.",)),))
-    judged = {name: judge(study, name) for name in found}
+    judged = {name: errors_by_model(study, name) for name in found}
     legend = Text((LEGEND,))
-    items = [legend, *(item for name, reference in found.items() for item in sheet(study, name, reference, judged[name]))]
-    return Section("sheets", title, items, conclusion=conclusion(judged))
+    items = [
+        legend,
+        *(item for name, reference in found.items() for item in data_sheet(study, name, reference, judged[name])),
+    ]
+    return Section("sheets", title, items, conclusion=largest_errors_sentence(judged))
 
 
-def judge(study: Study, name: str) -> Judged:
+def errors_by_model(study: Study, name: str) -> Judged:
     """Return the error of every model in every quantity on a scene, by names of model and quantity."""
     return {
         (model, quantity.name): one
@@ -83,17 +86,17 @@ def judge(study: Study, name: str) -> Judged:
     }
 
 
-def conclusion(judged: Mapping[str, Judged]) -> str:
+def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
     """Return a sentence on each model's largest error, in total, on the source's cases and on other scenes."""
     kinds = (
         ("case studies of the source", REFERENCED),
         ("screws and bearings that were fixed before they were solved in 3D", UNSEEN),
     )
-    words, whole = [], [f"{_largest(judged, model).partition(' (')[0]}" for model in MODELS]
+    words, whole = [], [f"{_largest_error_text(judged, model).partition(' (')[0]}" for model in MODELS]
     for kind, names in kinds:
         of_kind = {name: judged[name] for name in names if name in judged}
         if of_kind:
-            worst = [_largest(of_kind, model) for model in MODELS]
+            worst = [_largest_error_text(of_kind, model) for model in MODELS]
             words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
     return (
         f"The worst contact load of {len(judged)} screws and bearings is off by {' and '.join(whole)}. In detail: by "
@@ -101,22 +104,22 @@ def conclusion(judged: Mapping[str, Judged]) -> str:
     )
 
 
-def _largest(judged: Mapping[str, Judged], model: str) -> str:
+def _largest_error_text(judged: Mapping[str, Judged], model: str) -> str:
     """Return the largest contact-load error of a model as text, with its scene."""
     errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % in {model} ({name})"
 
 
-def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
+def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
     """Return one data sheet: heading and verdict, sketch with its inputs, results."""
     scene = study.scene(name)
-    gate = verdicts(study, name, reference)
-    words = (verdict(gate), trust(reference, judged[DEFAULT, CONTACTS]))
+    gate = gate_verdicts(study, name, reference)
+    words = (verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
-        sketch_of(scene, f"sketch-{name}", name),
-        results(study, scene, reference, judged, gate),
+        sketch_scene(scene, f"sketch-{name}", name),
+        results_table(study, scene, reference, judged, gate),
     )
 
 
@@ -124,25 +127,25 @@ def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequ
 WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
-def verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
+def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
     """Return the gate's verdict on the loads of each model."""
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
-def verdict(found: Mapping[str, Verdict]) -> str:
+def verdict_sentence(found: Mapping[str, Verdict]) -> str:
     """Return a sentence on the gate's verdict on each model, with the contact that decides."""
     sentences = [
-        f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed(v.error or 0.0)} % on ball {v.ball} {v.flank}"
+        f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
     ]
     return f"Verdict: {'; '.join(sentences)}."
 
 
-def _signed(value: float) -> str:
+def _signed_text(value: float) -> str:
     return f"{value:+.2f}".replace("-", "−")
 
 
-def trust(reference: Reference, bounds: Validated) -> str:
+def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
     """Return a sentence on the uncertainty of the errors of a data sheet."""
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
@@ -151,7 +154,7 @@ def trust(reference: Reference, bounds: Validated) -> str:
     return f"How far to trust it: mesh levels {levels} of the 3D reference; {bounds.bar} there, of which {known}.{also}"
 
 
-def results(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
+def results_table(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
     """Return the table of a data sheet: each quantity by the reference and the models, and their errors.
 
     Contact loads are given by errors only (of their own load as in the gate, and of the mean load), as models differ

@@ -40,7 +40,7 @@ class Layout:
     title: str
     #: Printed table with most of its numbers.
     printed: str
-    #: ``inputs``, ``results`` or ``sentences``.
+    #: ``inputs_table``, ``results`` or ``sentences``.
     kind: str
     #: Headings of the columns.
     columns: tuple[str, ...]
@@ -73,13 +73,13 @@ class Layout:
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
 
-def layouts(case: Case) -> list[Layout]:
+def read_layouts(case: Case) -> list[Layout]:
     """Return the layouts of a case, in order; InputError for a wrong row."""
     path = case.folder / "layout.toml"
-    return [_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
+    return [_read_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
 
-def _layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
+def _read_layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
     """Return a layout from its tables in ``layout.toml``; raises InputError for an unknown entry."""
     rows = []
     for label, *keys in one["rows"]:
@@ -119,7 +119,9 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
     ``ours``: texts that replace other computed values, such as times.
     """
     rows: list[Row] = []
-    across, down = ([_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True)))
+    across, down = (
+        [_printed_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True))
+    )
     of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
     faulty = [
         any(name and found[name].as_printed is not None for name in names) for names in zip(*layout.across, strict=True)
@@ -134,7 +136,7 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
             texts = {"printed": "", "ours": "", "right": ""}
             if name:
                 p, right = found[name].printed, found[name].value if found[name].as_printed is not None else None
-                texts = {"printed": p.printed or p.claim, "ours": ours.get(name, ours_of(found[name]))}
+                texts = {"printed": p.printed or p.claim, "ours": ours.get(name, computed_value_text(found[name]))}
                 texts = {
                     key: text if key == "ours" and name in ours else f"{text} {unit}".rstrip()
                     for key, text in texts.items()
@@ -151,12 +153,12 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
     return Table.of(layout.stem(), layout.title, rows, note, unfolded=True)
 
 
-def _units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
+def _printed_units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
     """Return the units of the printed numbers among some entries."""
     return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
-def ours_of(f: Evidence) -> str:
+def computed_value_text(f: Evidence) -> str:
     """Return the computed value of an entry as text, with the printed digits.
 
     The first that exists: value with the source's faults, correct value, 3D value.
@@ -179,7 +181,7 @@ AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
 SCENES = Quantity("scenes", "scenes, or why none", "", "s")
 
 
-def compared(
+def compared_table(
     layout: Layout,
     found: Mapping[str, Evidence],
     more: More,
@@ -211,9 +213,9 @@ def compared(
         for head, name in zip(layout.columns, names, strict=True):
             if name and name not in columns and found[name].printed.cls != "input":
                 f = found[name]
-                base = _compared(layout, f, why.get(name, ""))
+                base = _compared_row(layout, f, why.get(name, ""))
                 row = base | {q: None for q in further if q not in base} | more.get(name, {})
-                reason = sentences(f.reason, _band(f.printed))
+                reason = sentences(f.reason, _band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
                 first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
                 first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
@@ -222,14 +224,14 @@ def compared(
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
     title = f"{layout.heading}, every number printed and computed"
     text = "\n".join(filter(None, notes))
-    return Table.of(layout.stem("compared"), title, _tidy(rows), text, unfolded=True)
+    return Table.of(layout.stem("compared"), title, _drop_empty_columns(rows), text, unfolded=True)
 
 
-def _compared(layout: Layout, f: Evidence, why: str) -> Row:
+def _compared_row(layout: Layout, f: Evidence, why: str) -> Row:
     """Return the row of one result: printed, computed, and errors."""
     p, form = f.printed, f"g{layout.digits}"
     values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
-    off = {key: _off(value, p.value) for key, value in values.items()}
+    off = {key: _error_or_none(value, p.value) for key, value in values.items()}
     return {
         PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
         Quantity("right", "low-order, ours", "", form): _round_off(f.value),
@@ -240,16 +242,16 @@ def _compared(layout: Layout, f: Evidence, why: str) -> Row:
         OFF["faulty"]: off["faulty"],
         OFF["reading"]: off["reading"],
         OFF["solid"]: off["solid"],
-        AGAINST: _off(f.value, f.reference),
+        AGAINST: _error_or_none(f.value, f.reference),
     }
 
 
-def _band(p: Printed) -> str:
+def _band_text(p: Printed) -> str:
     """Return ends and origin of a band in words; empty for another class."""
     return f"Band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
 
 
-def _off(value: float | None, reference: float | None) -> float | None:
+def _error_or_none(value: float | None, reference: float | None) -> float | None:
     """Return the error [%] of a value; None without one of the two, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
@@ -261,14 +263,14 @@ def _round_off(value: float | None) -> float | None:
     return 0.0 if value is not None and abs(value) < 1e-9 else value
 
 
-def _tidy(rows: Sequence[Row]) -> list[Row]:
+def _drop_empty_columns(rows: Sequence[Row]) -> list[Row]:
     """Return rows without columns that none of them fills."""
     filled = {q for row in rows for q, value in row.items() if value not in (None, "")}
     order = dict.fromkeys(q for row in rows for q in row)
     return [{q: row.get(q) for q in order if q in filled} for row in rows]
 
 
-def inputs(layout: Layout, found: Mapping[str, Evidence]) -> Table:
+def inputs_table(layout: Layout, found: Mapping[str, Evidence]) -> Table:
     """Return the table of a layout's inputs: printed value, value in the scene, remark."""
     rows: list[Row] = [
         {
@@ -320,11 +322,11 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
         groups.setdefault(source(f.printed), []).append(f)
     rows = []
     for title, of_source in groups.items():
-        rows.append(_counted(f"{title}, all", of_source))
+        rows.append(_count_row(f"{title}, all", of_source))
         places: dict[str, list[Evidence]] = {}
         for f in of_source:
             places.setdefault(f.printed.place, []).append(f)
-        rows += [_counted(place, places[place]) for place in sorted(places, key=_in_order)]
+        rows += [_count_row(place, places[place]) for place in sorted(places, key=_in_order)]
     note = (
         "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
         "printed has every entry."
@@ -338,7 +340,7 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
     )
 
 
-def _counted(place: str, found: Sequence[Evidence]) -> Row:
+def _count_row(place: str, found: Sequence[Evidence]) -> Row:
     """Return the row of `by_place` for one place."""
     numbers = [f for f in found if not f.printed.claim]
     claims = [f for f in found if f.printed.claim]
@@ -365,7 +367,7 @@ def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mappin
         if layout.printed in printed:
             yield in_layout(layout, found, {})
             if any(found[name].printed.cls != "input" for name in layout.names):
-                yield replace(compared(layout, found, {}, {}), unfolded=False)
+                yield replace(compared_table(layout, found, {}, {}), unfolded=False)
     laid = {name for layout in listed for name in layout.names}
     rest = [f.printed for f in found.values() if f.printed.table in printed and f.printed.name not in laid]
     for what in ("inputs", "numbers and claims"):
@@ -374,4 +376,4 @@ def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mappin
         if rows:
             title = f"{what[:1].upper()}{what[1:]} of the text"
             layout = Layout(printed[-1], "text", title, title, printed[-1], "sentences", ("Value",), rows)
-            yield inputs(layout, found) if what == "inputs" else compared(layout, found, {}, {})
+            yield inputs_table(layout, found) if what == "inputs" else compared_table(layout, found, {}, {})

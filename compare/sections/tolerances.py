@@ -27,20 +27,20 @@ WORDS = {
 
 
 @cache
-def stored() -> dict[str, Any]:
+def stored_sweep() -> dict[str, Any]:
     """Return the shipped summary of the tolerance sweep."""
     found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 
-def command(found: Mapping[str, Any]) -> str:
+def sweep_command(found: Mapping[str, Any]) -> str:
     """Return the ``rollbench sweep`` command that made a summary."""
     vary = "".join(f' --vary "{text}"' for text in found["vary"])
     options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
     return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
 
 
-def short(vary: Vary) -> str:
+def short_key_name(vary: Vary) -> str:
     """Return the short name of a varied key."""
     return key_description(vary).partition(":")[0]
 
@@ -50,11 +50,11 @@ def key_description(vary: Vary) -> str:
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
 
-def _short(row: Mapping[str, Cell]) -> str:
+def _short_row(row: Mapping[str, Cell]) -> str:
     return str(row["key"]).partition(":")[0].capitalize()
 
 
-def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
+def effects_figure(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """Return a row for each varied key, largest total Sobol index first: range of the mean largest load, indices."""
     indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
@@ -77,17 +77,17 @@ def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Ce
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("stored sweep of tolerances")
-    found = stored()
+    found = stored_sweep()
     study.uses((found["scene"].removesuffix(".toml"),))
     keys = read_vary(found["vary"])
-    rows = effects(keys, found)
+    rows = effects_figure(keys, found)
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
     conclusion = (
         f"Over {found['converged']} screws within tolerances the largest contact load is {load['mean']:.0f} "
-        f"N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. {_short(first)} "
-        f"matters most (total index {first['total']:.2f}), then {_short(second).lower()} "
+        f"N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. {_short_row(first)} "
+        f"matters most (total index {first['total']:.2f}), then {_short_row(second).lower()} "
         f"({second['total']:.2f}); chance, that is which screw with the same tolerances is drawn, has "
         f"{luck['total']:.2f}."
     )
@@ -98,7 +98,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             f"including its interaction with others. Their {100 * found['indices']['confidence']:g} % intervals "
             "come from resampling the design."
         ),
-        f"Computed by: {command(found)}.",
+        f"Computed by: {sweep_command(found)}.",
     )
     columns = (
         Quantity("key", "key", "", "s"),
@@ -111,7 +111,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Quantity("total_band", "interval of the total", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
-    figures = of_summary("tolerances", keys, found, short)
+    figures = of_summary("tolerances", keys, found, short_key_name)
     return Section(
         "tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures), conclusion=conclusion
     )

@@ -37,7 +37,7 @@ from rollbench.compare.reference.grid_parts import Experience, Levelled, left_ou
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.sections.fit import items_of
+from rollbench.compare.sections.fit import range_items
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
@@ -336,7 +336,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         scatter_table(found),
         scatter_figure(found),
         bounds_table(study, rungs),
-        *items_of(study),
+        *range_items(study),
     )
     stated = [
         f"{name} {s.bias:+.1f} % with a scatter of {s.scatter:.1f} %" for name, s in of_loads.items() if name in SHOWN

@@ -50,10 +50,10 @@ def printed_table(
     """
     given = 0 if place else sum(f.verdict == "input" for f in found)
     found = [f for f in found if f.verdict != "input"] if given else found
-    columns = _columns(found, digits, place)
+    columns = _verdict_columns(found, digits, place)
     usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
     keys = [c.key for c in columns]
-    rows = [{key: cells[key] for key in keys} for cells in (_cells(f, usual, place) for f in found)]
+    rows = [{key: cells[key] for key in keys} for cells in (_verdict_cells(f, usual, place) for f in found)]
     common = _number_remarks(rows)
     notes = [note, FAULTS if "as_printed" in keys else ""]
     notes += [f"Inputs, {given} of them, stand in table printed."] if given else []
@@ -61,7 +61,7 @@ def printed_table(
     return Table(name, title, columns, rows, " ".join(sentence for sentence in notes if sentence))
 
 
-def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
+def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
     """Return the columns of `printed_table` that its entries need."""
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
@@ -82,7 +82,7 @@ def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quant
     return tuple(column for shown, column in wanted if shown)
 
 
-def _cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
+def _verdict_cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
     p = f.printed
     section = p.place.removeprefix("Lin (2019), ")
     where = "" if place or p.place == usual else f" ({section})"
@@ -185,21 +185,21 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     )
 
 
-def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
+def _verdict_texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
     return tuple(Quantity(key, label, "", "s") for key, label in columns)
 
 
 def counts_table(rows: Sequence[Evidence]) -> Table:
     """Return the table of the number of entries by source and verdict."""
     headings = [(v, f"{v}, apart" if v in APART else v) for v in VERDICTS]
-    columns = _texts(("source", "source"), *headings, ("judged", "judged"), ("all", "all"))
+    columns = _verdict_texts(("source", "source"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: without inputs and identities, which say nothing of a model."
     return Table("audit-counts", "Printed entries by source and verdict", columns, counts(rows), note)
 
 
 def misprints_table(case: str = "") -> Table:
     """Return the table of misprints and faults, of one case or of all sources."""
-    columns = _texts(
+    columns = _verdict_texts(
         *(() if case else (("source", "source"),)),
         ("place", "place"),
         ("wrong", "as printed"),
@@ -223,7 +223,7 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
     rows = audit(study)
     words = [trust(row) for row in counts(rows)]
     meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
-    missing = _texts(
+    missing = _verdict_texts(
         ("source", "source"), ("place", "place"), ("what", "what"), ("count", "numbers, about"), ("reason", "why left out")
     )
     items = (

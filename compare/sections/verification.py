@@ -76,7 +76,7 @@ class Level:
     errors: Mapping[str, float]
 
 
-def level(label: str, run: HertzRun) -> Level:
+def time_level(label: str, run: HertzRun) -> Level:
     """Return a run with its errors [%] against Hertz; "semi-axes" is the larger error of the two."""
     exact = run.exact
     values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
@@ -85,7 +85,7 @@ def level(label: str, run: HertzRun) -> Level:
     return Level(label, run, errors | {"semi-axes": max(errors["semi-axis a"], errors["semi-axis b"], key=abs)})
 
 
-def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
+def time_levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
     """Compute all runs: each contact job on the meshes of every element type, and on the source's mesh."""
     for element in wanted:
         solve_block(JOBS["A"], element, 1.0)  # loads the libraries, which no run should be charged for
@@ -93,22 +93,22 @@ def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -
     for job in JOBS.values():
         for element, refinements in wanted.items():
             step(f"job {job.name}, {NAMES[element]}")
-            out += [level(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
-        out.append(level(SOURCE, solve_hertz_contact_like_lin(job)))
+            out += [time_level(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
+        out.append(time_level(SOURCE, solve_hertz_contact_like_lin(job)))
     return out
 
 
-def production(found: Sequence[Level]) -> list[Level]:
+def production_run(found: Sequence[Level]) -> list[Level]:
     """Return the runs on the production mesh, one for each contact."""
     return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
 
 
-def verdict(found: Sequence[Level]) -> list[str]:
+def verdict_sentence(found: Sequence[Level]) -> list[str]:
     """Return sentences on whether the production mesh meets its targets, and on the errors of the source's mesh."""
-    return [*map(_met, production(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
+    return [*map(_meets_tolerance, production_run(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
 
 
-def _met(one: Level) -> str:
+def _meets_tolerance(one: Level) -> str:
     """Return a sentence on whether a run meets the targets."""
     missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
     parts = [
@@ -161,7 +161,7 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
         ("semi-axis b", "mm", 1e3, "semi_y"),
         ("pole pressure", "MPa", 1e-6, "pole_pressure"),
     )
-    for one in production(found):
+    for one in production_run(found):
         run = one.run
         for name, unit, scale, key in quantities:
             most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.errors[name]
@@ -180,7 +180,7 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
     return rows
 
 
-def figure(found: Sequence[Level], job: str) -> Figure:
+def error_figure(found: Sequence[Level], job: str) -> Figure:
     """Draw the errors over unknowns and seconds, both logarithmic."""
     panels = []
     for quantity in ("approach", "pole pressure"):
@@ -217,10 +217,10 @@ def times_table(found: Sequence[Level]) -> Table:
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
-    return drawn(levels(step, QUICK if study.quick else LEVELS))
+    return drawn_runs(time_levels(step, QUICK if study.quick else LEVELS))
 
 
-def drawn(found: Sequence[Level]) -> Section:
+def drawn_runs(found: Sequence[Level]) -> Section:
     """Return the section on Hertz for given runs."""
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
@@ -238,14 +238,14 @@ def drawn(found: Sequence[Level]) -> Section:
     )
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
-        Text(verdict(found), bullets=True),
+        Text(verdict_sentence(found), bullets=True),
         Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),
         Table.of(
             "verification-errors",
             "Hertz contact in 3D: error, unknowns and time for each element type and mesh",
             map(error_row, found),
         ),
-        *(figure(found, job) for job in JOBS),
+        *(error_figure(found, job) for job in JOBS),
         times_table(found),
     )
     return Section("verification", "The 3D reference against Hertz", items)

@@ -22,7 +22,7 @@ from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.reference.store import Run, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.results.comparison import named, unconverged
+from rollbench.compare.results.comparison import model_label, unconverged_error
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -333,7 +333,7 @@ def compute_study(
     for scene in scenes:
         sets = referenced(scene, stores, tuple(levels), fitted=len(levels))
         if not sets:
-            raise unconverged(scene.name, failed)
+            raise unconverged_error(scene.name, failed)
         references += sets
     return references
 
@@ -379,7 +379,7 @@ def library(
     stores, wanted = (store, shipped_store()), levels_of(levels)
     references = compute_study([target], wanted, stores, Engine(cache=default_root()), step, spread=spread)
     results = [
-        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
+        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | model_label(x)
         for x in references
     ]
     lines = tuple(closing(one.found) for one in references)

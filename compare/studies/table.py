@@ -20,7 +20,7 @@ from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, known_model
 from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.jobs import Engine, first_here
-from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_of
+from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_from_json
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_over
@@ -295,7 +295,7 @@ def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Ta
     for number, row in first_here([(row_at, (asked, place, kernels)) for place in places], engine, "places", step):
         rows[number] = row
         step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
-    return table_of(_json(asked, [rows[k] for k in range(len(places))]))
+    return table_from_json(_json(asked, [rows[k] for k in range(len(places))]))
 
 
 def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:

@@ -17,7 +17,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import replace_file, write_csv, written
 from rollbench.compare.quantities import count_of, quantities
-from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_of
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_from_json
 from rollbench.compare.scenes.scene_file import read_text
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import fault, pip
@@ -131,7 +131,7 @@ def read_table(path: str) -> Table:
     """Read the table of a JSON file of ``rollbench table``; InputError for another file."""
     text = read_text(path)
     try:
-        return table_of(json.loads(text))
+        return table_from_json(json.loads(text))
     except (KeyError, TypeError, ValueError, AttributeError):
         allowed = "the JSON of rollbench table"
         raise InputError(path, "file", "something else", allowed, "write it by --out FILE.json") from None

@@ -44,7 +44,7 @@ def print_answer(answer: Answer, as_json: bool = False) -> int:
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
     else:
-        _show(answer.parts, folded=answer.folded)
+        _print_parts(answer.parts, folded=answer.folded)
     return answer.code
 
 
@@ -53,7 +53,7 @@ class OutputLost(Exception):
 
 
 @contextmanager
-def writing() -> Iterator[None]:
+def guard_standard_output() -> Iterator[None]:
     """Raise OutputLost for a failure to write to standard output, except for a pipe without reader."""
     try:
         yield
@@ -66,11 +66,11 @@ def writing() -> Iterator[None]:
 def print_json(value: Any) -> None:
     """Print one JSON value on standard output. Raises ValueError for a number that is not finite, OutputLost."""
     text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    with writing():
+    with guard_standard_output():
         sys.stdout.write(text)
 
 
-def _show(parts: Iterable[Any], *, folded: bool) -> None:
+def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
     """Print texts and tables, at the width of a terminal if there is one.
 
     Elsewhere texts are printed as they are unless ``folded``, and tables without rules, 160 columns wide or wider if a
@@ -81,10 +81,10 @@ def _show(parts: Iterable[Any], *, folded: bool) -> None:
         if not isinstance(part, str):
             _show_table(part, terminal)
             continue
-        text = wrapped(part, text_width()) if folded else part
+        text = wrap_lines(part, text_width()) if folded else part
         text = "\n".join(map(escaped, text.split("\n")))  # names of files
-        with writing():
-            print(wrapped(text, text_width()) if terminal else text)
+        with guard_standard_output():
+            print(wrap_lines(text, text_width()) if terminal else text)
 
 
 def _show_table(table: Any, terminal: bool) -> None:
@@ -92,11 +92,11 @@ def _show_table(table: Any, terminal: bool) -> None:
     from rich.console import Console
 
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
-    tables = fitted(table, text_width()) if terminal else [table]
+    tables = split_to_width(table, text_width()) if terminal else [table]
     if not terminal:
         table.box, table.pad_edge = None, False
-        console.width = max(160, unbroken(table))
-    with writing():
+        console.width = max(160, unbroken_width(table))
+    with guard_standard_output():
         console.print(*tables, sep="\n")
 
 
@@ -132,7 +132,7 @@ COMMAND = re.compile(
 )
 
 
-def wrapped(text: str, width: int) -> str:
+def wrap_lines(text: str, width: int) -> str:
     """Return a text with its lines wrapped at words.
 
     Continuation lines are indented to the text after a label, or by two. Paths, and a command at the end of a line, are
@@ -140,15 +140,15 @@ def wrapped(text: str, width: int) -> str:
 
     Examples
     --------
-    >>> print(wrapped("ok    a sentence that is too long for a terminal of forty", 40))
+    >>> print(wrap_lines("ok    a sentence that is too long for a terminal of forty", 40))
     ok    a sentence that is too long for a
           terminal of forty
     """
-    return "\n".join(_wrapped(line, max(width, LEAST)) for line in text.split("\n"))
+    return "\n".join(_wrap_one_line(line, max(width, LEAST)) for line in text.split("\n"))
 
 
-def _wrapped(line: str, width: int) -> str:
-    """Return one line wrapped at words, for `wrapped`."""
+def _wrap_one_line(line: str, width: int) -> str:
+    """Return one line wrapped at words, for `wrap_lines`."""
     if len(line) <= width:
         return line
     label = re.match(r" *\S+  +(?=\S)", line)
@@ -160,12 +160,12 @@ def _wrapped(line: str, width: int) -> str:
     return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
 
 
-def fitted(table: Table, width: int) -> list[Table]:
+def split_to_width(table: Table, width: int) -> list[Table]:
     """Split a table of texts into tables no wider than ``width``, without cutting a number.
 
     Columns that do not fit go to a further table, which repeats the columns that identify a row.
     """
-    limits = [_limits(column, _around(table)) for column in table.columns]
+    limits = [_column_widths(column, _padding_width(table)) for column in table.columns]
     if sum(natural for _, natural in limits) + 1 <= width:
         return [table]
     rows = list(zip(*([str(cell) for cell in column.cells] for column in table.columns), strict=True))
@@ -176,28 +176,28 @@ def fitted(table: Table, width: int) -> list[Table]:
         if groups[-1] and sum(limits[i][0] for i in groups[-1]) + limits[k][0] > room:
             groups.append([])
         groups[-1].append(k)
-    parts = [_part(table, [*range(keys), *group], rows, limits, width) for group in groups]
+    parts = [_table_part(table, [*range(keys), *group], rows, limits, width) for group in groups]
     parts[0].title, parts[-1].caption = table.title, table.caption
     return parts
 
 
-def unbroken(table: Table) -> int:
-    """Return the width at which no word is broken; columns that `fitted` may break are not wrapped, others at 40."""
+def unbroken_width(table: Table) -> int:
+    """Return the width at which no word is broken; see `split_to_width` for columns that it may break."""
     widths = []
     for column in table.columns:
         column.no_wrap = column.no_wrap or column.overflow == "fold"
-        least, natural = _limits(replace(column, overflow="ellipsis"), _around(table))
+        least, natural = _column_widths(replace(column, overflow="ellipsis"), _padding_width(table))
         widths.append(max(least, min(natural, LEAST)))
     return sum(widths)
 
 
-def _around(table: Table) -> int:
+def _padding_width(table: Table) -> int:
     """Return the width that a column needs in addition to its text: padding and rule."""
     _, right, _, left = table.padding
     return int(left) + int(right) + (table.box is not None)
 
 
-def _limits(column: RichColumn, around: int) -> tuple[int, int]:
+def _column_widths(column: RichColumn, around: int) -> tuple[int, int]:
     """Return two widths of a column: below the first words are cut, from the second on no text is wrapped."""
     texts = [str(column.header), *map(str, column.cells)]
     natural = max(map(len, texts))
@@ -205,7 +205,7 @@ def _limits(column: RichColumn, around: int) -> tuple[int, int]:
     return (min(least, FOLDED) if column.overflow == "fold" else least) + around, natural + around
 
 
-def _part(
+def _table_part(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
     """Return some columns of a table, each wide enough for its words; the remaining width goes to the longest texts."""
@@ -215,35 +215,39 @@ def _part(
     for _ in range(width - 1 - sum(wide)):
         at = max(range(len(wide)), key=lambda n: limits[columns[n]][1] - wide[n])
         wide[at] += limits[columns[at]][1] > wide[at]
-    headings = [replace(table.columns[k].copy(), width=w - _around(table)) for k, w in zip(columns, wide, strict=True)]
+    headings = [
+        replace(table.columns[k].copy(), width=w - _padding_width(table)) for k, w in zip(columns, wide, strict=True)
+    ]
     out = Made(*headings, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
     for row in rows:
         out.add_row(*(row[k] for k in columns))
     return out
 
 
-def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
+def ruled_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
     """Return texts as a table with title and rules, right-aligned but for the columns with the headings ``left``."""
-    return _filled(headings, rows, left, title=title)
+    return _fill_table(headings, rows, left, title=title)
 
 
-def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
-    """Return texts as a table without rules and without wrapping, ``apart`` blanks between columns; see `ruled`."""
-    out = _filled(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
+def plain_table(
+    headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1
+) -> Table:
+    """Return texts as a table without rules and without wrapping, ``apart`` blanks between columns; see `ruled_table`."""
+    out = _fill_table(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
     for column in out.columns:
         column.no_wrap = True
     return out
 
 
-def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
+def aligned_table(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
     """Return rows as a table without rules, numbers right-aligned; columns without a value are dropped."""
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
     texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
-    return _filled(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    return _fill_table(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
 
 
-def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
+def _fill_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
     """Return a table with headings and rows; ``look``: further arguments of the table of rich."""
     from rich.table import Table as Made
 
@@ -255,7 +259,7 @@ def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collec
     return out
 
 
-def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
+def listed_table(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
     """Return rows as a table with title and rules; columns: key of the row, heading, format."""
     texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
-    return ruled(title, [heading for _, heading, _ in columns], texts)
+    return ruled_table(title, [heading for _, heading, _ in columns], texts)

@@ -14,11 +14,11 @@ from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, count_of, quantities, shown
 from rollbench.compare.results.base import as_text
 from rollbench.compare.results.load_curve import LoadCurve
-from rollbench.compare.results.rows import expected_words, rows_of, set_rows, together_rows
-from rollbench.compare.results.scene_json import cases_json, discretisation_percent, rollers, set_balls, sides_json
+from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
+from rollbench.compare.results.scene_json import cases_json, discretisation_percent, roller_rows, set_balls, sides_json
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.printing import Column, aligned, listed, plain, ruled, text_width
+from rollbench.compare.text.printing import Column, aligned_table, listed_table, plain_table, ruled_table, text_width
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
@@ -57,7 +57,7 @@ def case_table(
     """
     result, title = one.result, []
     above_all, measured = above(result.warnings), ""
-    behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
+    behind = [] if result.equilibrium is None else _balance_lines(result.equilibrium, several=isinstance(one, SolvedAxis))
     details = details or one.answers is None
     if isinstance(one, SolvedAxis):
         drawn, title = f", {count_of(len(one.scene.sets), 'set')}", [one.scene.title]
@@ -67,7 +67,7 @@ def case_table(
         tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
         grid = discretisation_percent(one.scene, one.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
-    answers = rows_of(one, details=details)
+    answers = answer_rows(one, details=details)
     if answers:
         tables = ["", as_text(answers, text_width()), "", *tables, expected_words(one.expected)]
     behind += solver_lines(result.solver, measured)
@@ -132,7 +132,7 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         *([curve.above] if curve.above else []),
         f"lash (dead zone between the signs): {lash}; from end to end {size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness outside the lash, to the ends: {stiff}"] if stiff else []),
-        listed("", used, rows),
+        listed_table("", used, rows),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
@@ -145,7 +145,7 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
         off = found.difference_percent(key)
         cells = [
-            _sized(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
+            _number_with_unit(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
             for k, (a, x) in enumerate(zip(answers, off, strict=True))
         ]
         rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
@@ -156,7 +156,7 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in found.scenes if one.status != "converged"),
-        ruled(f"model {found.model}: scenes side by side", ["", *(one.scene for one in found.scenes)], rows, [""]),
+        ruled_table(f"model {found.model}: scenes side by side", ["", *(one.scene for one in found.scenes)], rows, [""]),
         f"not the same in all: {', '.join(found.differ)}"
         if found.differ
         else "shaft, loads and operation are the same in all",
@@ -165,7 +165,7 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
     ]
 
 
-def _sized(value: Any) -> str:
+def _number_with_unit(value: Any) -> str:
     if value is None:
         return "–"
     if not isinstance(value, list):
@@ -174,7 +174,7 @@ def _sized(value: Any) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _balance(e: Equilibrium, *, several: bool) -> list[str]:
+def _balance_lines(e: Equilibrium, *, several: bool) -> list[str]:
     """Return lines on the residuals of force and moment balance."""
     sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
     if several:
@@ -206,8 +206,8 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
         (side, *(shown(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
         for side, row in sides_json(result.load).items()
     )
-    summed = plain(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
-    return [plain(headings, rows), "", summed, ""]
+    summed = plain_table(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
+    return [plain_table(headings, rows), "", summed, ""]
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
@@ -219,7 +219,7 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
         f"tangent stiffness of the screw's section at {1e3 * tangent.station:.6g} mm against the held nut, without the "
         "screw's supports; forces and moments over displacements and rotations, N, m, rad"
     )
-    return ["", head, plain(("", *FREEDOMS), rows)]
+    return ["", head, plain_table(("", *FREEDOMS), rows)]
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
@@ -227,7 +227,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
-    out: list[Any] = [plain([*rows[0]], [[*row.values()] for row in rows], ["set"], apart=2), ""]
+    out: list[Any] = [plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], apart=2), ""]
     out += _element_tables(result) if balls else []
     for h in result.housings:
         moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items() if x)
@@ -249,14 +249,14 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
             r | {f"{s} N": r["load_N"][s] for s in loaded} | {f"{s} deg": r["contact_angle_deg"][s] for s in loaded}
             for r in rows
         ]
-        out.append(listed("balls", columns, flat))
-    found = rollers(result)
+        out.append(listed_table("balls", columns, flat))
+    found = roller_rows(result)
     if found:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
         races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
         flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
-        out.append(listed("rollers", (*names, *loads, *races), flat))
+        out.append(listed_table("rollers", (*names, *loads, *races), flat))
     return out
 
 
@@ -302,7 +302,7 @@ def cases_table(
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]
-    parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
+    parts += [aligned_table([*case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
         lines = [

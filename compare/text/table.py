@@ -7,7 +7,7 @@ from typing import Any
 
 from rollbench.compare.quantities import count_of, quantities
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
-from rollbench.compare.text.printing import aligned, fitted, text_width
+from rollbench.compare.text.printing import aligned_table, split_to_width, text_width
 
 #: Most reasons that are printed.
 REASONS = 5
@@ -15,10 +15,10 @@ REASONS = 5
 
 def table_parts(found: Table) -> list[Any]:
     """Return the table of quantities with expected errors, then how many points have no answer, and why."""
-    return [*fitted(aligned(_rows(found)), text_width()), "", *_words(found)]
+    return [*split_to_width(aligned_table(_table_rows(found)), text_width()), "", *_answer_lines(found)]
 
 
-def _rows(found: Table) -> list[dict[str, Any]]:
+def _table_rows(found: Table) -> list[dict[str, Any]]:
     """Return the rows: varied keys, quantities, expected errors."""
     named, rows = quantities(TableRow), []
     for row, place in zip(found.rows, found.places, strict=True):
@@ -27,17 +27,17 @@ def _rows(found: Table) -> list[dict[str, Any]]:
             value = named[key].value(row)
             shown[f"{named[key].label} {named[key].unit}"] = value
             if field != "load_error":
-                shown[f"{named[key].label} ± %"] = None if value is None else _rounded(getattr(row, field))
-        rows.append(shown | {"loads ± %": _rounded(row.load_error)})
+                shown[f"{named[key].label} ± %"] = None if value is None else _round_percent(getattr(row, field))
+        rows.append(shown | {"loads ± %": _round_percent(row.load_error)})
     return rows
 
 
-def _rounded(percent: float | None) -> float | None:
+def _round_percent(percent: float | None) -> float | None:
     """Round an error to two significant digits."""
     return None if percent is None else float(f"{percent:.2g}")
 
 
-def _words(found: Table) -> Iterator[str]:
+def _answer_lines(found: Table) -> Iterator[str]:
     """Yield lines on points with an answer, on failures, and on missing expected errors."""
     matrix = any(row.stiffness is not None for row in found.rows)
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""

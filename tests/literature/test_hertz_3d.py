@@ -117,7 +117,7 @@ def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     monkeypatch.setattr(verification, "solve_block", study)
-    section = verification.drawn(verification.levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
+    section = verification.drawn_runs(verification.time_levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
     assert section.name == "verification"
     verdicts = section.items[1].paragraphs
     assert sum("All targets are met" in line for line in verdicts) == 2
@@ -136,7 +136,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
 
 def test_section_admits_a_target_that_is_missed():
     coarse = replace(study(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
-    words = verification.verdict([verification.level("27-node hexahedra", coarse)])
+    words = verification.verdict_sentence([verification.time_level("27-node hexahedra", coarse)])
     assert "NOT MET: approach, semi-axes, pole pressure" in words[0]
-    rows = verification.value_rows([verification.level("27-node hexahedra", coarse)])
+    rows = verification.value_rows([verification.time_level("27-node hexahedra", coarse)])
     assert [row["met"] for row in rows] == ["NO"] * 4

@@ -13,7 +13,7 @@ from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import counts, evidence, trust
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.source_tables import computation_tables, layouts, shown_tables
+from rollbench.compare.sections.source_tables import computation_tables, read_layouts, shown_tables
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
@@ -129,7 +129,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
-    listed = layouts(next(case for case in CASES if case.name == "liu"))
+    listed = read_layouts(next(case for case in CASES if case.name == "liu"))
     drawn = {
         "liu-test": (curves.deformation(), curves.test_curve(), curves.test_table()),
         "liu-mei": (curves.against_mei(),),

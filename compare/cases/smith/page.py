@@ -14,7 +14,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import load_table
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.source_tables import computation_tables, layouts, shown_tables
+from rollbench.compare.sections.source_tables import computation_tables, read_layouts, shown_tables
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.compare.studies import roller as rollers
 from rollbench.lowfi.bearings import as_printed
@@ -246,7 +246,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     step("support bearings and axis")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}
-    listed = layouts(next(case for case in CASES if case.name == "smith"))
+    listed = read_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
         "smith-ball": (parameters_figure(), figure(found)),
         "smith-taper": roller_parts(study),

@@ -4,7 +4,7 @@ from itertools import chain
 
 from tests.shipped_texts import own_text
 
-from rollbench.compare.results.definitions import _known, definition
+from rollbench.compare.results.definitions import _known_definitions, definition
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.template import template
 
@@ -77,4 +77,4 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}
     assert not sorted(path for path in numbers if definition(path) is None and path.rsplit(".")[-1] not in NO_QUANTITY)
     paths = {path for path, _ in printed}
-    assert not [pattern.pattern for pattern, _ in _known() if not any(map(pattern.fullmatch, paths))]
+    assert not [pattern.pattern for pattern, _ in _known_definitions() if not any(map(pattern.fullmatch, paths))]

@@ -7,7 +7,7 @@ import pytest
 from tests.copies import ROOT
 from tests.processes import ran
 
-from rollbench.compare.commands.doctor import requirements
+from rollbench.compare.commands.doctor import check_requirements
 from rollbench.lowfi import jit
 from rollbench.meshes import libraries
 
@@ -92,7 +92,7 @@ def test_commands_where_a_package_is_truly_not_installed(package, installed, tmp
 
 
 def test_every_package_that_may_be_absent_is_of_an_extra_and_is_tried():
-    assert {case[0] for case in CASES} == set(libraries.ONLY_FOR) == set(libraries.EXTRA) <= set(requirements())
+    assert {case[0] for case in CASES} == set(libraries.ONLY_FOR) == set(libraries.EXTRA) <= set(check_requirements())
 
 
 def test_kernels_are_interpreted_without_numba(monkeypatch, capsys):

@@ -26,7 +26,7 @@ def folder(tmp_path_factory):
 
 
 def test_the_page_of_an_axis_has_the_numbers_of_its_results():
-    page = scene_page.page_of("smith-axis-taper", STORES)
+    page = scene_page.make_page("smith-axis-taper", STORES)
     html, solved = render(page), rollbench.solve("smith-axis-taper")
     assert page.verdict.startswith("The most pressed contact, in right 1, carries")
     tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
@@ -57,4 +57,4 @@ def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(folder):
 
 def test_a_reference_of_several_sets_is_refused(tmp_path):
     with pytest.raises(ArgumentError, match="one set"):
-        scene_page.page_of(str(ON_A_SHAFT), STORES, Path(tmp_path / "any.csv"))
+        scene_page.make_page(str(ON_A_SHAFT), STORES, Path(tmp_path / "any.csv"))

@@ -45,7 +45,7 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
     monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
     monkeypatch.setattr(doctor, "requirements", lambda: {"matplotlib": "3.9"})
     libraries.fault.cache_clear()
-    (check,) = doctor._packages()
+    (check,) = doctor._check_packages()
     libraries.fault.cache_clear()
     assert check.state == "missing"
     assert "RuntimeError: half installed" in check.found
@@ -56,7 +56,7 @@ def test_every_requirement_of_the_package_is_looked_at() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     listed = [*project["dependencies"], *(line for name in set(libraries.EXTRA.values()) for line in extras[name])]
-    assert {line.partition(">=")[0] for line in listed} == set(doctor.requirements())
+    assert {line.partition(">=")[0] for line in listed} == set(doctor.check_requirements())
 
 
 def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None:

@@ -16,7 +16,7 @@ SCENE = replace(small_screw(6, 0.6, force=(0.0, 0.0, 400.0)), friction=MU, motio
 
 
 def test_the_page_shows_torque_over_turn_coefficient_and_play():
-    found = page.section(SCENE, run_model(SCENE, DEFAULT, Options()), Options())
+    found = page.friction_section(SCENE, run_model(SCENE, DEFAULT, Options()), Options())
     turn, coefficient, play = found.items[1].panels
     given = whole.solve_scene(replace(SCENE, time=None), whole.Choices()).data
     torque = given["torque"]["friction_torque_Nmm"]
@@ -33,7 +33,7 @@ def test_the_page_shows_torque_over_turn_coefficient_and_play():
 
 
 def test_a_scene_without_coefficient_has_no_such_section():
-    assert page.section(replace(SCENE, friction=None), run_model(SCENE, DEFAULT, Options()), Options()) is None
+    assert page.friction_section(replace(SCENE, friction=None), run_model(SCENE, DEFAULT, Options()), Options()) is None
 
 
 @pytest.mark.parametrize(("error", "digits"), [(None, 3), (2.0, 3), (0.3, 3), (0.01, 4), (1e-4, 6), (0.0, 6)])

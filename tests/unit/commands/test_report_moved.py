@@ -8,7 +8,7 @@ from tests.report_samples import paged
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.provenance import SCENE, inputs
-from rollbench.compare.report.verify import MOST, checked_report, moved_tables, run_verify, tables
+from rollbench.compare.report.verify import MOST, checked_report, moved_tables, read_tables, run_verify
 from rollbench.compare.scenes import catalogue
 from rollbench.reports import manifest, pages
 from rollbench.reports.content import Quantity, Report, Section, Table
@@ -28,7 +28,7 @@ def report(tmp_path, name: str, table: Table = TABLE):
 def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_path):
     rows = [ROWS[2] | {"x": 0.77}, ROWS[0], {"m": "mei", "x": 20.0}, ROWS[1] | {"x": 0.8 * (1.0 + 1e-6)}]
     later, other = (replace(TABLE, rows=found) for found in ([{**row, "t": 9.0} for row in ROWS], rows))
-    first, second, third = (tables(report(tmp_path, *of)) for of in (("a",), ("b", later), ("c", other)))
+    first, second, third = (read_tables(report(tmp_path, *of)) for of in (("a",), ("b", later), ("c", other)))
     assert list(moved_tables(first, second)) == []
     assert list(moved_tables(first, third)) == [
         "errors: refined, error [%]: 0.8 became 0.77 (-3.75 %)",
@@ -38,7 +38,7 @@ def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_p
     damaged = tmp_path / "c" / "tables" / "errors.csv"
     damaged.write_text(damaged.read_text(encoding="utf-8") + "lin,6,1,7\n", encoding="utf-8")
     with pytest.raises(InputError, match="a cell for each heading"):
-        tables(tmp_path / "c")
+        read_tables(tmp_path / "c")
     assert list(moved_tables({"a": []}, {"b": []})) == ["a: no longer there", "b: new table"]
     many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
     assert len(list(moved_tables(first, {"errors": many}))) == MOST + 1
@@ -68,4 +68,4 @@ def test_a_report_is_verified_by_its_manifest_and_what_is_none_is_refused(tmp_pa
     with pytest.raises(InputError, match="damaged"):
         list(checked_report(folder, ()))
     with pytest.raises(InputError, match="against: "):
-        tables(tmp_path)
+        read_tables(tmp_path)

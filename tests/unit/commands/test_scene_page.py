@@ -23,7 +23,7 @@ STORES = (scene_page.shipped_store(),)
 
 @pytest.fixture(scope="module")
 def page():
-    return replace(scene_page.page_of(SCENE, STORES), picture=None)
+    return replace(scene_page.make_page(SCENE, STORES), picture=None)
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +83,9 @@ def test_verify_by_the_command_line(html: str, tmp_path, command) -> None:
 
 def test_what_moved() -> None:
     old = {"a": 1.0, "b": [1.0, 2.0], "c": {"d": "x", "e": None}, "f": True}
-    assert list(verify.moved(old, old)) == []
+    assert list(verify.result_differences(old, old)) == []
     new = {"a": 1.0 + 1e-12, "b": [1.0, 2.2], "c": {"d": "y", "e": 1.0}, "f": False}
-    assert list(verify.moved(old, new)) == [
+    assert list(verify.result_differences(old, new)) == [
         "b[2]: 2 became 2.2 (+10 %)",
         "c.d: x became y",
         "c.e: nothing became 1.0",
@@ -100,7 +100,7 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
     (old / "index.html").write_text(html, encoding="utf-8")
 
     def written_later(scenes, out, *_: object):
-        again = scene_page.page_of(*scenes, STORES)
+        again = scene_page.make_page(*scenes, STORES)
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
         (out / "index.html").write_text(render(later), encoding="utf-8")
         return [later]
@@ -125,7 +125,7 @@ def both(tmp_path_factory):
     """A report on two scenes, one of three load cases, and what the terminal is told."""
     folder = tmp_path_factory.mktemp("several")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(several, "page_of", lambda *given: replace(scene_page.page_of(*given), picture=None))
+        patch.setattr(several, "page_of", lambda *given: replace(scene_page.make_page(*given), picture=None))
         said = verify.run_pages([SCENE, written(folder)], folder / "out", folder)
     return folder, said
 
@@ -175,7 +175,7 @@ def test_a_bad_file_among_several_is_one_line_and_leaves_what_was_there(both, co
 
 
 def test_files_of_equal_names_have_pages_of_their_own() -> None:
-    assert several._files(["a/x.toml", "b/X.toml", "index.toml", "x y.toml"]) == [
+    assert several._page_file_names(["a/x.toml", "b/X.toml", "index.toml", "x y.toml"]) == [
         "x.html",
         "X-2.html",
         "index-2.html",

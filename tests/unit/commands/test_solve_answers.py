@@ -12,7 +12,7 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.compare.commands.solve_files import dmig, market
+from rollbench.compare.commands.solve_files import dmig_text, matrix_market_text
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import gather, tangent_of
 from rollbench.compare.models.load_cases import Solved
@@ -83,10 +83,10 @@ def test_matrix_files_hold_the_matrix() -> None:
     rng = np.random.default_rng(1)
     a = rng.normal(size=(6, 6)) * 1e6
     matrix = a @ a.T
-    np.testing.assert_allclose(mmread(io.StringIO(market(matrix, "a"))), matrix, rtol=1e-14)
+    np.testing.assert_allclose(mmread(io.StringIO(matrix_market_text(matrix, "a"))), matrix, rtol=1e-14)
     read = np.zeros((6, 6))
     column = -1
-    for line in dmig(matrix, "a comment").splitlines():
+    for line in dmig_text(matrix, "a comment").splitlines():
         if line.startswith("DMIG*"):
             column = int(line[40:56]) - 1
         elif line.startswith("*"):

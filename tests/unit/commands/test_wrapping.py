@@ -7,7 +7,7 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rollbench.compare.text.printing import aligned, fitted, wrapped
+from rollbench.compare.text.printing import aligned_table, split_to_width, wrap_lines
 
 
 def balls(*, ruled: bool) -> Table:
@@ -29,7 +29,7 @@ def shown(table: Table, width: int) -> str:
 @pytest.mark.parametrize("ruled", [True, False])
 @pytest.mark.parametrize("width", [48, 60, 80])
 def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bool) -> None:
-    parts = fitted(balls(ruled=ruled), width)
+    parts = split_to_width(balls(ruled=ruled), width)
     texts = [shown(part, width) for part in parts]
     assert len(parts) > 1
     assert "…" not in "".join(texts)
@@ -41,22 +41,22 @@ def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bo
 
 def test_a_table_that_fits_stays_as_it_is_and_what_follows_stands_below_the_text() -> None:
     table = balls(ruled=False)
-    assert fitted(table, 300) == [table]
+    assert split_to_width(table, 300) == [table]
     text = "  scene      a screw of a catalogue with a long title\n  other      short"
     first, rest = "  scene      a screw of a catalogue with", "             a long title"
-    assert wrapped(text, 40).splitlines() == [first, rest, "  other      short"]
-    assert wrapped("FAIL: a verdict that goes on for more than forty columns", 40).splitlines()[1].startswith("  ")
+    assert wrap_lines(text, 40).splitlines() == [first, rest, "  other      short"]
+    assert wrap_lines("FAIL: a verdict that goes on for more than forty columns", 40).splitlines()[1].startswith("  ")
 
 
 def test_numbers_are_flush_right_and_empty_columns_left_out() -> None:
     rows = [{"name": "a", "order": None, "value": 1.0}, {"name": "longer", "order": None, "value": -12.345678}]
-    lines = [line.rstrip() for line in shown(aligned(rows), 80).splitlines()]
+    lines = [line.rstrip() for line in shown(aligned_table(rows), 80).splitlines()]
     assert lines == ["name    value", "a           1", "longer -12.35"]
 
 
 def test_paths_and_commands_stay_whole() -> None:
     command = f"apt-get install {' '.join(f'lib{n}' for n in range(20))}"
-    lines = wrapped(f"missing   meshing: a library is not there; {command}", 50).splitlines()
+    lines = wrap_lines(f"missing   meshing: a library is not there; {command}", 50).splitlines()
     assert lines == ["missing   meshing: a library is not there;", " " * 10 + command]
     path = f"/{'x' * 60}.csv"
-    assert path in wrapped(f"every contact: {path} and .svg written", 50).splitlines()[1]
+    assert path in wrap_lines(f"every contact: {path} and .svg written", 50).splitlines()[1]

@@ -8,7 +8,7 @@ import pytest
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.user import exceeding, read_reference
 from rollbench.compare.reference import estimate, store
-from rollbench.compare.report.scene_page import page_of
+from rollbench.compare.report.scene_page import make_page
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
 
@@ -117,7 +117,7 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
 
 
 def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
-    page = page_of(SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
+    page = make_page(SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
     assert "against bench.csv, uncertain by 30 % of the mean load, loads are off by up to" in page.verdict
     assert "exceeds the limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")

@@ -10,7 +10,7 @@ from tests.shipped_texts import own_text
 
 from rollbench.compare.models.load_cases import solve_axis
 from rollbench.compare.models.registry import Options
-from rollbench.compare.results.rows import rows_of, set_rows
+from rollbench.compare.results.rows import answer_rows, set_rows
 from rollbench.compare.results.scene_json import whole_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
@@ -189,7 +189,7 @@ def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
     shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
     first = whole_json(one)["worst_set"] - 1
     assert shares[first] == max(shares)
-    answers, sets = {row.quantity: row.value for row in rows_of(one)}, set_rows(one)
+    answers, sets = {row.quantity: row.value for row in answer_rows(one)}, set_rows(one)
     assert answers["set with the worst contact"] == one.scene.sets[first].name
     assert answers["peak pressure"] == sets[first]["peak MPa"]
     assert [row["set"].partition(" ")[2] for row in sets] == [x.name for x in one.scene.sets]

@@ -9,7 +9,7 @@ import pytest
 from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.commands import compare as study
-from rollbench.compare.commands.compare import code_of, parse_levels
+from rollbench.compare.commands.compare import exit_code, parse_levels
 from rollbench.compare.commands.mesh_study import run_mesh_study
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
@@ -19,7 +19,7 @@ from rollbench.compare.reference.estimate import reference_of
 from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.results.compared import levels_text
-from rollbench.compare.results.comparison import unconverged
+from rollbench.compare.results.comparison import unconverged_error
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.condensed import CondensedBodies
 
@@ -98,7 +98,7 @@ def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, 
     assert all("\n" not in line for line in said)
     assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
     assert len(jobs.missing_runs([Task((scene,), 1)], (tmp_path,))) == 1
-    words = str(unconverged("lin-case1", found))
+    words = str(unconverged_error("lin-case1", found))
     assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
     assert "\n" not in words
 
@@ -119,7 +119,7 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
     found = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5)))
     assert settled.unsettled == ""
     np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
-    assert (code_of([settled]), code_of([settled, found])) == (0, 5)
+    assert (exit_code([settled]), exit_code([settled, found])) == (0, 5)
     assert status in levels_text(found, total(scene, found))
     limit = 1.0 + 100.0 * float(settled.uncertainty.max()) / 100.0 + 0.2
     before, after = (judge("mine", np.full((32, 4), 101.0), r, Limits(limit))[0] for r in (settled, found))

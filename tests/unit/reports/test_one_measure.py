@@ -7,7 +7,7 @@ import pytest
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import comparison, modelling, registry, study
-from rollbench.compare.report.overview import standing_table, standings
+from rollbench.compare.report.overview import median_errors, standing_table
 from rollbench.compare.sections.ladder import ladder_table
 from rollbench.compare.sections.reference import error_table, exceedance_table
 from rollbench.compare.sections.reference_time import time_points, time_table
@@ -39,7 +39,7 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
         error_table(STUDY, {NAME: found}),
         ladder_table(modelling.solve_ladder(STUDY.scene(NAME), found, STUDY.stores)),
     )
-    pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(standings(points)), "lin"))
+    pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(median_errors(points)), "lin"))
     for table, name in pages:
         largest = "largest of all" if table.name == "overview-models" else "largest error"
         assert cells(table, name, (largest, "% of mean")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name

@@ -35,7 +35,7 @@ POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
 
 
 def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
-    found = {s.name: s for s in overview.standings(POINTS)}
+    found = {s.name: s for s in overview.median_errors(POINTS)}
     refined = found["refined"]
     assert (refined.scenes, refined.worst, refined.worst_scene, refined.median) == (3, 3.0, "c", 2.0)
     assert (refined.gate.error, refined.gate.low, refined.gate.high) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
@@ -43,10 +43,15 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
     # 6 % of the mean load, 7.2 % by the gate's rule: within no line of 7 %
     assert (found["mei"].scenes, found["mei"].worst, found["lin"].passed) == (2, 40.0, 0)
     assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
-    assert overview.off(POINTS["a"][-1]) == pytest.approx(0.1)
-    assert overview.standing_table(overview.standings(POINTS)).rows[0]["name"] == "mei"
+    assert overview.error_or_uncertainty(POINTS["a"][-1]) == pytest.approx(0.1)
+    assert overview.standing_table(overview.median_errors(POINTS)).rows[0]["name"] == "mei"
     # the front holds what nothing beats in both
-    assert [s.name for s in overview.front(overview.standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
+    assert [s.name for s in overview.pareto_front(overview.median_errors(POINTS))] == [
+        "lin",
+        "refined",
+        "3D level 1",
+        "3D level 3",
+    ]
 
 
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:

@@ -55,11 +55,11 @@ def contact():
 
 class TestPressureMap:
     def map_of(self, count=2):
-        panels = tuple(pictures.panel_of(f"ball {k} <1>", contact()) for k in range(count))
+        panels = tuple(pictures.pressure_panel(f"ball {k} <1>", contact()) for k in range(count))
         return content.PressureMap("map", "Pressures", panels, "across / mm", "along / mm", "pressure / MPa")
 
     def test_profiles_lie_on_hertz_and_the_table_quotes_both_pressures(self):
-        panels = pictures.profiles({"ball 1, SL": contact()}).panels
+        panels = pictures.pressure_profiles_figure({"ball 1, SL": contact()}).panels
         assert len(panels) == 2
         for panel in panels:
             nodes, closed = panel.series

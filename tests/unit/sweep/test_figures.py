@@ -1,11 +1,11 @@
 """Figures of a sweep: what stands on their axes."""
 
-from rollbench.compare.sections.tolerances import stored
+from rollbench.compare.sections.tolerances import stored_sweep
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import draw, drawing
 
-FOUND = stored()
+FOUND = stored_sweep()
 KEYS = read_vary(FOUND["vary"])
 
 

@@ -23,8 +23,8 @@ from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.results.scene_json import case_json
-from rollbench.compare.results.view import view_of
-from rollbench.compare.sections.curves import lateral, load_panel, loads
+from rollbench.compare.results.view import make_view
+from rollbench.compare.sections.curves import lateral_displacement_curves, load_curve, load_panel
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
@@ -146,13 +146,13 @@ def figures(study: Study) -> tuple[Figure, ...]:
     case2 = study.solve("lin-case2")
     first = load_panel(
         "case 1, SL = NR",
-        loads("low-order model", case1, 0, emphasis=True),
-        loads("source's partition, C.8 without root", coarse, 0),
-        loads("Mei, rigid nut", mei, 0),
-        loads("Mei, nut as a bar", nut, 0),
+        load_curve("low-order model", case1, 0, emphasis=True),
+        load_curve("source's partition, C.8 without root", coarse, 0),
+        load_curve("Mei, rigid nut", mei, 0),
+        load_curve("Mei, nut as a bar", nut, 0),
     )
     title = f"case 2, SL = NR: {oversized(study.scene('lin-case2'))}"
-    second = load_panel(title, loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0))
+    second = load_panel(title, load_curve("case 2", case2, 0, emphasis=True), load_curve("case 1", case1, 0))
     panels = []
     for reading in chapter_2.READINGS:
         plain, offset = study.solve(reading.plain), study.solve(reading.offset)
@@ -160,19 +160,21 @@ def figures(study: Study) -> tuple[Figure, ...]:
         panels.append(
             load_panel(
                 f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
-                loads(f"SL, {moved}", offset, 0, emphasis=True),
-                loads("SL, no offset", plain, 0),
-                loads(f"SR, {moved}", offset, 1, emphasis=True),
-                loads("SR, no offset", plain, 1),
+                load_curve(f"SL, {moved}", offset, 0, emphasis=True),
+                load_curve("SL, no offset", plain, 0),
+                load_curve(f"SR, {moved}", offset, 1, emphasis=True),
+                load_curve("SR, no offset", plain, 1),
             )
         )
     axes = "z / mm", "displacement / µm"
     straight = Series("Mei (both)", [0.0, 1e3 * float(case1.centreline_z[-1])], [0.0, 0.0], "line")
     line = Panel(
-        "case 1: lateral displacement of the centreline", *axes, (*lateral(case1.centreline_z, case1.centreline), straight)
+        "case 1: lateral displacement of the centreline",
+        *axes,
+        (*lateral_displacement_curves(case1.centreline_z, case1.centreline), straight),
     )
     three = study.solve("lin-case3-offset")
-    bend = Panel("case 3 with offset", *axes, lateral(three.centreline_z, three.centreline))
+    bend = Panel("case 3 with offset", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
     return (
         Figure("cases-12", "Contact load over the ball's number, Lin's case studies 1 and 2", (first, second)),
         Figure(
@@ -201,7 +203,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Case 3 with offset: contact loads on the balls"
     one = solve_one(scene, result.model, Options(discretisation=False))
-    view = view_of(title, [one], case_json(one))
+    view = make_view(title, [one], case_json(one))
     return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
 
 
@@ -261,16 +263,16 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
     left = load_panel(
         "one kind of error at a time, SL = NR",
-        loads("no errors (case 1)", base, 0, emphasis=True),
-        loads("profile errors", profile, 0),
-        loads("pitch errors", pitch, 0),
-        loads("random ball radii, one draw", one, 0),
+        load_curve("no errors (case 1)", base, 0, emphasis=True),
+        load_curve("profile errors", profile, 0),
+        load_curve("pitch errors", pitch, 0),
+        load_curve("random ball radii, one draw", one, 0),
         band("random, 5 to 95 %", random, 0),
     )
     right = load_panel(
         "all three together",
-        loads("SL, one draw", all_three, 0, emphasis=True),
-        loads("SR, one draw", all_three, 1),
+        load_curve("SL, one draw", all_three, 0, emphasis=True),
+        load_curve("SR, one draw", all_three, 1),
         band("SL, 5 to 95 %", combined, 0),
         band("SR, 5 to 95 %", combined, 1),
     )
@@ -400,7 +402,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         curves = []
         for kind in ("pitch", "roundness"):
             scene = study.scene(f"lin-{kind}-{screw}")
-            curves.append(loads(f"{kind} error", study.solve(scene), 0, emphasis=True))
+            curves.append(load_curve(f"{kind} error", study.solve(scene), 0, emphasis=True))
             for reading, variant in readings(scene):
                 r = study.solve(variant)
                 third = r.load[:, [1, 2]]
@@ -419,7 +421,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                     }
                 )
         bare = replace(study.scene(f"lin-pitch-{screw}"), errors=Errors())
-        curves.append(loads("no errors", study.solve(bare), 0))
+        curves.append(load_curve("no errors", study.solve(bare), 0))
         panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
     return Section(
         "manufacturing",

@@ -38,7 +38,7 @@ from rollbench.compare.cases.lin.extremes import pair_rows, root_rows
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
-from rollbench.compare.sections.curves import numbers
+from rollbench.compare.sections.curves import plain_numbers
 from rollbench.lowfi.friction.bearing import SIDES, Solution, TorqueCurve, sweep
 from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, maps
 from rollbench.lowfi.friction.screw.motion import Coupling
@@ -106,14 +106,18 @@ def torque_figure() -> Figure:
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
     true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
     good = np.array([s.motion.status == "exact" for s in printed])
-    x, label = numbers(u, 1e6), "u_y / µm"
+    x, label = plain_numbers(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
         drawn = [
             Series(
-                name, x, numbers(np.where(ok, [pick(s) for s in found], np.nan), factor), "line", emphasis=name == "right"
+                name,
+                x,
+                plain_numbers(np.where(ok, [pick(s) for s in found], np.nan), factor),
+                "line",
+                emphasis=name == "right",
             )
             for name, found, ok in laws
         ]
@@ -144,7 +148,7 @@ def velocity_panel(case: str, s: Solution, title: str) -> Panel:
     for i in np.flatnonzero(s.load.force > 0.0):
         _, vz, spin = (float(v) for v in s.motion.motion[i])
         velocity = vz - spin * x * float(s.at.a[i])
-        curves.append(Series(SIDES[i], numbers(x), numbers(velocity, 1e3), "line"))
+        curves.append(Series(SIDES[i], plain_numbers(x), plain_numbers(velocity, 1e3), "line"))
     return Panel(f"case {case}, {title}", "x / a", "velocity / mm/s", curves)
 
 
@@ -162,12 +166,12 @@ def velocity_figure() -> Figure:
 
 def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
     """Return panels of the numerical model, the formula and their difference over rho, with one curve per theta."""
-    x = numbers(m.rho)
+    x = plain_numbers(m.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
     for title, values in parts:
         curves = [
-            Series(f"θ = {degrees(t):+.0f}°", x, numbers(row), "line") for t, row in zip(m.theta, values, strict=True)
+            Series(f"θ = {degrees(t):+.0f}°", x, plain_numbers(row), "line") for t, row in zip(m.theta, values, strict=True)
         ]
         panels.append(Panel(title, "side force ratio ρ", label, curves))
     return panels
@@ -241,16 +245,16 @@ DOTS = 66
 
 def torque_panel(title: str, r: History) -> Panel:
     """Return the panel of a run's torque over time, split into its contributions (Figure 3.25)."""
-    time = numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
+    time = plain_numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
     parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
-    curves = [Series(name, time, numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
+    curves = [Series(name, time, plain_numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
     return Panel(title, "time / s", "torque / N mm", curves, zero=True)
 
 
 def theta_panel(case: Run) -> Panel:
     """Return the assumed deviation of the contact angles over the azimuth on the screw (Figure 3.23)."""
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
-    curve = Series("assumed", numbers(np.degrees(phi)), numbers(np.degrees(deviation(case, phi))), "line")
+    curve = Series("assumed", plain_numbers(np.degrees(phi)), plain_numbers(np.degrees(deviation(case, phi))), "line")
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
@@ -260,9 +264,9 @@ def contact_panels(r: History) -> tuple[Panel, Panel]:
     some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
     time = r.nut_angle / r.setting.groove.speed
-    dots = Series("touching", numbers(time[step]), numbers(along[step, ball]), "markers")
-    pairs = Series("touching pairs", numbers(time), numbers(r.contact.sum(axis=1)), "line")
-    found = Series("groups", numbers(time), numbers(r.groups), "line")
+    dots = Series("touching", plain_numbers(time[step]), plain_numbers(along[step, ball]), "markers")
+    pairs = Series("touching pairs", plain_numbers(time), plain_numbers(r.contact.sum(axis=1)), "line")
+    found = Series("groups", plain_numbers(time), plain_numbers(r.groups), "line")
     return (
         Panel(f"contacts in the nut, {amplitude(r)}", "time / s", "place along the nut's track / deg", (dots,)),
         Panel(f"touching pairs and groups, {amplitude(r)}", "time / s", "number", (pairs, found), zero=True),
@@ -306,7 +310,8 @@ def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
         curves = [
-            Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == LOAD) for j, f in enumerate(screw.AXIAL)
+            Series(f"{f:g} N", x, plain_numbers(values[:, j]), "line", emphasis=f == LOAD)
+            for j, f in enumerate(screw.AXIAL)
         ]
         printed = value_of("lin-3.7", f"{key}_{case}")
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
@@ -375,10 +380,12 @@ def bearing_figure() -> Figure:
         ("double row, tilt free", screw.curve("DR", True)),
         ("double row, tilt held", screw.curve("DR", False)),
     ]
-    x, label = numbers(np.degrees(screw.ANGLES)), "load angle / deg"
+    x, label = plain_numbers(np.degrees(screw.ANGLES)), "load angle / deg"
 
     def panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
-        drawn = [Series(name, x, numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)]
+        drawn = [
+            Series(name, x, plain_numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)
+        ]
         return Panel(title, label, unit, drawn, zero=True)
 
     ratio, printed = (

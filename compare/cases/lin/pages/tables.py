@@ -19,15 +19,15 @@ from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes.catalogue import case as case_of
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.sections.curves import load_panel, loads
+from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.sections.source_tables import (
     Layout,
     by_place,
-    compared,
+    compared_table,
     computation_tables,
     in_layout,
-    inputs,
-    layouts,
+    inputs_table,
+    read_layouts,
 )
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.rolling import runs as rolling
@@ -235,13 +235,13 @@ def load_figure(study: Study) -> Figure:
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
-        series = [loads("low-order (the source's model)", low, 0, emphasis=True)]
+        series = [load_curve("low-order (the source's model)", low, 0, emphasis=True)]
         if found is not None:
-            series.append(loads(f"3D reference, level {found.best.level}", found, 0, "line"))
+            series.append(load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
         panels.append(load_panel(f"case study {k}, SL", *series, *MARKS[k](study)))
     plain, offset = study.solve("lin-case3"), study.solve("lin-case3-offset")
     last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
-    curves = loads("SR, offset of 300 µm", offset, 1, emphasis=True), loads("SR, no offset", plain, 1), last
+    curves = load_curve("SR, offset of 300 µm", offset, 1, emphasis=True), load_curve("SR, no offset", plain, 1), last
     panels.append(load_panel("case study 3, SR", *curves))
     caption = "NR follows SL and NL follows SR. Markers and lines: statements of the text; loads are in its figures alone."
     return Figure(
@@ -256,7 +256,7 @@ def _ratio_mark(study: Study) -> list[Series]:
     """Return loads by Mei's model, and the printed ratio as a line."""
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
-    mei = loads("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
+    mei = load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
     return [mei, Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], [printed, printed], "line")]
 
 
@@ -267,7 +267,7 @@ def _ball_17(study: Study) -> list[Series]:
 
 
 def _offset(study: Study) -> list[Series]:
-    return [loads("low-order, no offset", study.solve("lin-case3"), 0, "line")]
+    return [load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
 
 
 MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _ratio_mark, 2: _ball_17, 3: _offset}
@@ -369,7 +369,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     step("printed numbers of the thesis")
     names = [name for name in tables() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(study, *names)}
-    every = layouts(LIN)
+    every = read_layouts(LIN)
     placed = {name for layout in every for name in layout.names}
     claims = [f for f in found.values() if f.printed.claim and f.printed.name not in placed]
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
@@ -414,13 +414,13 @@ def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Se
     """Return the section of one table of the thesis, or of its sentences."""
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
-        items.append(inputs(layout, found))
+        items.append(inputs_table(layout, found))
     else:
         if layout.kind == "results":
             items.append(in_layout(layout, found, substitute_texts(study)))
         more = MORE[layout.number](study) if layout.number in MORE else {}
         reasons = {name: reason_without_3d(name) for name in layout.names}
-        items.append(compared(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
+        items.append(compared_table(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
         if any(name in TIMED for name in layout.names):
             items.append(times_table(study, layout, found))
     items += [draw(study) for draw in FIGURES.get(layout.number, ())]

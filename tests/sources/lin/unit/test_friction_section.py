@@ -12,7 +12,7 @@ from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_hash
-from rollbench.compare.sections.how_to_read import assumptions
+from rollbench.compare.sections.how_to_read import collect_assumptions
 from rollbench.reports.content import Section
 
 TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
@@ -127,7 +127,7 @@ def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
     study = Study()
     evidence(study, *TABLES)
     assert set(study.used) == set(SCENES)
-    rows = {row["assumed"]: row["scenes"] for row in assumptions(study)}
+    rows = {row["assumed"]: row["scenes"] for row in collect_assumptions(study)}
     for name, scene in study.used.items():
         assert scene_hash(catalogue.scene_text(name))
         for sentence in scene.assumed:
