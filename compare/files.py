@@ -169,12 +169,12 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write rows (values by column name) as a CSV file, like `replace_file`; no text can be run as a formula."""
     import csv
 
-    from rollbench.reports.cells import harmless
+    from rollbench.reports.cells import escape_formula
 
     text = io.StringIO()
     writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
     writer.writeheader()
-    writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
+    writer.writerows({k: escape_formula(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
     replace_file(path, text.getvalue())
 
 
@@ -188,9 +188,9 @@ def write_figure(path: Path, figure: Figure) -> str:
     """Write a figure as SVG; return the name of the file, or why there is none. InputError if it cannot be written."""
     if reason := no_figure():
         return reason
-    from rollbench.reports.figures import draw
+    from rollbench.reports.figures import draw_figure
 
-    replace_file(path, draw(figure))
+    replace_file(path, draw_figure(figure))
     return str(path)
 
 

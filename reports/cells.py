@@ -30,8 +30,8 @@ def write_csv(table: Table, path: Path) -> None:
     """
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        heads = (f"{c.label} [{micro(c.unit)}]" if c.unit else c.label for c in table.columns)
-        writer.writerow(harmless(head) for head in heads)
+        heads = (f"{c.label} [{micro_sign(c.unit)}]" if c.unit else c.label for c in table.columns)
+        writer.writerow(escape_formula(head) for head in heads)
         writer.writerows([_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
 
 
@@ -56,7 +56,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
     >>> format_cell(225.0), format_cell(1.5e-7), format_cell(-3.14159, ".2f"), format_cell(None)
     ('225.0', '1.500×10⁻⁷', '−3.14', '–')
     """
-    value = _plain(value)
+    value = _plain_text(value)
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -68,7 +68,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
     if form == "s":
         text = str(value)
     elif re.fullmatch(r"g\d+", form):
-        text = str(value) if isinstance(value, int) else _significant(value, int(form[1:]))
+        text = str(value) if isinstance(value, int) else _significant_digits(value, int(form[1:]))
     else:
         text = format(value, form)
     if text[:1] in ("-", "+") and not re.search("[1-9]", text):
@@ -76,7 +76,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
     return text.replace("-", "−") if "×" not in text else text
 
 
-def _significant(value: float, digits: int) -> str:
+def _significant_digits(value: float, digits: int) -> str:
     """Return a number as text with ``digits`` significant digits; as a power of ten if very small or large."""
     if value == 0.0:
         return "0"
@@ -87,59 +87,61 @@ def _significant(value: float, digits: int) -> str:
     return mantissa.replace("-", "−") + "×10" + str(power).translate(_SUPERSCRIPT)
 
 
-def _plain(value: Any) -> Any:
+def _plain_text(value: Any) -> Any:
     """Return a numpy scalar as a Python number; any other value unchanged."""
     return value.item() if hasattr(value, "item") else value
 
 
 def _csv_cell(value: Cell) -> str:
     """Return the text of a cell for CSV."""
-    value = _plain(value)
+    value = _plain_text(value)
     if value is None:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else harmless(str(value))
+    return repr(value) if isinstance(value, float) else escape_formula(str(value))
 
 
-def harmless(text: str) -> str:
+def escape_formula(text: str) -> str:
     """Return the text of a CSV cell, with an apostrophe before what a spreadsheet would run as a formula.
 
     Examples
     --------
-    >>> harmless("=1+1"), harmless("-3.5"), harmless("+ nut")
+    >>> escape_formula("=1+1"), escape_formula("-3.5"), escape_formula("+ nut")
     ("'=1+1", '-3.5', "'+ nut")
     """
     number = re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?( [%\w/]+)?", text)
     return f"'{text}" if text[:1] in tuple("=+-@\t\r") and not number else text
 
 
-def micro(text: str) -> str:
+def micro_sign(text: str) -> str:
     """Return a text with the unit um written as µm.
 
     Examples
     --------
-    >>> micro("2 um larger, in N/um; the sum")
+    >>> micro_sign("2 um larger, in N/um; the sum")
     '2 µm larger, in N/µm; the sum'
     """
     return re.sub(r"\bum\b", "µm", text)
 
 
-def typeset(text: str) -> str:
+def typeset_text(text: str) -> str:
     """Return a text with typographic signs for a page: µm for um, minus, ± for +-, no-break space before per cent.
 
     Examples
     --------
-    >>> typeset("-0.3 to 5 um, +-2 N")
+    >>> typeset_text("-0.3 to 5 um, +-2 N")
     '−0.3 to 5 µm, ±2 N'
     """
-    text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", micro(text).replace("+-", "±"))
+    text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", micro_sign(text).replace("+-", "±"))
     return re.sub(r"(?<=\d) ?%", "\xa0%", text)
 
 
-def filled(table: Table) -> tuple[list[Quantity], list[str]]:
+def filled_table(table: Table) -> tuple[list[Quantity], list[str]]:
     """Return the columns of a table that have a value in some row, and the headings of the empty columns."""
-    empty = [c for c in table.columns if table.rows and all(_plain(row.get(c.key)) in (None, "") for row in table.rows)]
+    empty = [
+        c for c in table.columns if table.rows and all(_plain_text(row.get(c.key)) in (None, "") for row in table.rows)
+    ]
     return [c for c in table.columns if c not in empty], [c.label for c in empty]
 
 
@@ -147,7 +149,11 @@ def is_number(column: Quantity, table: Table) -> bool:
     """Return whether a column holds numbers only (empty cells aside), so that it is right-aligned."""
     if column.format != "s":
         return True
-    cells = [str(_plain(row.get(column.key))) for row in table.rows if _plain(row.get(column.key)) not in (None, "", "–")]
+    cells = [
+        str(_plain_text(row.get(column.key)))
+        for row in table.rows
+        if _plain_text(row.get(column.key)) not in (None, "", "–")
+    ]
     return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
 
 
@@ -159,11 +165,11 @@ def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
     if column.key == "class" and value is not None:
         mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")
     elif column.key == "verdict" and value is not None:
-        mark = "verdict verdict-" + verdict(text)
+        mark = "verdict verdict-" + verdict_class(text)
     return {"text": text, "align": f"{align} marked" if mark else align, "mark": mark}
 
 
-def verdict(text: str) -> str:
+def verdict_class(text: str) -> str:
     """Return the kind of a verdict by its first word: ``good``, ``bad``, ``open`` or ``other``."""
     if text == "not identifiable":
         return "open"

@@ -53,12 +53,12 @@ class Table:
         cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
         """Make a table from rows with quantities as keys; columns are in the order in which keys first appear."""
-        listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
+        listed = [{_quantity_of(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
         return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
 
 
-def _quantity(named: Quantity | str) -> Quantity:
+def _quantity_of(named: Quantity | str) -> Quantity:
     """Return a column; a plain text becomes the heading of a column of texts."""
     return Quantity(named, named, format="s") if isinstance(named, str) else named
 

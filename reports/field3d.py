@@ -46,7 +46,7 @@ def draw_field(picture: FieldPicture, path: str | Path) -> None:
     draw_in_child("rollbench.reports.field3d", picture, path)
 
 
-def grid_of(part: MeshPart) -> Any:
+def part_grid(part: MeshPart) -> Any:
     """Return a mesh part as a pyvista grid with its node values; lengths in mm."""
     import pyvista
 
@@ -57,7 +57,7 @@ def grid_of(part: MeshPart) -> Any:
     return grid
 
 
-def surface_of(grid: Any) -> Any:
+def grid_surface(grid: Any) -> Any:
     """Return the outer surface of a grid as triangles; faces of second-order cells become four or eight."""
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
@@ -69,9 +69,9 @@ def surface_of(grid: Any) -> Any:
     return pyvista.wrap(divide.GetOutput()).triangulate()
 
 
-def _kept(part: MeshPart, picture: FieldPicture) -> Any:
+def _keep_visible_cells(part: MeshPart, picture: FieldPicture) -> Any:
     """Return the cells of a mesh part that the picture's cuts leave, as a pyvista grid."""
-    points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), grid_of(part)
+    points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), part_grid(part)
     if not picture.cuts:
         return grid
     middle = points[cells[:, : 8 if part.kind == "Q2" else 4]].mean(axis=1)
@@ -81,10 +81,10 @@ def _kept(part: MeshPart, picture: FieldPicture) -> Any:
 
 def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the surface of the cells that the cuts leave of a part, with cell edges if asked for."""
-    grid = _kept(part, picture)
+    grid = _keep_visible_cells(part, picture)
     if not grid.n_cells:
         return
-    surface = surface_of(grid).compute_normals(feature_angle=25.0, split_vertices=True, consistent_normals=False)
+    surface = grid_surface(grid).compute_normals(feature_angle=25.0, split_vertices=True, consistent_normals=False)
     actor = plotter.add_mesh(surface, ambient=0.35, diffuse=0.65, smooth_shading=True, **look)
     actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
     if part.edges:
@@ -94,7 +94,7 @@ def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[st
 def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the plane section of a part, with its edges or rim slightly in front of the plane."""
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
-    plane, grid = {"normal": normal, "origin": MM * origin}, grid_of(part)
+    plane, grid = {"normal": normal, "origin": MM * origin}, part_grid(part)
     cut = grid.slice(**plane)
     if cut.n_points == 0:
         return
@@ -104,12 +104,12 @@ def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict
         (part.edges, grid.separate_cells(), _LINE, 1.3),
         (part.outline, grid, "#101418", 2.4),
     ):
-        lines = surface_of(cells).slice(**plane)
+        lines = grid_surface(cells).slice(**plane)
         if wanted and lines.n_points:
             plotter.add_mesh(lines.translate(ahead), color=colour, line_width=width, lighting=False)
 
 
-def _limits(picture: FieldPicture) -> tuple[float, float] | None:
+def _colour_limits(picture: FieldPicture) -> tuple[float, float] | None:
     """Return the ends of the colour scale: as given, else of all values; None without values."""
     shown = [np.asarray(p.values, float) for p in picture.parts if p.values is not None]
     if picture.limits is not None or not shown:
@@ -117,7 +117,7 @@ def _limits(picture: FieldPicture) -> tuple[float, float] | None:
     return min(float(np.nanmin(v)) for v in shown), max(float(np.nanmax(v)) for v in shown)
 
 
-def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
+def _add_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
     """Return the picture's unit vectors to the right, upwards and towards the viewer, (3,) each."""
     sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     right = np.cross(np.asarray(picture.up, float), sight)
@@ -125,13 +125,13 @@ def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
     return right, np.cross(sight, right), sight
 
 
-def _render(picture: FieldPicture, path: str) -> None:
+def _render_scene(picture: FieldPicture, path: str) -> None:
     """Draw the picture and write its PNG; runs in the child process."""
     import matplotlib
     import pyvista
 
     pyvista.OFF_SCREEN = True
-    limits = _limits(picture)
+    limits = _colour_limits(picture)
     width = round(SIZE[0] * (0.86 if limits else 1.0))
     plotter = pyvista.Plotter(off_screen=True, window_size=(width, SIZE[1]), lighting="none")
     plotter.set_background("white")
@@ -147,17 +147,17 @@ def _render(picture: FieldPicture, path: str) -> None:
                 "log_scale": picture.log,
             }
         (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
-    right, up, sight = _axes(picture)
+    right, up, sight = _add_axes(picture)
     lights = ((sight + 0.9 * up - 0.4 * right, 0.75), (sight, 0.35), (sight + 1.5 * right, 0.25))
     set_view(plotter, MM * np.asarray(picture.focus, float), sight, up, MM * picture.height, lights)
     image = plotter.screenshot(None, return_img=True)
     plotter.close()
     with matplotlib.rc_context():
         matplotlib.rcdefaults()  # whatever a matplotlibrc says
-        _compose(picture, np.asarray(image), limits, path)
+        _compose_picture(picture, np.asarray(image), limits, path)
 
 
-def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
+def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
     """Write the final PNG: image with texts, scale bar and colour scale; few colours keep the file small."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -172,7 +172,7 @@ def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | No
     axes = figure.add_axes((0.0, 0.0, columns / SIZE[0], 1.0))
     axes.imshow(image, interpolation="none", aspect="auto", extent=(0.0, columns, 0.0, rows))
     axes.set_axis_off()
-    right, up, _ = _axes(picture)
+    right, up, _ = _add_axes(picture)
     scale = rows / picture.height
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
     for place, text in picture.words:
@@ -213,4 +213,4 @@ def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | No
 
 
 if __name__ == "__main__":
-    _render(*pickle.load(sys.stdin.buffer))
+    _render_scene(*pickle.load(sys.stdin.buffer))

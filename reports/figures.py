@@ -22,7 +22,7 @@ from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
-from rollbench.reports.cells import micro
+from rollbench.reports.cells import micro_sign
 from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Series
 
 #: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
@@ -90,7 +90,7 @@ PHONE = 3.75
 LEFT = 0.4
 
 
-def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
+def move_apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
     """Move heights as little as possible, in order, until they are ``gap`` apart, and within a range if possible.
 
     Parameters
@@ -109,7 +109,7 @@ def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDAr
 
     Examples
     --------
-    >>> apart([1.0, 1.0, 5.0], 2.0, 0.0, 10.0).tolist()
+    >>> move_apart([1.0, 1.0, 5.0], 2.0, 0.0, 10.0).tolist()
     [0.0, 2.0, 5.0]
     """
     order = np.argsort(heights, kind="stable")
@@ -132,16 +132,16 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
         return
     spread = [float(x) for s in series for x in s.x]
     ends = [(min(spread), points[0][1], ""), (max(spread), points[0][1], "")]
-    place, width, _ = _places(axes, [*points, *ends])
+    place, width, _ = _place_labels(axes, [*points, *ends])
     left = place[:-2, 0] < LEFT * width
     long = np.array([LETTER * len(text) + 2.0 * AWAY for *_, text in points])
     room = np.array([long.max(initial=0.0, where=left), long.max(initial=0.0, where=~left)])
-    _widen(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
-    place, width, height = _places(axes, [*points, *ends])
+    _widen_axes(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
+    place, width, height = _place_labels(axes, [*points, *ends])
     if axes.get_xscale() == "log":  # over more decades than before
         axes.xaxis.set_major_locator(LogLocator(numticks=max(3, int(width / TICK))))
     for side, column, align in ((left, place[-2, 0] - AWAY, "right"), (~left, place[-1, 0] + AWAY, "left")):
-        heights = apart(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
+        heights = move_apart(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
         for at, up in zip(np.flatnonzero(side), heights, strict=True):
             x, y, text = points[at]
             axes.annotate(
@@ -159,14 +159,14 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
             )
 
 
-def _places(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
+def _place_labels(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
     """Return the places (n, 2) of data points in the panel, and the panel's width and height [1/72 inch]."""
     scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
     place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
     return scale * place, scale * box.width, scale * box.height
 
 
-def _widen(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
+def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
     """Extend the abscissa until every text has room; ``at`` and ``room`` are shares of the panel's width."""
     scale = axes.xaxis.get_transform()
     low, high = scale.transform(np.asarray(axes.get_xlim(), float))
@@ -211,12 +211,12 @@ def for_phone(figure: Figure) -> Figure:
     return replace(figure, panels=panels, columns=1, size=(PHONE, height))
 
 
-def draw(figure: Figure) -> str:
-    """Return a figure of one to six panels as an SVG document; see `drawing`."""
-    return drawing(figure)[0]
+def draw_figure(figure: Figure) -> str:
+    """Return a figure of one to six panels as an SVG document; see `drawing_lock`."""
+    return drawing_lock(figure)[0]
 
 
-def drawing(figure: Figure) -> tuple[str, Canvas]:
+def drawing_lock(figure: Figure) -> tuple[str, Canvas]:
     """Draw a figure of one to six panels.
 
     Parameters
@@ -249,7 +249,7 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
     with own_style(figure.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
-        orders = _orders(figure.panels)
+        orders = _orders_of_magnitude(figure.panels)
         shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
         narrow = figure.size is not None and figure.size[0] < NARROW
@@ -275,7 +275,7 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         stream = io.StringIO()
         # not savefig, which draws everything once more, unseen, to lay it out
         svg.print_svg(stream, metadata={"Date": None, "Creator": None, "Title": figure.title})
-    return _written(stream.getvalue(), figure.name), canvas
+    return _write_svg(stream.getvalue(), figure.name), canvas
 
 
 def draw_map(item: PressureMap) -> str:
@@ -310,12 +310,12 @@ def draw_map(item: PressureMap) -> str:
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
-    return _written(stream.getvalue(), item.name)
+    return _write_svg(stream.getvalue(), item.name)
 
 
-def _written(svg: str, name: str) -> str:
+def _write_svg(svg: str, name: str) -> str:
     """Return the SVG document with unique identifiers, the reader's fonts, and um as µm."""
-    return re.sub(r">[^<]+<", lambda text: micro(text[0]), _own_names(svg, name))
+    return re.sub(r">[^<]+<", lambda text: micro_sign(text[0]), _own_names(svg, name))
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
@@ -344,7 +344,7 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     return filled
 
 
-def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
+def _orders_of_magnitude(panels: Sequence[Panel]) -> list[dict[str, int]]:
     """Return, for each panel, the style number of each label; equal labels have equal numbers in all panels."""
     labels = [list(dict.fromkeys(series.label for series in panel.series)) for panel in panels]
     count = Counter(label for names in labels for label in names)
@@ -461,11 +461,11 @@ def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     else:
         axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if plain else _power(value)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if plain else _power_label(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
-def _power(value: float) -> str:
+def _power_label(value: float) -> str:
     """Return ``value`` as ``5·10⁻³`` without markup, so that any font can set it."""
     exponent = math.floor(math.log10(value) + 1e-9)
     mantissa = f"{value / 10.0**exponent:g}"

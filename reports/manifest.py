@@ -19,7 +19,7 @@ def sha256(data: str | bytes) -> str:
     return hashlib.sha256(data.encode("utf-8", "surrogatepass") if isinstance(data, str) else data).hexdigest()
 
 
-def hashes(folder: Path) -> dict[str, str]:
+def file_hashes(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of every file in a report's folder, except the manifest, by relative path."""
     files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != FILE)
     return {p.relative_to(folder).as_posix(): sha256(p.read_bytes()) for p in files}
@@ -27,7 +27,7 @@ def hashes(folder: Path) -> dict[str, str]:
 
 def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
     """Write the manifest of a report: its inputs (``origin``, plain data) and the hashes of its files."""
-    text = json.dumps({**origin, "files": hashes(folder)}, indent=1, ensure_ascii=False)
+    text = json.dumps({**origin, "files": file_hashes(folder)}, indent=1, ensure_ascii=False)
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
@@ -43,7 +43,7 @@ def page_text(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def parsed(text: str) -> Any:
+def parse_manifest(text: str) -> Any:
     """Parse a text as JSON; ValueError if it is not JSON or nested too deeply."""
     try:
         return json.loads(text)
@@ -58,7 +58,7 @@ def all_texts(found: object) -> bool:
 
 def read_manifest(folder: Path) -> dict[str, Any]:
     """Return the manifest of a report's folder; OSError if there is none, ValueError if it is damaged."""
-    found = parsed(page_text(folder / FILE))
+    found = parse_manifest(page_text(folder / FILE))
     if not isinstance(found, dict) or not all(all_texts(found.get(key)) for key in ("inputs", "files")):
         raise ValueError(f"{FILE} is damaged")
     return found

@@ -103,7 +103,7 @@ def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float,
     plotter.enable_anti_aliasing("ssaa")
 
 
-def fault() -> str:
+def drawing_fault() -> str:
     """Return why 3D pictures cannot be drawn on this machine, after a trial of some seconds; empty if they can."""
     with tempfile.TemporaryDirectory() as folder:
         try:

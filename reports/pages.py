@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 
 from rollbench.meshes.leftovers import temporary
 from rollbench.reports import field3d, figures, scene3d, sketch, view
-from rollbench.reports.cells import cell_view, filled, is_number, micro, typeset, write_csv
+from rollbench.reports.cells import cell_view, filled_table, is_number, micro_sign, typeset_text, write_csv
 from rollbench.reports.content import (
     FieldPicture,
     Figure,
@@ -78,10 +78,10 @@ class _Writer:
             place = self.places.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
-        return Markup(_NAMED.sub(link, str(escape(typeset(text)))))
+        return Markup(_NAMED.sub(link, str(escape(typeset_text(text)))))
 
 
-def templates() -> Environment:
+def load_templates() -> Environment:
     """Return the Jinja environment with the page templates; texts are escaped."""
     loader = PackageLoader("rollbench.reports")
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -99,71 +99,73 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     say
         Called with lines of progress.
     """
-    environment = templates()
-    writer = _Writer(folder, say, _places(report))
-    environment.filters.update(typeset=typeset, linked=writer.linked, place=lambda name: writer.places.get(name, ""))
-    pages = [_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
+    environment = load_templates()
+    writer = _Writer(folder, say, _item_places(report))
+    environment.filters.update(typeset=typeset_text, linked=writer.linked, place=lambda name: writer.places.get(name, ""))
+    pages = [_render_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
     for page, before, after in turns:
         of_page = {"page": page, "current": page["name"], "before": before, "after": after}
         heading = f"{page['title']} – {report.title}"
-        _write(folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading))
+        _write_text(
+            folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading)
+        )
     summary = next((section.summary for section in report.sections if section.summary), None)
-    first = None if summary is None else _summary(summary, writer)
+    first = None if summary is None else _render_summary(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
-    _write(folder / "index.html", text)
+    _write_text(folder / "index.html", text)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
-    _write(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
+    _write_text(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
     if report.origin:
         write_manifest(folder, report.origin)
 
 
-def _places(report: Report) -> dict[str, str]:
+def _item_places(report: Report) -> dict[str, str]:
     """Return the addresses of sections, tables and figures by name."""
     found = {}
     for page in report.pages:
         for section in page.sections:
             found[section.name] = f"{page.name}.html#section-{section.name}"
             named = (item for item in section.items if not isinstance(item, Text))
-            found |= {item.name: f"{page.name}.html#{_kind(item)}-{item.name}" for item in named}
+            found |= {item.name: f"{page.name}.html#{_item_kind(item)}-{item.name}" for item in named}
     return found
 
 
-def _kind(item: Item) -> str:
+def _item_kind(item: Item) -> str:
     """Return the kind of an item in addresses: ``table`` or ``figure``."""
     return "table" if isinstance(item, Table) else "figure"
 
 
-def _write(path: Path, text: str) -> None:
+def _write_text(path: Path, text: str) -> None:
     """Write a text as UTF-8 with line feeds."""
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
+def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
     """Return a page's data for the templates; writes the files of its items."""
     writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
     sections = [_section_data(section, file, writer) for section in page.sections]
-    writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
-    heading, rest = headline(page.conclusion, page.title)
+    writer.entries.insert(0, _contents_entry(page.title, file, "page", page.conclusion))
+    heading, rest = page_headline(page.conclusion, page.title)
     for one in sections:
         shown = "" if one["conclusion"] == page.conclusion else one["conclusion"]
-        one["heading"], one["conclusion"] = headline(shown, one["title"])
+        one["heading"], one["conclusion"] = page_headline(shown, one["title"])
     data = {"name": page.name, "title": page.title, "heading": heading, "conclusion": rest}
     return data | {"file": file, "sections": sections, "statement": page.conclusion}
 
 
-def headline(conclusion: str, title: str) -> tuple[str, str]:
+def page_headline(conclusion: str, title: str) -> tuple[str, str]:
     """Split a conclusion into the heading of a page or section and the remaining sentences.
 
     The heading is the conclusion's first sentence; the title if there is none or it is too long.
 
     Examples
     --------
-    >>> headline("All 174 scenes are solved. The other method solves 145.", "Stability")
+    >>> page_headline("All 174 scenes are solved. The other method solves 145.", "Stability")
     ('All 174 scenes are solved', 'The other method solves 145.')
-    >>> headline("", "Stability")
+    >>> page_headline("", "Stability")
     ('Stability', '')
     """
     first, *rest = re.split(r"(?<=[^A-Z]{2})\. (?=[A-Z])", conclusion.removesuffix("."), maxsplit=1)
@@ -174,23 +176,25 @@ def headline(conclusion: str, title: str) -> tuple[str, str]:
 
 def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
     """Return a section's data for the templates; writes the files of its items."""
-    items = [_item(item, file, writer) for item in section.items]
+    items = [_render_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
-    writer.entries.append(_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
+    writer.entries.append(_contents_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
     for item in items:
         if item["kind"] != "text":
             record = item[item["kind"]]
             under = f"{item['kind']} {record.name}, {section.title}"
-            writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable(record)))
+            writer.entries.append(
+                _contents_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable_text(record))
+            )
     return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
-def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
+def _contents_entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
     """Return an entry of the search index: title, address, where it stands, and text to search."""
-    return {"t": micro(title), "h": place, "s": under, "x": micro(re.sub(r"\s+", " ", text))[:KNOWN]}
+    return {"t": micro_sign(title), "h": place, "s": under, "x": micro_sign(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
-def _searchable(record: Any) -> str:
+def _searchable_text(record: Any) -> str:
     """Return the text of a table (headings, note, cells, each once) or figure (caption) for the search index."""
     if not isinstance(record, Table):
         return str(record.caption)
@@ -198,16 +202,18 @@ def _searchable(record: Any) -> str:
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
+def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
     """Return the first page's data for the templates, with its figure for wide and for narrow screens."""
-    wide, narrow = figures.draw(summary.figure), figures.draw(summary.narrow)
-    _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
-    writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
-    items = [_item(item, "index.html", writer) for item in summary.items]
-    return {"record": summary, "items": items, "wide": inline(wide), "narrow": inline(narrow)}
+    wide, narrow = figures.draw_figure(summary.figure), figures.draw_figure(summary.narrow)
+    _write_text(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
+    writer.entries.insert(
+        0, _contents_entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits)))
+    )
+    items = [_render_item(item, "index.html", writer) for item in summary.items]
+    return {"record": summary, "items": items, "wide": inline_svg(wide), "narrow": inline_svg(narrow)}
 
 
-def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
+def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     """Return an item's data for the templates; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
@@ -219,20 +225,20 @@ def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     if isinstance(item, Figure | PressureMap | Sketch):
         narrow = ""
         if isinstance(item, Sketch):
-            svg = sketch.draw(item)
+            svg = sketch.draw_sketch(item)
         elif isinstance(item, Figure):
-            svg, narrow = figures.draw(item), figures.draw(figures.for_phone(item))
+            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.for_phone(item))
         else:
             svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
         if narrow:
             view["narrow"] = f"{name}-narrow.svg"
-            _write(writer.folder / view["narrow"], narrow)
-        _write(writer.folder / f"{name}.svg", svg)
-        return {**view, "file": f"{name}.svg", "drawing": inline(svg)}
-    return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
+            _write_text(writer.folder / view["narrow"], narrow)
+        _write_text(writer.folder / f"{name}.svg", svg)
+        return {**view, "file": f"{name}.svg", "drawing": inline_svg(svg)}
+    return view | _render_picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
-def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
+def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
     """Write a 3D picture as a file and return its data, or why it is missing; ``back``: link back to the report."""
     path = writer.folder / name
     try:
@@ -247,11 +253,11 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Wr
     turned = None
     if isinstance(item, LoadedScrew) and item.view is not None:
         turned = f"view-{item.name}.html"
-        _write(writer.folder / turned, view.page(item.view, back))
+        _write_text(writer.folder / turned, view.view_page(item.view, back))
     return {"file": name, "image": name, "turned": turned}
 
 
-def inline(svg: str) -> Markup:
+def inline_svg(svg: str) -> Markup:
     """Return an SVG document as an element of a page, without prologue, metadata and title.
 
     Ink, paper and curves take the colours of the page, which change in dark mode.
@@ -265,7 +271,7 @@ def inline(svg: str) -> Markup:
 def table_view(table: Table, folder: Path) -> dict[str, Any]:
     """Return a table's data for the templates, without empty columns, folded if long; writes its CSV file."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
-    shown, empty = filled(table)
+    shown, empty = filled_table(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
     numbers = [is_number(column, table) for column in shown]
     heads: Sequence[dict[str, str]] = [
@@ -291,7 +297,7 @@ _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
-def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
+def write_report(report: Report, out: Path, progress: Progress | None = None) -> Path:
     """Write a report into a folder, which then holds nothing else.
 
     Everything is first drawn into a new folder next to it, which replaces it only when complete: an error or an interrupt
@@ -339,7 +345,7 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
     try:
         fresh.mkdir()
         make(fresh)
-        _swap(fresh, out)
+        _swap_folders(fresh, out)
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
     return out
@@ -392,7 +398,7 @@ def _check_names(report: Report) -> None:
             seen.add((kind, name.lower()))
 
 
-def _swap(fresh: Path, out: Path) -> None:
+def _swap_folders(fresh: Path, out: Path) -> None:
     """Replace the folder ``out`` by ``fresh``; if that fails, the old folder is restored."""
     if not out.exists():
         fresh.rename(out)

@@ -89,7 +89,7 @@ class _Grooves:
         return np.fmax(land, self.track_radius + depth)
 
 
-def _grooves(scene: Scene) -> _Grooves:
+def _groove_profiles(scene: Scene) -> _Grooves:
     """Return the grooves of a scene.
 
     The centres of the arcs are off the track by the difference of the radii at 45 degrees, which makes a gothic arch.
@@ -105,7 +105,7 @@ def ball_radius(scene: Scene) -> float:
     return float(specimen(scene, ball_layout(scene)).ball_radius.max())
 
 
-def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
+def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
     """Return azimuths and stations of a grid between ``ends``, with lines along the helix to keep edges sharp."""
     rise = grooves.slope * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
@@ -114,21 +114,21 @@ def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float)
     return np.broadcast_to(phi[:, None], z.shape), z
 
 
-def _sheet(grid: Grid) -> Any:
+def _sheet_surface(grid: Grid) -> Any:
     """Return a grid as a triangulated pyvista surface; lengths in mm."""
     import pyvista
 
-    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in cartesian(grid)))
+    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in to_cartesian(grid)))
     return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
 
 
-def cartesian(grid: Grid) -> tuple[Array, Array, Array]:
+def to_cartesian(grid: Grid) -> tuple[Array, Array, Array]:
     """Return x, y, z of the points of a grid [m]."""
     radius, phi, z = grid
     return radius * np.cos(phi), radius * np.sin(phi), z
 
 
-def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
+def _shaft_surfaces(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
     """Return the surfaces of the screw around the nut: grooved stretch, both ends and bore.
 
     Parameters
@@ -140,12 +140,12 @@ def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
     reach
         Length drawn on either side of the nut's centre, in nut lengths.
     """
-    grooves, half = _grooves(scene), reach * scene.nut.length
+    grooves, half = _groove_profiles(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
     high = min(max(scene.screw.length, low + 0.1 * half), scene.nut.position + half)
     back = _VIEW + np.pi
     around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarse) + 1)
-    phi, z = _grid(grooves, around, (low, high), 0.06 * coarse * ball_radius(scene))
+    phi, z = _surface_grid(grooves, around, (low, high), 0.06 * coarse * ball_radius(scene))
     radius = grooves.surface(phi, z, scene.screw.outer_diameter / 2.0)
     grids, inner = [(radius, phi, z)], scene.screw.bore / 2.0
     for column in (0, -1):
@@ -158,13 +158,13 @@ def _shaft(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
     return grids
 
 
-def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
-    """Return the surfaces of the half of the nut behind the screw, and its two cut faces; ``coarse`` as in `_shaft`."""
-    grooves = _grooves(scene)
+def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
+    """Return the surfaces of the half of the nut behind the screw, and its two cut faces; see `_shaft_surfaces`."""
+    grooves = _groove_profiles(scene)
     bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
     around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarse) + 1)
-    phi, z = _grid(grooves, around, ends, 0.06 * coarse * ball_radius(scene))
+    phi, z = _surface_grid(grooves, around, ends, 0.06 * coarse * ball_radius(scene))
     inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * scene.nut.outer_diameter / 2.0)
     outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
@@ -181,26 +181,26 @@ def _shell(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
     return body, [between((0, everywhere)), between((-1, everywhere))]
 
 
-def directions() -> tuple[Array, Array]:
+def contact_directions() -> tuple[Array, Array]:
     """Return two unit vectors across the axis: towards the viewer, and upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
 
 
-def sight() -> Array:
+def view_direction() -> Array:
     """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
-    outward, upward = directions()
+    outward, upward = contact_directions()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
 
 
-def grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
-    """Return the surfaces of screw, opened nut and its cut faces, by colour; arguments as in `_shaft`."""
-    body, cuts = _shell(scene, coarse)
-    return {STEEL: _shaft(scene, coarse, reach), _NUT: body, _CUT: cuts}
+def scene_grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
+    """Return the surfaces of screw, opened nut and its cut faces, by colour; arguments as in `_shaft_surfaces`."""
+    body, cuts = _nut_surfaces(scene, coarse)
+    return {STEEL: _shaft_surfaces(scene, coarse, reach), _NUT: body, _CUT: cuts}
 
 
-def _render(picture: LoadedScrew, path: str) -> None:
+def _render_picture(picture: LoadedScrew, path: str) -> None:
     """Draw the loaded screw and write its PNG; runs in the child process."""
     import pyvista
 
@@ -211,14 +211,14 @@ def _render(picture: LoadedScrew, path: str) -> None:
     # In a parallel projection a shift along the line of sight leaves a body's image as it is: moved back by
     # the length of an arrow, the screw does not hide the forces that it exerts, but balls and arrows hide
     # each other as they should.
-    behind = -1e3 * _ARROW * ball_radius(picture.scene) * sight()
-    for grid in _shaft(picture.scene):
-        plotter.add_mesh(_sheet(grid).translate(behind), color=STEEL, **steel)
-    body, cuts = _shell(picture.scene)
+    behind = -1e3 * _ARROW * ball_radius(picture.scene) * view_direction()
+    for grid in _shaft_surfaces(picture.scene):
+        plotter.add_mesh(_sheet_surface(grid).translate(behind), color=STEEL, **steel)
+    body, cuts = _nut_surfaces(picture.scene)
     for grid in body:
-        plotter.add_mesh(_sheet(grid), color=_NUT, **steel)
+        plotter.add_mesh(_sheet_surface(grid), color=_NUT, **steel)
     for grid in cuts:
-        plotter.add_mesh(_sheet(grid), color=_CUT, ambient=0.6, diffuse=0.4)
+        plotter.add_mesh(_sheet_surface(grid), color=_CUT, ambient=0.6, diffuse=0.4)
     _add_balls(plotter, picture)
     _add_forces(plotter, picture)
     _set_view(plotter, picture)
@@ -277,7 +277,7 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
     )
 
 
-def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
+def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
     """Yield arrows of the forces on the balls, which end at the contacts on the open side, with their colour.
 
     Lengths, in mm, are proportional to the forces; first those from the screw, then those from the nut.
@@ -305,7 +305,7 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
     size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return
-    for mesh, colour in _arrows(picture):
+    for mesh, colour in _load_arrows(picture):
         plotter.add_mesh(mesh, color=colour, ambient=0.45, diffuse=0.55, smooth_shading=True)
     for text, colour, height in (
         ("Forces on the balls:", "black", 96),
@@ -317,14 +317,16 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
     """Set camera and lights of the plotter, and add the triad of axes."""
-    outward, upward = directions()
+    outward, upward = contact_directions()
     extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
     focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
     beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
-    set_view(plotter, focus, sight(), upward, 1.32 * extent, ((above, 0.75), (sight(), 0.3), (beside, 0.3)))
+    set_view(
+        plotter, focus, view_direction(), upward, 1.32 * extent, ((above, 0.75), (view_direction(), 0.3), (beside, 0.3))
+    )
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0))
 
 
 if __name__ == "__main__":
-    _render(*pickle.load(sys.stdin.buffer))
+    _render_picture(*pickle.load(sys.stdin.buffer))

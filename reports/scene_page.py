@@ -18,11 +18,11 @@ from typing import Any
 from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
-from rollbench.reports.cells import format_cell, typeset
+from rollbench.reports.cells import format_cell, typeset_text
 from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, Table, View
-from rollbench.reports.manifest import all_texts, parsed, sha256
-from rollbench.reports.pages import inline, templates
-from rollbench.reports.view import MARKER, fragment
+from rollbench.reports.manifest import all_texts, parse_manifest, sha256
+from rollbench.reports.pages import inline_svg, load_templates
+from rollbench.reports.view import MARKER, view_fragment
 
 #: Blocks of the page that hold data, by id.
 BLOCKS = ("manifest", "scene", "results")
@@ -61,7 +61,7 @@ class ScenePage:
     table: Table | None = None
 
 
-def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:
+def page_manifest(page: ScenePage, html: str) -> dict[str, Any]:
     """Return the manifest of a page: provenance, SHA-256 of scene, results, files, and page without manifest."""
     return {
         "provenance": dict(page.provenance),
@@ -77,48 +77,48 @@ def results_hash(results: Mapping[str, Any]) -> str:
     return sha256(json.dumps(results, sort_keys=True))
 
 
-def render(page: ScenePage) -> str:
+def render_page(page: ScenePage) -> str:
     """Return the page as HTML; ValueError if the data of a figure are inconsistent."""
-    environment = templates()
-    environment.finalize = lambda value: value if isinstance(value, Markup) else typeset(str(value))
+    environment = load_templates()
+    environment.finalize = lambda value: value if isinstance(value, Markup) else typeset_text(str(value))
     environment.globals["cell"] = format_cell
-    environment.globals["drawn"] = _drawn
-    picture, missing = _picture(page.picture)
+    environment.globals["drawn"] = _draw_item
+    picture, missing = _embed_picture(page.picture)
     html = environment.get_template("scene.html.j2").render(
         page=page,
         picture=picture,
         missing=missing,
-        viewer=Markup("" if page.view is None else fragment(page.view)),
+        viewer=Markup("" if page.view is None else view_fragment(page.view)),
         marker=Markup(MARKER),
-        scene_json=_embedded(page.scene_text),
-        results_json=_embedded(page.results),
+        scene_json=_embedded_json(page.scene_text),
+        results_json=_embedded_json(page.results),
     )
-    return html.replace(_block("manifest"), _block("manifest", str(_embedded(manifest_of(page, html)))), 1)
+    return html.replace(_data_block("manifest"), _data_block("manifest", str(_embedded_json(page_manifest(page, html)))), 1)
 
 
-def _block(name: str, content: str = "") -> str:
+def _data_block(name: str, content: str = "") -> str:
     """Return a script element that holds JSON under an id."""
     return f'<script type="application/json" id="{name}">{content}</script>'
 
 
 def without_manifest(html: str) -> str:
     """Return the HTML with an empty manifest, as it was when its hash was computed."""
-    pattern = re.escape(_block("manifest", "@")).replace("@", ".*?")
-    return re.sub(pattern, lambda _: _block("manifest"), html, count=1, flags=re.DOTALL)
+    pattern = re.escape(_data_block("manifest", "@")).replace("@", ".*?")
+    return re.sub(pattern, lambda _: _data_block("manifest"), html, count=1, flags=re.DOTALL)
 
 
-def _embedded(data: Any) -> Markup:
+def _embedded_json(data: Any) -> Markup:
     """Return data as JSON for a script element, escaped so that nothing in it ends the element."""
     text = json.dumps(data, sort_keys=True)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
-def _drawn(item: Figure | Sketch) -> Markup:
+def _draw_item(item: Figure | Sketch) -> Markup:
     """Return a figure or sketch as an SVG element of the page."""
-    return Markup(inline(sketch.draw(item) if isinstance(item, Sketch) else figures.draw(item)))
+    return Markup(inline_svg(sketch.draw_sketch(item) if isinstance(item, Sketch) else figures.draw_figure(item)))
 
 
-def _picture(item: LoadedScrew | None) -> tuple[str, str]:
+def _embed_picture(item: LoadedScrew | None) -> tuple[str, str]:
     """Return the 3D picture as base64 and an empty text, or an empty text and why it is missing."""
     if item is None:
         return "", ""
@@ -139,7 +139,7 @@ def read_page(html: str) -> dict[str, Any]:
         if found is None:
             raise ValueError(f"the page has no block {name!r}")
         try:
-            out[name] = parsed(found[1])
+            out[name] = parse_manifest(found[1])
         except ValueError as error:
             raise ValueError(f"the block {name!r} is damaged: {error}") from None
     manifest, texts = out["manifest"], isinstance(out["scene"], str)

@@ -67,13 +67,18 @@ class _Scale:
         return self.per_metre * length > END
 
 
-def draw(sketch: Sketch) -> str:
+def draw_sketch(sketch: Sketch) -> str:
     """Return the sketch as an SVG document, with identical bytes for identical records."""
     scene = sketch.scene
-    scale = _scale(scene)
+    scale = _drawing_scale(scene)
     high = TALL / 2.0
     below = scale.middle + high + 26.0
-    parts = [*_shaft(scene, scale), *_nut(scene, scale), *_balls(scene, scale), *_acting(scene, scale, below)]
+    parts = [
+        *_draw_shaft(scene, scale),
+        *_draw_nut(scene, scale),
+        *_draw_balls(scene, scale),
+        *_draw_acting_loads(scene, scale, below),
+    ]
     height = below + 12.0 + 2.6 * TEXT
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:.0f} {height:.0f}" width="{WIDTH:.0f}" '
@@ -83,9 +88,9 @@ def draw(sketch: Sketch) -> str:
     return "\n".join([head, *parts, "</svg>"]) + "\n"
 
 
-def _scale(scene: Scene) -> _Scale:
+def _drawing_scale(scene: Scene) -> _Scale:
     """Return the scale of the drawing of a scene."""
-    low, high = faces(scene)
+    low, high = drawn_faces(scene)
     room = BEYOND * (high - low)
     ends = max(low - room, 0.0), min(high + room, scene.screw.length)
     tallest = max(scene.nut.outer_diameter, scene.nut.flange.diameter if scene.nut.flange else 0.0)
@@ -95,16 +100,16 @@ def _scale(scene: Scene) -> _Scale:
     return _Scale(*ends, scene.screw.length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
 
 
-def faces(scene: Scene) -> tuple[float, float]:
+def drawn_faces(scene: Scene) -> tuple[float, float]:
     """Return the stations of the nut's faces [m]."""
     return scene.nut.position - scene.nut.length / 2.0, scene.nut.position + scene.nut.length / 2.0
 
 
-def _shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
+def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
     """Draw shaft, bore, lines of the groove, breaks and axis."""
     radius = scene.screw.outer_diameter / 2.0
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
-    yield _box(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
+    yield _rectangle(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
     for end, length, at in (
         (-1.0, scale.low, scale.left - END / 2.0),
         (1.0, scale.length - scale.high, scale.x(scale.high) + END / 2.0),
@@ -117,44 +122,46 @@ def _shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
                 yield f'<path d="M {at + side:.1f} {top:.1f} {wave}" fill="none" stroke="{INK}" stroke-width="0.8"/>'
     if scene.screw.bore:
         for side in (-1.0, 1.0):
-            yield _line(x0, scale.y(side * scene.screw.bore / 2.0), x1, scale.y(side * scene.screw.bore / 2.0), dash="4 3")
-    yield _line(x0 - 10.0, scale.middle, x1 + 10.0, scale.middle, FRAME, "9 3 2 3")
-    yield _text(x1 + 13.0, scale.middle + 4.0, "z", "start")
+            yield _line_element(
+                x0, scale.y(side * scene.screw.bore / 2.0), x1, scale.y(side * scene.screw.bore / 2.0), dash="4 3"
+            )
+    yield _line_element(x0 - 10.0, scale.middle, x1 + 10.0, scale.middle, FRAME, "9 3 2 3")
+    yield _text_element(x1 + 13.0, scale.middle + 4.0, "z", "start")
 
 
-def _nut(scene: Scene, scale: _Scale) -> Iterator[str]:
+def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
     """Draw the nut in section, its flange, hatching where it is fixed, and its length above."""
-    ends = faces(scene)
+    ends = drawn_faces(scene)
     low, high = map(scale.x, ends)
-    held, outside = _held(scene, *ends)
+    held, outside = _draw_fixed_faces(scene, *ends)
     inner, outer = scene.track.pitch_radius, scene.nut.outer_diameter / 2.0
     thick = scale.per_metre * (outer - inner)
     for side in (-1.0, 1.0):
-        yield _box(low, min(scale.y(side * outer), scale.y(side * inner)), high - low, thick, NUT)
+        yield _rectangle(low, min(scale.y(side * outer), scale.y(side * inner)), high - low, thick, NUT)
         if scene.nut.flange:
             rim = scene.nut.flange.diameter / 2.0
             start, end = sorted(scene.nut.flange.stations(*ends)[:2])
             wide = scale.per_metre * (rim - outer)
             top = scale.y(rim) if side > 0 else scale.y(-outer)
-            yield _box(scale.x(start), top, scale.x(end) - scale.x(start), wide, NUT)
+            yield _rectangle(scale.x(start), top, scale.x(end) - scale.x(start), wide, NUT)
         for z, r0, r1 in held:
             x, y0, y1 = scale.x(z), scale.y(side * r0), scale.y(side * r1)
-            yield from _hatch(x, min(y0, y1), max(y0, y1), -1.0 if z <= scene.nut.position else 1.0)
+            yield from _hatch_lines(x, min(y0, y1), max(y0, y1), -1.0 if z <= scene.nut.position else 1.0)
         if outside:
             y = scale.y(side * outer)
             for k in range(int((high - low) // 7.0)):
-                yield _line(low + 7.0 * k, y, low + 7.0 * k + 5.0, y - side * 5.0)
+                yield _line_element(low + 7.0 * k, y, low + 7.0 * k + 5.0, y - side * 5.0)
     top, around = scale.middle - TALL / 2.0 - 12.0, "nut" if scene.track.lead else "outer ring"
-    yield from _across(low, high, top, f"{around} {1e3 * scene.nut.length:.4g} mm, Ø {1e3 * 2 * outer:.4g}")
+    yield from _dimension_line(low, high, top, f"{around} {1e3 * scene.nut.length:.4g} mm, Ø {1e3 * 2 * outer:.4g}")
 
 
-def _hatch(x: float, top: float, foot: float, side: float) -> Iterator[str]:
+def _hatch_lines(x: float, top: float, foot: float, side: float) -> Iterator[str]:
     """Draw hatching next to a vertical fixed edge."""
     for k in range(int((foot - top) // 5.0) + 1):
-        yield _line(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
+        yield _line_element(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
 
 
-def _balls(scene: Scene, scale: _Scale) -> Iterator[str]:
+def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
     """Draw the balls in side view, those behind the axis pale."""
     for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
         radius = scale.per_metre * scene.balls.radius
@@ -163,46 +170,46 @@ def _balls(scene: Scene, scale: _Scale) -> Iterator[str]:
         yield f'<circle {where} fill="{BALL}" stroke="{INK}" stroke-width="0.6"{pale}/>'
 
 
-def _acting(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
+def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
     """Draw supports and loads with their labels, beside the nut where it hides them, and the length of the shaft."""
     edge = scale.y(-scene.screw.outer_diameter / 2.0)
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
-    low, high = faces(scene)
+    low, high = drawn_faces(scene)
     for support in scene.supports:
         x, hidden = scale.x(support.at), low <= support.at <= high
         if not hidden:
             yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
-        for n, word in enumerate(_support(support.fixed)):
+        for n, word in enumerate(_draw_support(support.fixed)):
             down = n * 1.2 * TEXT
             if hidden:
-                yield _text(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
+                yield _text_element(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
             else:
-                yield _text(_clear(x, word), edge + 25.0 + down, word)
+                yield _text_element(_background_behind_text(x, word), edge + 25.0 + down, word)
     above = scale.y(scene.screw.outer_diameter / 2.0)
     count: dict[float, int] = {}
     for load in scene.loads:
-        at, words, (lateral, _, axial) = load.at, _load(load.force, load.moment), load.force
+        at, words, (lateral, _, axial) = load.at, _draw_load(load.force, load.moment), load.force
         n = count[at] = count.get(at, -1) + 1
         hidden = low <= at <= high
         x, top = (scale.x(low) - 22.0, scale.middle) if hidden else (scale.x(at), above)
         if axial:
             tail = x - 34.0 if axial > 0.0 else x + 34.0
-            yield _line(tail, scale.middle, x, scale.middle, FORCE, width=2.2)
-            yield _head(x, scale.middle, 1.0 if axial > 0.0 else -1.0, 0.0)
+            yield _line_element(tail, scale.middle, x, scale.middle, FORCE, width=2.2)
+            yield _arrow_head(x, scale.middle, 1.0 if axial > 0.0 else -1.0, 0.0)
         if lateral:
-            yield _line(x, top - 34.0, x, top, FORCE, width=2.2)
-            yield _head(x, top, 0.0, 1.0) if lateral < 0.0 else _head(x, top - 34.0, 0.0, -1.0)
+            yield _line_element(x, top - 34.0, x, top, FORCE, width=2.2)
+            yield _arrow_head(x, top, 0.0, 1.0) if lateral < 0.0 else _arrow_head(x, top - 34.0, 0.0, -1.0)
         if hidden:
-            yield _text(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
+            yield _text_element(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
         else:
             up = 40.0 if lateral else 10.0
-            yield _text(_clear(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
+            yield _text_element(_background_behind_text(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
     shaft = "screw" if scene.track.lead else "inner ring"
     words = f"{shaft} {1e3 * scene.screw.length:.4g} mm, Ø {1e3 * scene.screw.outer_diameter:.4g}"
-    yield from _across(x0, x1, below + 2.0 * TEXT, words)
+    yield from _dimension_line(x0, x1, below + 2.0 * TEXT, words)
 
 
-def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
+def _draw_fixed_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
     """Return rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
     solid = dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
@@ -213,7 +220,7 @@ def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, floa
     return [(face, *solid.held_radii) for face in faces], False
 
 
-def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
+def _draw_support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
     """Yield texts with a support's fixed freedoms and its prescribed displacements."""
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
@@ -224,7 +231,7 @@ def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
             yield f"{freedom} = {1e3 * value:.4g} mrad" if turned else f"{freedom} = {value / MICRO:.4g} µm"
 
 
-def _load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
+def _draw_load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
     """Return a text with the components of force and moment of a load that are not zero."""
     forces = [
         f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
@@ -234,34 +241,34 @@ def _load(force: tuple[float, float, float], moment: tuple[float, float, float])
     return ", ".join([*forces, *(f"M{axis} {value:.4g} N m" for axis, value in zip("xyz", moment, strict=True) if value)])
 
 
-def _clear(x: float, words: str) -> float:
+def _background_behind_text(x: float, words: str) -> float:
     """Return the abscissa [pixels] near ``x`` at which a centred text stays on the drawing."""
     half = 0.27 * TEXT * len(words)
     return min(max(x, half + 2.0), WIDTH - half - 2.0)
 
 
-def _across(x0: float, x1: float, y: float, words: str) -> Iterator[str]:
+def _dimension_line(x0: float, x1: float, y: float, words: str) -> Iterator[str]:
     """Draw a dimension line with a text above it."""
-    yield _line(x0, y, x1, y, FRAME)
+    yield _line_element(x0, y, x1, y, FRAME)
     for x in (x0, x1):
-        yield _line(x, y - 4.0, x, y + 4.0, FRAME)
-    yield _text((x0 + x1) / 2.0, y - 5.0, words)
+        yield _line_element(x, y - 4.0, x, y + 4.0, FRAME)
+    yield _text_element((x0 + x1) / 2.0, y - 5.0, words)
 
 
-def _box(x: float, y: float, width: float, height: float, fill: str) -> str:
+def _rectangle(x: float, y: float, width: float, height: float, fill: str) -> str:
     """Return a rectangle as SVG; lengths in pixels."""
     place = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"'
     return f'<rect {place} fill="{fill}" stroke="{INK}" stroke-width="0.8"/>'
 
 
-def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dash: str = "", width: float = 0.8) -> str:
+def _line_element(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dash: str = "", width: float = 0.8) -> str:
     """Return a line as SVG; coordinates and width in pixels."""
     dashes = f' stroke-dasharray="{dash}"' if dash else ""
     place = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
     return f'<line {place} stroke="{colour}" stroke-width="{width:g}"{dashes}/>'
 
 
-def _head(x: float, y: float, along: float, down: float) -> str:
+def _arrow_head(x: float, y: float, along: float, down: float) -> str:
     """Return the head of an arrow with its tip at (x, y)."""
     points: Sequence[tuple[float, float]] = (
         (x, y),
@@ -271,6 +278,6 @@ def _head(x: float, y: float, along: float, down: float) -> str:
     return f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in points)}" fill="{FORCE}"/>'
 
 
-def _text(x: float, y: float, words: str, anchor: str = "middle", colour: str = INK) -> str:
+def _text_element(x: float, y: float, words: str, anchor: str = "middle", colour: str = INK) -> str:
     """Return a text as SVG, anchored at a point [pixels]."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{escape(words)}</text>'

@@ -31,32 +31,32 @@ NUT, RING = 0.8, 0.5
 MM = 1e3
 
 
-def page(view: View, back: str = "") -> str:
+def view_page(view: View, back: str = "") -> str:
     """Return the HTML page of a view; ``back``: address of a link back, none if empty."""
     link = f' <a href="{escape(back)}">back</a>' if back else ""
     filled = {
         "TITLE": escape(view.title),
         "SUBTITLE": escape(view.subtitle) + link,
         "MARKER": MARKER,
-        "RESULTS": block("results", view.results),
-        "VIEWER": fragment(view),
+        "RESULTS": view_block("results", view.results),
+        "VIEWER": view_fragment(view),
     }
-    html = _file("page.html")
+    html = _viewer_file("page.html")
     for name, text in filled.items():
         html = html.replace(f"{{{{{name}}}}}", text)
     return html
 
 
-def fragment(view: View) -> str:
+def view_fragment(view: View) -> str:
     """Return the viewer as HTML elements, for a page that holds the results as JSON in the element ``results``."""
     surfaces: dict[str, int] = {}
-    cases = [_case(case, surfaces) for case in view.cases]
-    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_sight()}
-    scripts = "".join(f"<script>{_file(name)}</script>" for name in ("three.min.js", "view.js"))
-    return f"<style>{_file('view.css')}</style>{_file('view.html')}{block('view-data', data)}{scripts}"
+    cases = [_case_data(case, surfaces) for case in view.cases]
+    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_view_sight()}
+    scripts = "".join(f"<script>{_viewer_file(name)}</script>" for name in ("three.min.js", "view.js"))
+    return f"<style>{_viewer_file('view.css')}</style>{_viewer_file('view.html')}{view_block('view-data', data)}{scripts}"
 
 
-def block(name: str, data: Any) -> str:
+def view_block(name: str, data: Any) -> str:
     """Return a script element with data as JSON, escaped so that nothing in it ends the element."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     for sign in "<>&":
@@ -64,37 +64,37 @@ def block(name: str, data: Any) -> str:
     return f'<script type="application/json" id="{name}">{text}</script>'
 
 
-def _file(name: str) -> str:
+def _viewer_file(name: str) -> str:
     """Return the text of a file of the viewer."""
     return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
 
 
-def _sight() -> dict[str, list[float]]:
+def _view_sight() -> dict[str, list[float]]:
     """Return the directions to the viewer and upwards, by the names that the viewer's script uses."""
-    return {"sight": scene3d.sight().tolist(), "up": scene3d.directions()[1].tolist()}
+    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.contact_directions()[1].tolist()}
 
 
-def _case(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
+def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
     """Return a load case's data for the viewer; ``surfaces``: numbers of the surfaces, which load cases share."""
-    drawn = [s for one in case.sets for s in _surfaces(one, case.shaft is not None)]
+    drawn = [s for one in case.sets for s in _case_surfaces(one, case.shaft is not None)]
     if case.shaft is not None:
-        drawn += _plain(case.shaft)
+        drawn += _plain_shaft(case.shaft)
     numbers = [surfaces.setdefault(json.dumps(one), len(surfaces)) for one in drawn]
-    return {"name": case.name, "surfaces": numbers, "sets": [_set(one) for one in case.sets]}
+    return {"name": case.name, "surfaces": numbers, "sets": [_set_data(one) for one in case.sets]}
 
 
-def _surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
+def _case_surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
     """Return the surfaces of a set and of the shaft in it; ``shared``: the rest of the shaft is drawn separately."""
     if isinstance(one.parts, RollerRow):
-        return [_cone(one.parts, one.position, _apex(one.thrust))]
+        return [_cone_surface(one.parts, one.position, _cone_apex(one.thrust))]
     reach = RING if shared and not one.parts.track.lead else NUT
-    found = scene3d.grids(one.parts, COARSE, reach)
-    return [_packed(grid, tint) for tint, grids in found.items() for grid in grids]
+    found = scene3d.scene_grids(one.parts, COARSE, reach)
+    return [_pack_grid(grid, tint) for tint, grids in found.items() for grid in grids]
 
 
-def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
+def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
     """Return a surface for the viewer: coordinates [mm] coded as 16-bit numbers between smallest and largest."""
-    points = MM * np.stack(scene3d.cartesian(grid), axis=-1)
+    points = MM * np.stack(scene3d.to_cartesian(grid), axis=-1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535.0
     whole = np.rint((points - low) / step).astype("<u2")
@@ -102,10 +102,12 @@ def _packed(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
     return {"tint": tint, "rows": len(points), "low": low.tolist(), "step": step.tolist(), "points": text}
 
 
-def _plain(shaft: Assembly) -> list[dict[str, Any]]:
+def _plain_shaft(shaft: Assembly) -> list[dict[str, Any]]:
     """Return the parts of the shaft between the sets, as outlines (radius, station) [mm] of bodies of revolution."""
     under = [
-        _stretch(s, s.parts, shaft.screw.length) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None
+        _shaft_stretch(s, s.parts, shaft.screw.length)
+        for s in shaft.sets
+        if isinstance(s.parts, Scene) and s.carrier is None
     ]
     ends = {
         0.0,
@@ -126,17 +128,17 @@ def _plain(shaft: Assembly) -> list[dict[str, Any]]:
     return found
 
 
-def _stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
+def _shaft_stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
     """Return start and end [m] of the shaft's stretch that is drawn with a set."""
     half = (NUT if parts.track.lead else RING) * parts.nut.length
     return max(0.0, s.position - half), min(length, s.position + half)
 
 
-def _set(one: SetView) -> dict[str, Any]:
+def _set_data(one: SetView) -> dict[str, Any]:
     """Return a set's data for the viewer; lengths in mm, approaches by errors in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
-        return head | _rollers(one.parts, one.position, _apex(one.thrust))
+        return head | _roller_surfaces(one.parts, one.position, _cone_apex(one.thrust))
     out = head | {
         "centre": [0.0, 0.0, MM * one.position],
         "size": MM * max(one.parts.nut.outer_diameter, one.parts.nut.length),
@@ -144,21 +146,24 @@ def _set(one: SetView) -> dict[str, Any]:
         "places": (MM * ball_layout(one.parts).centre).round(4).tolist(),
     }
     if one.points is not None and one.forces is not None:
-        out |= {"points": _numbers(MM * one.points), "forces": _numbers(one.forces)}
+        out |= {"points": _packed_numbers(MM * one.points), "forces": _packed_numbers(one.forces)}
     if one.reference is not None:
         label, *rows = one.reference
-        out["reference"] = {"label": label, **dict(zip(("load", "uncertainty", "error"), map(_numbers, rows), strict=True))}
+        out["reference"] = {
+            "label": label,
+            **dict(zip(("load", "uncertainty", "error"), map(_packed_numbers, rows), strict=True)),
+        }
     if one.closer is not None and np.abs(one.closer).max(initial=0.0) > 1e-12:
-        out["closer"] = _numbers(1e6 * one.closer)
+        out["closer"] = _packed_numbers(1e6 * one.closer)
     return out
 
 
-def _apex(thrust: str) -> float:
+def _cone_apex(thrust: str) -> float:
     """Return the sign of z of the side on which the apex of a roller row lies, by the thrust that it carries."""
     return 1.0 if thrust == "+z" else -1.0
 
 
-def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     """Return the cone (inner ring) under a row of rollers for the viewer, without its ribs."""
     reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
     apex = position + sign * reach * np.cos(row.cup_angle)
@@ -167,7 +172,7 @@ def _cone(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     return {"tint": scene3d.STEEL, "outline": [[0.0, z0], [r0, z0], [r1, z1], [0.0, z1]]}
 
 
-def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+def _roller_surfaces(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     """Return positions [mm] and axes of a row's rollers, and one roller's outline about its axis [mm]."""
     reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # of the apex from the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
@@ -189,7 +194,7 @@ def _rollers(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     }
 
 
-def _numbers(values: Array) -> Any:
+def _packed_numbers(values: Array) -> Any:
     """Return an array as nested lists of numbers with six digits; None for nan and infinity."""
 
     def one(value: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.reports.content import Figure, Section, Table
-from rollbench.reports.figures import draw
+from rollbench.reports.figures import draw_figure
 
 
 def tables(section: Section) -> dict[str, Table]:
@@ -28,4 +28,4 @@ def drawn(shown: Iterable[Figure], finite: float = 1.0) -> None:
         for one in series:
             assert len(one.x) == len(one.y) >= 1
             assert np.isfinite(one.y).mean() >= finite
-        assert draw(figure).startswith("<?xml")
+        assert draw_figure(figure).startswith("<?xml")

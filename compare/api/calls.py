@@ -415,9 +415,9 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     >>> round(found.torque, 3), round(found.efficiency_forward, 3)
     (0.838, 0.95)
     """
-    from rollbench.compare.studies.friction.solve import library
+    from rollbench.compare.studies.friction.solve import solve_for_library
 
-    data = library(_described(scene), tuple(mu), model)
+    data = solve_for_library(_described(scene), tuple(mu), model)
     return friction_from_json(data)
 
 
@@ -457,9 +457,9 @@ def ensemble(
     >>> several.converged, round(several.outputs["largest_load_N"].mean)
     (4, 350)
     """
-    from rollbench.compare.studies.members.members import library
+    from rollbench.compare.studies.members.members import ensemble_for_library
 
-    return ensemble_from_json(library(_described(scene), model, members, seed, workers, LOG.info))
+    return ensemble_from_json(ensemble_for_library(_described(scene), model, members, seed, workers, LOG.info))
 
 
 @held_to_one_thread()
@@ -651,12 +651,12 @@ def mesh_study(
     [(1, 0.08), (3, 0.0)]
     """
     from rollbench.compare.studies import roller
-    from rollbench.compare.studies.mesh_study import library
+    from rollbench.compare.studies.mesh_study import mesh_study_for_library
 
     described = _described(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
-        return mesh_study_of(*roller.library(described, levels, LOG.info, Path(store)))
-    found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+        return mesh_study_of(*roller.roller_study_for_library(described, levels, LOG.info, Path(store)))
+    found = mesh_study_for_library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 
 
@@ -712,9 +712,9 @@ def sweep(
     >>> found.converged, round(found.outputs["largest_load_N"].largest)
     (2, 245)
     """
-    from rollbench.compare.studies.sweep.summary import library
+    from rollbench.compare.studies.sweep.summary import sweep_for_library
 
-    data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
+    data = sweep_for_library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_from_json(data, Path(out))
 
 

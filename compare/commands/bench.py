@@ -98,7 +98,7 @@ def run_drawn(store: Path) -> Answer:
     """
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.run_times import Job
-    from rollbench.compare.studies.survey_levels import measure_levels, standings_of
+    from rollbench.compare.studies.survey_levels import levels_and_models, measure_levels
 
     runs = measure_levels(store, on_terminal).runs
     jobs = [
@@ -108,7 +108,7 @@ def run_drawn(store: Path) -> Answer:
             error_percent=float(median(s.errors)) if s.errors.size else None,
             note=f"medians, processor time of one core; a further load case {median(s.further):.3g} s",
         )
-        for s in standings_of(runs, survey.known_screws())
+        for s in levels_and_models(runs, survey.known_screws())
     ]
     return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
 

@@ -147,7 +147,7 @@ def _check_graphics() -> Iterator[Check]:
     if version("gmsh"):
         yield _report_finding("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
     if version("pyvista"):
-        lack, cost = offscreen.fault(), ONLY_FOR["pyvista"]
+        lack, cost = offscreen.drawing_fault(), ONLY_FOR["pyvista"]
         yield _report_finding("off-screen rendering", "a picture was drawn", lack, cost, install(PICTURES))
 
 

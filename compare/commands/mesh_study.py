@@ -85,7 +85,7 @@ def run_mesh_study(
 ) -> Answer:
     """Compute missing runs (fresh: all) and return the table of the study; write it as CSV and SVG into the store.
 
-    count: as for `levels_of`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
+    count: as for `chosen_levels`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
     """
     from rollbench.compare.commands.compare import exit_code
     from rollbench.compare.files import no_figure, write_csv, write_figure
@@ -93,15 +93,22 @@ def run_mesh_study(
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.sections.curves import study_figure
-    from rollbench.compare.studies.mesh_study import closing, compute_study, extremes, level_rows, levels_of, table_of
+    from rollbench.compare.studies.mesh_study import (
+        chosen_levels,
+        closing_lines,
+        compute_study,
+        extreme_rows,
+        level_rows,
+        referenced_table,
+    )
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
-    stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)
+    stores, levels = (store,) if fresh else (store, shipped_store()), chosen_levels(count)
     references = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
     for one in references:
-        table, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        table, stem = referenced_table(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         rows = table if one.of is None else [{"set": one.of.name, **row} for row in table]
         tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
         write_csv(Path(f"{stem}.csv"), rows)
@@ -113,10 +120,10 @@ def run_mesh_study(
             "",
             aligned_table(level_rows(one.found)),
             "",
-            aligned_table(extremes(table)),
+            aligned_table(extreme_rows(table)),
             "",
         ]
-        parts += [closing(one.found), *filter(None, [one.found.unsettled])]
+        parts += [closing_lines(one.found), *filter(None, [one.found.unsettled])]
         parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
     return Answer(tables, parts, exit_code(one.found for one in references))
 
@@ -146,7 +153,7 @@ def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: 
 def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> Answer:
     """Compute what is missing (fresh: everything again), answer with a table for each kind of roller.
 
-    count: levels 1 to this one, all three unless given. Raises InputError as `rollbench.compare.studies.roller.study`.
+    count: levels 1 to this one, all three unless given. InputError as `compare.studies.roller.study_roller`.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store
@@ -159,8 +166,8 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
     parts: list[Any] = []
     for scene in [x for name in names for x in each_case(catalogue.any_scene(name), name)]:
         assert isinstance(scene, Assembly)
-        for one, runs in roller.study(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
-            said = roller.answer(one, runs)
+        for one, runs in roller.study_roller(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
+            said = roller.roller_answer(one, runs)
             found.setdefault(scene.name, []).append(said)
             stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
             write_csv(Path(f"{stem}.csv"), said["quantities"])
@@ -171,6 +178,6 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
                 aligned_table(said["levels"]),
                 "",
             ]
-            parts += [aligned_table(roller.shown(said["quantities"])), "", roller.closing(one, runs)]
+            parts += [aligned_table(roller.shown_rows(said["quantities"])), "", roller.closing_lines(one, runs)]
             parts.append(f"along the roller: {stem}-profile.csv")
     return Answer(found, parts)

@@ -374,11 +374,11 @@ def run_ensemble_command(
     from rollbench.compare.scenes import catalogue
 
     described = catalogue.any_scene(name)
-    from rollbench.compare.studies.members.members import solved, whole
+    from rollbench.compare.studies.members.members import solve_ensemble, whole_ensemble
 
-    each, cases = solved(described, name, model, count, seed, engine, on_terminal, csv_out)
+    each, cases = solve_ensemble(described, name, model, count, seed, engine, on_terminal, csv_out)
     shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
-    data = with_schema(whole(described, each, cases))
+    data = with_schema(whole_ensemble(described, each, cases))
     return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 

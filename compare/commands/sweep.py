@@ -59,11 +59,11 @@ def sweep(
     out
         Folder of samples and summary; samples stored there are not solved again.
     """
-    from rollbench.compare.studies.sweep.summary import sweep_of
+    from rollbench.compare.studies.sweep.summary import make_sweep
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
     model = model_name_of(program, model)
-    what = sweep_of(scene, vary, samples, method, seed, model, names)
+    what = make_sweep(scene, vary, samples, method, seed, model, names)
     return print_answer(run_sweep(what, out, engine_of(where)), as_json)
 
 

@@ -46,7 +46,7 @@ def table(
     """
     from rollbench.compare.files import need_writable, write_figure
     from rollbench.compare.studies.table import asked_for, solve_table
-    from rollbench.compare.studies.table_files import figure, need_format, write_table
+    from rollbench.compare.studies.table_files import need_format, table_figure, write_table
     from rollbench.compare.text.table import table_parts
 
     texts: list[str] = []
@@ -64,7 +64,7 @@ def table(
     parts = table_parts(found)
     if out is not None:
         write_table(out, found)
-        drawn = figure(found)
+        drawn = table_figure(found)
         picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
     return print_answer(Answer(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)

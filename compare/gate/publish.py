@@ -19,7 +19,7 @@ from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.files import no_figure, replace_file, write_figure
 from rollbench.compare.gate.verdict import Verdict, of_whom
 from rollbench.compare.models.loads_file import read_table
-from rollbench.reports.cells import harmless
+from rollbench.reports.cells import escape_formula
 
 if TYPE_CHECKING:
     from rollbench.compare.gate.gate import GateRow
@@ -207,7 +207,7 @@ def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
-    writer.writerows([harmless(cell) for cell in o.cells] for o in outcomes)
+    writer.writerows([escape_formula(cell) for cell in o.cells] for o in outcomes)
     return text.getvalue()
 
 

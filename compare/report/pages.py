@@ -23,7 +23,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.meshes.libraries import MESHING, PICTURES, install
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
-from rollbench.reports.offscreen import fault as drawing_fault
+from rollbench.reports.offscreen import drawing_fault as drawing_fault
 
 #: Pages by name: title. A case's page has the name of the case and its title, else that of its first section.
 PAGES = {

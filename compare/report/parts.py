@@ -16,7 +16,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.cells import micro
+from rollbench.reports.cells import micro_sign
 from rollbench.reports.content import Figure, Quantity, Row, Section, Table, Text
 from rollbench.reports.manifest import sha256
 
@@ -58,7 +58,7 @@ def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
     kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
     forms = {"value": "g4", "error to expect": "g4"}
     quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]
-    cells: Iterator[Row] = ({q: micro(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
+    cells: Iterator[Row] = ({q: micro_sign(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
     return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 

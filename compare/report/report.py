@@ -89,7 +89,7 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
         return
     from rollbench.compare.cases.liu.bodies import references as bodies_references
     from rollbench.compare.models.modelling import DEEP, UNSEEN
-    from rollbench.compare.studies.crosscheck.study import references as checked_references
+    from rollbench.compare.studies.crosscheck.study import find_references as checked_references
 
     scenes = [study.scene(name) for name in REFERENCED]
     if study.quick:
@@ -303,7 +303,7 @@ def make_report(
     wanted, stored = (of_source(source), True) if source else (wanted_parts(only, quick=quick), stored)
     if fresh and stored:
         raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
-    from rollbench.reports.pages import write
+    from rollbench.reports.pages import write_report
 
     with writing_to_folder(out):
         need_writable(out / "index.html")
@@ -350,7 +350,7 @@ def make_report(
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
     with writing_to_folder(out):
-        page = write(report, out, progress.step)
+        page = write_report(report, out, progress.step)
     parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
     if before is not None:
         parts += [*moved_tables(before, read_tables(page.parent))] or ["nothing moved"]

@@ -35,9 +35,9 @@ from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.sections.fit import range_figure, range_table
 from rollbench.compare.sections.sheets import sketch_scene
-from rollbench.compare.studies.friction.answer import lines_of, loss_rows
+from rollbench.compare.studies.friction.answer import contact_lines, loss_rows
 from rollbench.compare.studies.friction.run import Run, solve_run
-from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
+from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, friction_status
 from rollbench.compare.text.solved import case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -374,9 +374,9 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
     except ValueError as error:  # balls that overlap by their random sizes
         return Section("friction", "Friction", (Text((f"No friction: {error}.",)),))
     if not state.settled:
-        return Section("friction", "Friction", (Text((f"No friction: {status_of(state)}.",)),))
+        return Section("friction", "Friction", (Text((f"No friction: {friction_status(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
-    lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))
+    lines = contact_lines(motion, state, (drag.torque, drag.reason or drag.note))
     panels, notes = [_over_coefficient(solved, result), _over_play(solved)], [f"{label}: {text}." for label, text in lines]
     try:
         run = solve_run(

@@ -16,7 +16,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Quantity, Row, Section, Table
 from rollbench.reports.manifest import sha256
 from rollbench.reports.pages import replace_folder
-from rollbench.reports.scene_page import ScenePage, render
+from rollbench.reports.scene_page import ScenePage, render_page
 
 INDEX = "index.html"
 #: Tables of the JSON whose numbers are shown side by side.
@@ -72,9 +72,9 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
     with writing_to_folder(out):
         need_writable(out / INDEX)
     pages = [make_page(name, (store, shipped_store()), reference) for name in names]
-    files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(render, pages), strict=True))
+    files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(render_page, pages), strict=True))
     if len(pages) > 1:
-        files[INDEX] = render(side_by_side(names, pages, files))
+        files[INDEX] = render_page(side_by_side(names, pages, files))
 
     def write(folder: Path) -> None:
         for name, html in files.items():

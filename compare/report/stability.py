@@ -22,13 +22,13 @@ from rollbench.compare.studies.extremes import (
     ENERGY,
     FORMULATIONS,
     campaign_rows,
+    count_outcomes,
     shipped_records,
     solve_cases,
-    tally,
     wide_rows,
 )
 from rollbench.compare.studies.survey import MODELS
-from rollbench.compare.studies.survey_levels import Standing, load_levels, standings_of
+from rollbench.compare.studies.survey_levels import Standing, levels_and_models, load_levels
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -41,12 +41,12 @@ BINS, NEAR = 24, 2.0
 def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section on drawn catalogue screws: error histogram, errors near a face, status, each screw."""
     step("stored survey")
-    every = survey.shipped()["scenes"]
+    every = survey.shipped_survey()["scenes"]
     scenes = survey.known_screws()
     title = "Errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No survey is stored.",)),))
-    good = len(scenes) - len(survey.unanswered(scenes))
+    good = len(scenes) - len(survey.unanswered_records(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
     about = (
@@ -73,7 +73,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
             "stability-survey",
             "Errors of the models on the drawn screws",
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
-            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
+            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary_rows(scenes)],
         ),
         *levels_items(study, scenes),
         *_unseen_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
@@ -98,7 +98,7 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
         return (
             Text(("The times of mesh levels on drawn screws are not stored: `rollbench bench --drawn` measures them.",)),
         )
-    found = standings_of(kept.runs, scenes)
+    found = levels_and_models(kept.runs, scenes)
     timed = [s for s in found if s.errors.size]
     about = (
         f"Level 2 was solved on {len({run.number for run in kept.runs})} screws that a seed chose. The error of level 1 is "
@@ -184,7 +184,7 @@ def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, An
     """Return text and table of the refined model's errors on first and on further screws; empty without further."""
     if not further:
         return ()
-    found = {"first screws": survey.accuracy(first), "further screws": survey.accuracy(further)}
+    found = {"first screws": survey.model_accuracy(first), "further screws": survey.model_accuracy(further)}
     aims = f"within {survey.WORST_AIM:g} % at the worst contact and {survey.RMS_AIM:g} % RMS"
     about = (
         "The further screws are drawn by the same seed and were judged once, after the refined model's last change. Their "
@@ -245,7 +245,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
             step(f"{done} of {total} cases ({case})")
 
     rows = solve_cases(progress)
-    counts = tally(rows)
+    counts = count_outcomes(rows)
     summary: list[Row] = [
         {"formulation": name, "solved": solved, "tried": tried, "cases": total}
         for name, (solved, tried, total) in counts.items()

@@ -16,7 +16,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.several import INDEX, make_pages
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
-from rollbench.reports.manifest import FILE, hashes, page_text, read_manifest, sha256
+from rollbench.reports.manifest import FILE, file_hashes, page_text, read_manifest, sha256
 from rollbench.reports.scene_page import read_page, results_hash, without_manifest
 
 #: Change [%] of a number up to which it is round-off, between pages and (or what a solver's tolerance leaves) reports.
@@ -149,7 +149,7 @@ def checked_report(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
         raise InputError(str(folder / FILE), "file", str(error), "a manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
     texts = {name: catalogue.scene_text(name) for name in names if name in catalogue.scene_names()}
-    files = hashes(folder)
+    files = file_hashes(folder)
     for stated, computed in ((manifest["files"], files), (manifest["inputs"], inputs(stores, texts))):
         yield from (Checked(name, value, computed.get(name, "")) for name, value in stated.items())
     yield from (Checked(name, "", files[name]) for name in files.keys() - manifest["files"].keys())

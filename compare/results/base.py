@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from rollbench.compare.quantities import split_unit, unit_of
-from rollbench.reports.cells import micro
+from rollbench.reports.cells import micro_sign
 
 if TYPE_CHECKING:
     import pint
@@ -99,7 +99,8 @@ def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -
     line = "<tr>{}</tr>".format
     head = "".join(f"<th style='text-align:{sides[k]}'>{html.escape(headings[k])}</th>" for k in kept)
     body = "".join(
-        line("".join(f"<td style='text-align:{sides[k]}'>{html.escape(micro(row[k]))}</td>" for k in kept)) for row in rows
+        line("".join(f"<td style='text-align:{sides[k]}'>{html.escape(micro_sign(row[k]))}</td>" for k in kept))
+        for row in rows
     )
     return f"<table><thead>{line(head)}</thead><tbody>{body}</tbody></table>"
 

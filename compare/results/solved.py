@@ -422,12 +422,12 @@ class Result(Record, Balls):
             If there are no loads.
         """
         from rollbench.compare.results.view import make_view
-        from rollbench.reports.view import page
+        from rollbench.reports.view import view_page
 
         if not any(one.answers for one in self.solved):
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
         title = (self.cycle or self.solved[0].scene).title
-        return page(make_view(title, self.solved, self.to_dict(), [*self.cases], stores))
+        return view_page(make_view(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     def table(self) -> Sequence[Row]:
         """Return the rows that ``rollbench solve`` prints; for load cases the rows on all of them together.

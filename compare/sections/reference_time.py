@@ -30,11 +30,11 @@ from rollbench.compare.studies.run_times import (
     RunTime,
     load_costs,
     load_times,
-    measure,
     measure_level,
+    measure_model,
     save_times,
+    time_command,
     today,
-    typed,
 )
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -160,7 +160,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     for name, found in study.references(names).items():
         for model, bodies in models_with_bodies(name, found, study):
             step(f"{name}, {model.label}: cold and warm")
-            cold = measure(name, model.name, condensed=bodies, repeats=1)
+            cold = measure_model(name, model.name, condensed=bodies, repeats=1)
             options = Options(discretisation=False, engine="compiled", condensed=bodies)
             warm = warm_seconds(model, study.scene(name), options)
             times[name, model.name] = RunTime(cold.process, warm, cold.memory)
@@ -169,7 +169,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
             cold_levels.append(measure_level(name, run.level))
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
-        first[name, engine] = measure(FIRST, name, engine=engine)
+        first[name, engine] = measure_model(FIRST, name, engine=engine)
     return Kept(measuring_conditions(), today(), times, first, cold_levels)
 
 
@@ -178,7 +178,7 @@ def typed_now(step: Step) -> Kept:
     commands = []
     for command in COMMANDS:
         step(f"{command}, from an empty home")
-        commands.append(typed(command))
+        commands.append(time_command(command))
     return Kept(measuring_conditions(), today(), {}, {}, typed=commands)
 
 

@@ -18,13 +18,13 @@ from rollbench.compare.studies.crosscheck.results import (
     COLUMNS,
     CrossData,
     Extrapolation,
-    agreement,
+    agreement_row,
     contact_rows,
-    extrapolate,
+    extrapolate_loads,
     load_results,
     mesh_columns,
-    mesh_of,
-    shipped,
+    mesh_description,
+    shipped_results,
 )
 from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
 from rollbench.hifi.contact.block import (
@@ -282,10 +282,10 @@ NUT = (
 def run_table(data: CrossData) -> Table:
     """Return the table of CalculiX runs: choices, meshes, effort, effects of weak springs and last correction."""
     rows: list[Row] = []
-    base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
+    base = {(mesh_description(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
         mean = mean_load(run.load)
-        twin = base.get((mesh_of(run), run.stiffness))
+        twin = base.get((mesh_description(run), run.stiffness))
         loose = float(error_percent(run.unbalanced, 0.0, mean))
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
@@ -322,7 +322,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
-        f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS misfit "
+        f"{agreement_row(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS misfit "
         f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
         f"contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
@@ -338,16 +338,16 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
-        data, ours = load_results(folder or shipped(), name), study.reference(name)
+        data, ours = load_results(folder or shipped_results(), name), study.reference(name)
         if data is None or data.key != scene_key(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
             continue
         if ours is None:
             items.append(Text((f"{name}: no run of the 3D reference was found.",)))
         else:
-            items += contact_tables(data, ours, extrapolate(data.runs))
+            items += contact_tables(data, ours, extrapolate_loads(data.runs))
         items.append(run_table(data))
-    alone = load_nut(folder or shipped())
+    alone = load_nut(folder or shipped_results())
     if alone is not None and alone.key == scene_key(alone.scene):
         items.append(Text((NUT, alone.sentence())))
     return Section("crosscheck", "The 3D reference checked by another program", tuple(items))

@@ -95,12 +95,12 @@ def has_rollers(scene: Described) -> bool:
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
-def rollers_of(assembly: Assembly) -> list[Roller]:
+def rollers_of_axis(assembly: Assembly) -> list[Roller]:
     """Return the kinds of rollers of a scene with their largest loads; empty without rollers.
 
     Raises Refusal where the scene has no equilibrium, or loads no roller.
     """
-    rows = {s.name: _plain(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
+    rows = {s.name: _plain_row(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []
     result = run_model(assembly)
@@ -117,28 +117,28 @@ def rollers_of(assembly: Assembly) -> list[Roller]:
     return out
 
 
-def _plain(row: RollerRow) -> RollerRow:
+def _plain_row(row: RollerRow) -> RollerRow:
     """Return the row without the fields that do not affect the 3D roller, such as phase and rib."""
     return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
-def file_of(roller: Roller, level: int) -> str:
+def run_file(roller: Roller, level: int) -> str:
     """Return the name of the file of a run in a store."""
     key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
 
-def stored(roller: Roller, level: int, stores: Sequence[Path]) -> RollerRun | None:
+def stored_run(roller: Roller, level: int, stores: Sequence[Path]) -> RollerRun | None:
     """Return the stored run of a roller on a mesh level, from the first store that has it; None without one."""
     for store in stores:
         try:
-            return RollerRun(**unsealed(store / file_of(roller, level)))
+            return RollerRun(**unsealed(store / run_file(roller, level)))
         except (OSError, ValueError, TypeError):
             continue
     return None
 
 
-def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
+def run_level(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
     """Return the run of a roller on a mesh level: a stored one, else a new one, saved in the first store.
 
     Raises
@@ -146,7 +146,7 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
     Refusal
         A straight roller with sharp ends, or a contact that leaves what the model describes.
     """
-    if not fresh and (known := stored(roller, level, stores)) is not None:
+    if not fresh and (known := stored_run(roller, level, stores)) is not None:
         return known
     from rollbench.hifi.contact import roller as hifi
 
@@ -180,7 +180,7 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
         machine=now.machine,
         date=datetime.now(UTC).date().isoformat(),
     )
-    replace_file(stores[0] / file_of(roller, level), sealed(asdict(run)))
+    replace_file(stores[0] / run_file(roller, level), sealed(asdict(run)))
     return run
 
 
@@ -237,7 +237,7 @@ def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, A
 
     def add(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
         values = [scale * take(run) for run in runs]
-        found = convergence(values, runs)
+        found = converge(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {run.level}": value for run, value in zip(runs, values, strict=True)}
         row |= {"order": found.order, "extrapolated": found.extrapolated, "uncertainty": found.uncertainty}
@@ -261,19 +261,19 @@ def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, A
     return rows
 
 
-def shown(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def shown_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return `quantity_rows` for the terminal, without the columns ``HIDDEN``."""
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
-def convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
+def converge(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
     """Return the convergence of a quantity over runs on finer and finer meshes."""
     return observe(values, [1.0 / run.across for run in runs])
 
 
-def enough(runs: Sequence[RollerRun]) -> float | None:
+def enough_runs(runs: Sequence[RollerRun]) -> float | None:
     """Return the grid uncertainty of the finest run's approach [%]; None with a single run."""
-    bar = convergence([run.approach[0] for run in runs], runs).uncertainty
+    bar = converge([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
@@ -288,14 +288,14 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
             "seconds": run.seconds,
             "cpu_seconds": run.cpu_seconds,
             "difference_percent": float(error_percent(run.approach[0], runs[-1].approach[0])),
-            "enough_for_percent": enough(runs[: k + 1]),
+            "enough_for_percent": enough_runs(runs[: k + 1]),
             "imbalance_percent": 100.0 * run.imbalance,
         }
         for k, run in enumerate(runs)
     ]
 
 
-def study(
+def study_roller(
     assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
 ) -> list[tuple[Roller, list[RollerRun]]]:
     """Return runs of every kind of roller of a scene on levels 1 to ``count``, all unless given.
@@ -309,16 +309,16 @@ def study(
     if not 1 <= count <= len(LEVELS):
         raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)} of rollers", "three levels give an order")
     out = []
-    for roller in rollers_of(assembly):
+    for roller in rollers_of_axis(assembly):
         runs = []
         for level in LEVELS[:count]:
             step(f"{assembly.name}: a roller of {', '.join(roller.sets)} on level {level}")
-            runs.append(run_of(roller, level, stores, fresh=fresh))
+            runs.append(run_level(roller, level, stores, fresh=fresh))
         out.append((roller, runs))
     return out
 
 
-def closing(roller: Roller, runs: Sequence[RollerRun]) -> str:
+def closing_lines(roller: Roller, runs: Sequence[RollerRun]) -> str:
     """Return what the study says of the low-order law."""
     low, best = low_order(roller.row, roller.load), runs[-1]
     off = float(error_percent(low.stiffness, best.stiffness[0]))
@@ -332,7 +332,7 @@ def closing(roller: Roller, runs: Sequence[RollerRun]) -> str:
     )
 
 
-def answer(roller: Roller, runs: Sequence[RollerRun]) -> dict[str, Any]:
+def roller_answer(roller: Roller, runs: Sequence[RollerRun]) -> dict[str, Any]:
     """Return the JSON of a roller's study."""
     best = runs[-1]
     profile = [
@@ -349,10 +349,10 @@ def answer(roller: Roller, runs: Sequence[RollerRun]) -> dict[str, Any]:
     }
 
 
-def library(
+def roller_study_for_library(
     assembly: Assembly, levels: int | None, step: Callable[[str], None], store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Return JSON, the key of the table to show, and closing lines for `rollbench.mesh_study`."""
-    found = study(assembly, levels, (store, shipped_store()), step)
-    sets = [{"scene": assembly.name} | answer(one, runs) for one, runs in found]
-    return {"scene": assembly.name, "sets": sets}, "sets", tuple(closing(one, runs) for one, runs in found)
+    found = study_roller(assembly, levels, (store, shipped_store()), step)
+    sets = [{"scene": assembly.name} | roller_answer(one, runs) for one, runs in found]
+    return {"scene": assembly.name, "sets": sets}, "sets", tuple(closing_lines(one, runs) for one, runs in found)

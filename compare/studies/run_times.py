@@ -54,7 +54,7 @@ class Job:
     note: str = ""
 
 
-def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+def median_time(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
     """Return the median wall clock of ``work`` [s], after one run that is not counted.
 
     ``reset`` runs before each, untimed.
@@ -97,7 +97,7 @@ class Launched:
     output: str
 
 
-def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
+def launch_process(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
     """Run a Python process as a user would on a terminal; it is killed after `PATIENCE` seconds.
 
     It imports nothing from its working folder.
@@ -121,10 +121,10 @@ def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: st
         written = line + process.stdout.read()
     patience.cancel()
     seconds = perf_counter() - begin
-    return Launched(seconds, first, _cpu(before, os.times()), process.returncode, written)
+    return Launched(seconds, first, _cpu_between(before, os.times()), process.returncode, written)
 
 
-def _cpu(before: os.times_result, after: os.times_result) -> float:
+def _cpu_between(before: os.times_result, after: os.times_result) -> float:
     """Return the CPU time of child processes that ended between two calls of ``os.times`` [s]."""
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
@@ -246,7 +246,7 @@ class Cold:
     status: str
 
 
-def measure(
+def measure_model(
     scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
 ) -> Cold:
     """Measure a model on a shipped scene in a new process with empty caches; RuntimeError if the process fails."""
@@ -257,13 +257,13 @@ def measure(
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }
-    begin, printed = _alone(CHILD, ask, f"{model} on {scene}")
+    begin, printed = _run_alone(CHILD, ask, f"{model} on {scene}")
     return Cold(printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"])
 
 
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
     """Measure a call and its repetitions in a new process with empty caches; RuntimeError if the process fails."""
-    begin, printed = _alone(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
+    begin, printed = _run_alone(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
@@ -273,14 +273,14 @@ def measure_level(scene: str, level: int) -> ColdLevel:
     RuntimeError if the process fails.
     """
     before = os.times()
-    begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
+    begin, printed = _run_alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
     after = os.times()
-    cpu = _cpu(before, after)
+    cpu = _cpu_between(before, after)
     known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
     return ColdLevel(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
 
-def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
+def _run_alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
     """Run a program in a new process with empty caches; return its start time [s] and its JSON output."""
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
@@ -406,10 +406,10 @@ def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T
 
 def save_rows(store: Path, file: str, records: Sequence[Any]) -> None:
     """Write records to a JSON file in a store, one per line; InputError if it cannot be written."""
-    replace_file(store / file, f"[{_lines([asdict(one) for one in records])}]\n")
+    replace_file(store / file, f"[{_json_lines([asdict(one) for one in records])}]\n")
 
 
-def _lines(rows: Sequence[Any]) -> str:
+def _json_lines(rows: Sequence[Any]) -> str:
     """Return JSON of rows, a row per line."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
@@ -418,13 +418,13 @@ def _lines(rows: Sequence[Any]) -> str:
 TYPED = "typed"
 
 
-def file_of(source: str) -> str:
+def times_file(source: str) -> str:
     """Return the file name of run times: of a case's page, commands (`TYPED`), or (empty) all compared scenes."""
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
 def save_times(store: Path, kept: Kept, source: str = "") -> None:
-    """Write run times to a store; ``source`` as in `file_of`. InputError if the file cannot be written."""
+    """Write run times to a store; ``source`` as in `times_file`. InputError if the file cannot be written."""
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
@@ -432,18 +432,18 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
         "typed": [asdict(c) for c in kept.typed],
     }
     head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(kept.measured), "date": kept.date}.items())
-    body = ", ".join(f'"{name}": [\n {_lines(rows)}]' for name, rows in lists.items())
-    replace_file(store / file_of(source), f"{{{head}, {body}}}\n")
+    body = ", ".join(f'"{name}": [\n {_json_lines(rows)}]' for name, rows in lists.items())
+    replace_file(store / times_file(source), f"{{{head}, {body}}}\n")
 
 
-def times_of(study: Study, source: str) -> Kept | None:
+def case_times(study: Study, source: str) -> Kept | None:
     """Return the times of a case's page from one measuring run, else those of all compared scenes; None without any."""
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Return the run times from the first store with a valid file, else None; ``source`` as in `file_of`."""
+    """Return the run times from the first store with a valid file, else None; ``source`` as in `times_file`."""
 
     def made(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
@@ -453,7 +453,7 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
         commands = tuple(Typed(**r) for r in data.get("typed", []))
         return Kept(measured, data["date"], times, first, levels, commands)
 
-    return first_kept(stores, file_of(source), made)
+    return first_kept(stores, times_file(source), made)
 
 
 def load_costs(stores: Sequence[Path]) -> Costs | None:
@@ -525,7 +525,7 @@ class Typed:
         return Job(f"{self.command}, from an empty home", self.seconds, note=note)
 
 
-def typed(command: str) -> Typed:
+def time_command(command: str) -> Typed:
     """Measure a command in an empty home, again, and next to a busy process; only a note if it fails."""
     found = _in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
@@ -549,8 +549,8 @@ def _in_empty_home(command: str, times: int) -> list[Launched]:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
         if "my.toml" in command:
-            launch(["-m", "rollbench", *NEW.split()], own, home)
-        return [launch(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
+            launch_process(["-m", "rollbench", *NEW.split()], own, home)
+        return [launch_process(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
 
 
 def in_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
@@ -562,7 +562,7 @@ def in_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
         def work(threads: int = threads) -> object:
             return run_ensemble(parts, count, threads=threads)
 
-        seconds = timed(work, repeats)
+        seconds = median_time(work, repeats)
         alone = alone or seconds
         name = f"{count} members of lin-random, threads: {threads}"
         yield Job(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")

@@ -158,7 +158,7 @@ def load_levels(stores: Sequence[Path]) -> Runs | None:
     return first_kept(stores, RUNS, read)
 
 
-def standings_of(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:
+def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:
     """Return errors and times of models and mesh levels: on all drawn screws by level 1, on the chosen ones by level 2.
 
     Parameters
@@ -181,17 +181,17 @@ def standings_of(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> 
     for model in survey.MODELS if both else ():
         loads = [run_model(drawn_screw(n)[0], model, Options(discretisation=False)).load for n in both]
         new, further = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
-        found.append(Standing(model, "level 2", *_errors(loads, [fine[n] for n in both]), new, further))
+        found.append(Standing(model, "level 2", *_largest_errors(loads, [fine[n] for n in both]), new, further))
     for level in LEVELS if both else ():
         of_level = [by_level[level][number] for number in both]
         new, further = (np.array([getattr(run, key) for run in of_level]) for key in SECONDS)
         loads = [np.array(run.load) for run in of_level]
-        errors = _errors(loads, [fine[n] for n in both]) if level < max(LEVELS) else (np.zeros(0), np.zeros(0))
+        errors = _largest_errors(loads, [fine[n] for n in both]) if level < max(LEVELS) else (np.zeros(0), np.zeros(0))
         found.append(Standing(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further))
     return found
 
 
-def _errors(loads: Sequence[Array], truths: Sequence[LevelRun]) -> tuple[Array, Array]:
+def _largest_errors(loads: Sequence[Array], truths: Sequence[LevelRun]) -> tuple[Array, Array]:
     """Return the largest error of the loads of each screw by the gate's rule [%], and in per cent of the mean load."""
     found = [
         load_error(load, np.array(truth.load), nominal_contacts(drawn_screw(truth.number)[0]))

@@ -48,8 +48,8 @@ class Writer:
         self.unit = self.model.add("gear_unit", shaft.title)
         self.casing = self.model.add("gear_casing", "casing")
         turns = shaft.motion is not None and shaft.motion.turns == "screw"
-        speed = _rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
-        self.shaft = self.model.add("shaft", shaft.name, **_place(0.0, self.unit), rotational_speed=speed)
+        speed = _rpm_of(shaft.motion.speed) if shaft.motion is not None and turns else None
+        self.shaft = self.model.add("shaft", shaft.name, **_place_attributes(0.0, self.unit), rotational_speed=speed)
         for part in (self.casing, self.shaft):
             self.model.relate("assembly", assembly=self.unit, part=part)
         self.steel(self.shaft, shaft.screw.material)
@@ -78,11 +78,11 @@ def _is_seat(housing: Housing) -> bool:
     return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 
 
-def _rpm(speed: float) -> float:
+def _rpm_of(speed: float) -> float:
     return speed * 30.0 / pi
 
 
-def _place(u: float, unit: int) -> dict[str, Value]:
+def _place_attributes(u: float, unit: int) -> dict[str, Value]:
     """Return the attributes of a position on the shaft [m], in the coordinates of the gear unit."""
     vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
     return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
@@ -111,17 +111,19 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
     shaft = described.parts if isinstance(described, DutyCycle) else described
     assert isinstance(shaft, Assembly)
     writer = Writer(shaft)
-    _sections(writer, shaft)
+    _write_sections(writer, shaft)
     for row in shaft.sets:
         if not (isinstance(row.parts, Scene) and row.parts.track.lead):
             writer.rows.append(
-                _rollers(writer, row, row.parts) if isinstance(row.parts, RollerRow) else _balls(writer, row, row.parts)
+                _write_rollers(writer, row, row.parts)
+                if isinstance(row.parts, RollerRow)
+                else _write_balls(writer, row, row.parts)
             )
     if shaft.lubricant is not None:
         for bearing, _ in writer.rows:
             writer.model.components[bearing].attributes["operating_viscosity"] = 1e6 * shaft.lubricant.viscosity
-    _supports(writer, shaft)
-    loads = _loads(writer, shaft, solved)
+    _write_supports(writer, shaft)
+    loads = _write_loads(writer, shaft, solved)
     for k, (one, acting) in enumerate(zip(solved, loads, strict=True)):
         case: Case = {}
         if isinstance(described, DutyCycle):
@@ -129,13 +131,13 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
             part = of.share if of.time is None else of.time / sum(t or 0.0 for t in times)
             case[writer.unit] = {"operating_time_fraction": 100.0 * part}
             case |= acting
-        case |= _results(writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed)
+        case |= _write_results(writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed)
         writer.model.cases.append(case)
     _left_out(writer, shaft)
     return text_of(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
 
 
-def _sections(writer: Writer, shaft: Assembly) -> None:
+def _write_sections(writer: Writer, shaft: Assembly) -> None:
     """Add the plain sections of the shaft; the thread and gaps between them get the outer diameter of the screw."""
     screw = shaft.screw
     plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
@@ -158,7 +160,7 @@ def _sections(writer: Writer, shaft: Assembly) -> None:
         writer.notes.append("the thread is written as a cylinder of its outer diameter")
 
 
-def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | None) -> int:
+def _write_bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | None) -> int:
     """Add a bearing of one row between the shaft and the casing, and return its id."""
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
@@ -171,13 +173,13 @@ def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | N
         "preload_distance": shift or None,
         "preload_force": row.preload or None,
     }
-    where = _place(row.position, writer.unit)
+    where = _place_attributes(row.position, writer.unit)
     bearing = writer.model.add("rolling_bearing_with_detailed_geometry", row.name, **common, **attributes, **where)
     writer.model.relate("side", assembly=bearing, inner_part=writer.shaft, outer_part=writer.casing)
     return bearing
 
 
-def _elements(
+def _write_elements(
     writer: Writer, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
     """Add the rolling elements of a row with their contacts, and return the ids of the contacts of each element."""
@@ -191,7 +193,7 @@ def _elements(
     return found
 
 
-def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
+def _write_balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
     """Add a ball bearing, and return its id and those of the contacts of each ball."""
     nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
     thrust = "axial_" if is_thrust(parts) else ""
@@ -199,7 +201,7 @@ def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[lis
     size: dict[str, Value | None] = {"width": 1e3 * nut.length, "outer_diameter": 1e3 * nut.outer_diameter}
     if row.thrust == "deep groove" and found is not None:
         size["operating_radial_bearing_clearance"] = 1e6 * found.radial
-    bearing = _bearing(writer, row, kind.get(row.thrust, f"{thrust}angular_contact_ball_bearing"), **size)
+    bearing = _write_bearing(writer, row, kind.get(row.thrust, f"{thrust}angular_contact_ball_bearing"), **size)
     for ring, outer, material in (
         ("inner_ring", parts.screw.outer_diameter, parts.screw.material),
         ("outer_ring", nut.outer_diameter, nut.material),
@@ -218,13 +220,13 @@ def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[lis
     sides = ("left_", "right_") if row.thrust == "both" else ("",)
     kinds = [f"{side}{race}_raceway_contact" for race in ("inner", "outer") for side in sides]
     diameter = 2e3 * balls.radius
-    return bearing, _elements(writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter)
+    return bearing, _write_elements(writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter)
 
 
-def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
+def _write_rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
     """Add a tapered roller bearing, and return its id and those of the contacts of each roller."""
     kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
-    bearing = _bearing(writer, row, kind)
+    bearing = _write_bearing(writer, row, kind)
     of_row: dict[str, Value | None] = {
         "number_of_rolling_elements": parts.count,
         "axial_force_absorption_of_row": TAKES[row.thrust],
@@ -242,10 +244,10 @@ def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, li
     azimuths = [parts.phase + 2.0 * pi * j / parts.count for j in range(parts.count)]
     kinds = ("inner_raceway_contact", "outer_raceway_contact")
     writer.notes.append(f"{row.name}: the depth of the rings, {1e3 * parts.depth:g} mm, and what describes the rib")
-    return bearing, _elements(writer, k, azimuths, kinds, parts.material, **size)
+    return bearing, _write_elements(writer, k, azimuths, kinds, parts.material, **size)
 
 
-def _supports(writer: Writer, shaft: Assembly) -> None:
+def _write_supports(writer: Writer, shaft: Assembly) -> None:
     """Add supports as rigid concept bearings, without the rotation that the drive holds; raise Refusal for others."""
     for s in shaft.supports:
         fixed = {name for name, value in s.fixed if value == 0.0}
@@ -262,7 +264,7 @@ def _supports(writer: Writer, shaft: Assembly) -> None:
             writer.model.relate("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
 
 
-def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[Case]:
+def _write_loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[Case]:
     """Add the loads on the shaft, with those from ball nuts, and return their attributes in each load case.
 
     With a single case the components themselves get these attributes, too.
@@ -281,7 +283,7 @@ def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> lis
     ids = {}
     for name, at in names:
         ids[name, at] = writer.part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
-    cases = [{ids[x]: _forces(found.get(x, np.zeros(6))) for x in names} for found in acting]
+    cases = [{ids[x]: _write_forces(found.get(x, np.zeros(6))) for x in names} for found in acting]
     if len(solved) == 1:
         for k, attributes in cases[0].items():
             writer.model.components[k].attributes |= attributes
@@ -293,13 +295,13 @@ def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> lis
     return cases
 
 
-def _forces(wrench: np.ndarray) -> dict[str, Value]:
+def _write_forces(wrench: np.ndarray) -> dict[str, Value]:
     force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", wrench[:3], strict=True)}
     moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", wrench[3:], strict=True) if M}
     return {**force, **moment}
 
 
-def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
+def _write_results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
     """Return the results of one load case for shaft, bearings and contacts; speed [rad/s], None: that of the scene."""
     result, motion = one.result, one.scene.motion
     assert one.answers is not None
@@ -307,7 +309,7 @@ def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
     moved = {f"displacement_{axis}_of_nodes": tuple(1e6 * result.centreline[:, i]) for i, axis in enumerate("vwu")}
     case: Case = {writer.shaft: {**place, **moved}}
     if speed is not None:
-        case[writer.shaft]["rotational_speed"] = _rpm(speed)
+        case[writer.shaft]["rotational_speed"] = _rpm_of(speed)
     turning = speed if speed is not None else None if motion is None else motion.speed
     bearings = [
         pair
@@ -346,10 +348,10 @@ def _of_bearing(result: AxisResult, s: SetResult, answers: SetAnswers, speed: fl
         way = "axial" if loads.ratings.axial else "radial"
         found[f"{way}_dynamic_load_rating"] = 1e-3 * loads.ratings.dynamic
         found[f"{way}_static_load_rating"] = 1e-3 * loads.ratings.static
-    return found | _lives(loads.reference, speed)
+    return found | _write_lives(loads.reference, speed)
 
 
-def _lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
+def _write_lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
     """Return the life by ISO/TS 16281 as attributes, with hours if a speed [rad/s] is given."""
     if life is None:
         return {}

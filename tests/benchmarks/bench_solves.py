@@ -16,7 +16,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.members.ensemble import run_ensemble
 from rollbench.compare.studies.members.members import run_members
-from rollbench.compare.studies.rolling.cases import case_of
+from rollbench.compare.studies.rolling.cases import rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.sample import solve_sample
@@ -136,7 +136,7 @@ def test_pair_of_balls_of_a_screw(benchmark):
 
 @pytest.mark.parametrize("name", ["lin-pair-a", "lin-screw-pair-a-inferred"])
 def test_rolling_contact_in_3d(benchmark, name):
-    whole = case_of(catalogue.case(name, KindScene), Choices(LEVELS[1])).touching
+    whole = rolling_case(catalogue.case(name, KindScene), Choices(LEVELS[1])).touching
     solve_rolling(whole, Choices(LEVELS[1]))
     benchmark.pedantic(lambda: solve_rolling(whole, Choices(LEVELS[1])), setup=unit_patch.cache_clear, rounds=3)
 

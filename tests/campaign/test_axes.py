@@ -84,7 +84,7 @@ def test_the_judge_sees_what_is_off_at_mounting():
 def test_a_scene_is_an_assembly_of_one_set():
     """All extremes of the shipped table that an assembly can describe: nodes at the contacts, a beam."""
     compared = 0
-    for case in extremes.cases():
+    for case in extremes.extreme_cases():
         scene = case.scene
         if not isinstance(scene, Scene) or scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
             continue

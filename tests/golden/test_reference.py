@@ -50,7 +50,7 @@ def rolling(name):
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(runs.LEVELS, 1, CELLS)
         patch.setattr(runs, "QUADRATURES", QUADRATURES)
-        return means(runs.compute(catalogue.any_scene(name), 1), LEFT_OUT.search)
+        return means(runs.compute_run(catalogue.any_scene(name), 1), LEFT_OUT.search)
 
 
 def taken():
@@ -58,7 +58,7 @@ def taken():
     scenes = [catalogue.any_scene(name) for name in TAKEN]
     screw = catalogue.any_scene("lin-screw-pair-a")
     scenes.append(replace(screw, pair=replace(screw.pair, free="r", force=(100.0,), coupling="none")))
-    return means([cases.case_of(scene, cases.Choices()) for scene in scenes], LEFT_OUT.search, properties=True)
+    return means([cases.rolling_case(scene, cases.Choices()) for scene in scenes], LEFT_OUT.search, properties=True)
 
 
 def test_no_number_of_a_set_up_and_its_loads_moves():

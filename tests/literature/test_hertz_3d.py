@@ -17,7 +17,7 @@ from rollbench.compare.sections import verification
 from rollbench.hifi.contact.block import JOBS, boussinesq
 from rollbench.hifi.contact.hertz import THINNEST, hertz
 from rollbench.reports.content import Figure, Table
-from rollbench.reports.figures import draw
+from rollbench.reports.figures import draw_figure
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -131,7 +131,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
     for item in section.items:
         if isinstance(item, Figure):
-            assert "<svg" in draw(item)
+            assert "<svg" in draw_figure(item)
 
 
 def test_section_admits_a_target_that_is_missed():

@@ -15,7 +15,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.scenes.catalogue import case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import case_of
+from rollbench.compare.studies.rolling.cases import rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, contact_place, solve_rolling
@@ -159,7 +159,7 @@ def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
 
 def _most_loaded() -> tuple[Place, float, tuple[float, float]]:
     """Return place, load [N] and elastic constants of the most loaded contact of a screw's two balls."""
-    scene = case_of(case(SCREW, KindScene), Choices(LEVELS[1])).touching
+    scene = rolling_case(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
     return contact_place(scene, touch)[0], touch.load, (scene.young, scene.poisson)
 
@@ -196,7 +196,7 @@ def _elements() -> Iterator[Proof]:
 def _rubbing() -> Iterator[Proof]:
     """Yield the tests of friction between two balls over a patch against friction at one point."""
     choices = Choices((12, 16))
-    scene = case_of(case(LINEAR, KindScene), choices).touching
+    scene = rolling_case(case(LINEAR, KindScene), choices).touching
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
         shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]

@@ -18,7 +18,7 @@ from rollbench.compare.reference.store import most_of, shipped_store
 from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes.catalogue import case as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import case_of
+from rollbench.compare.studies.rolling.cases import rolling_case
 from rollbench.compare.studies.rolling.rows import (
     GAP,
     KNOWN,
@@ -28,14 +28,21 @@ from rollbench.compare.studies.rolling.rows import (
     Change,
     RollingRow,
     Series,
-    changes,
     from_rest,
+    grid_changes,
     load_state,
     stored_rows,
-    within,
+    within_limit,
 )
-from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load_run
-from rollbench.compare.studies.rolling.runs import sizes as body_sizes
+from rollbench.compare.studies.rolling.runs import (
+    LEVELS,
+    NAMES,
+    SOURCE_LEVEL,
+    KeptSizes,
+    RollingRun,
+    find_body_sizes,
+    load_run,
+)
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_semi_axes, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
@@ -73,7 +80,7 @@ def fields() -> tuple[PatchField, ...]:
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
-        case = case_of(scene, choices)
+        case = rolling_case(scene, choices)
         found = solve_rolling(case.touching, choices)
         for _, ball, contact in (s for s in SHOWN if s[0] == name):
             touch = case.contacts.index(contact)
@@ -109,10 +116,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = KeptSizes((), left) if left else body_sizes(stores, fresh=study.timed)
+    sizes = KeptSizes((), left) if left else find_body_sizes(stores, fresh=study.timed)
     patches = fields()
     step("other grids, steps and paths")
-    changed = changes(stores, series, sizes.variants)
+    changed = grid_changes(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
@@ -275,7 +282,7 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     """Return the paragraphs that explain the tables."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
-    beyond = [r for r in gated if not within(r)]
+    beyond = [r for r in gated if not within_limit(r)]
     out = [
         "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
         "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
@@ -342,7 +349,7 @@ def _compared(row: RollingRow) -> Row:
         Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
         Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
         Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
-        "verdict": f"within {LIMIT:g} %" if within(row) else f"beyond {LIMIT:g} %",
+        "verdict": f"within {LIMIT:g} %" if within_limit(row) else f"beyond {LIMIT:g} %",
     }
 
 

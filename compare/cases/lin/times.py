@@ -20,10 +20,10 @@ from rollbench.compare.studies.run_times import (
     ColdLevel,
     Kept,
     RunTime,
-    measure,
+    case_times,
     measure_call,
     measure_level,
-    times_of,
+    measure_model,
     today,
 )
 
@@ -54,7 +54,7 @@ def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
     levels: list[ColdLevel] = []
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
-        cold, model = measure(name, "lin", repeats=1), MODELS["lin"]
+        cold, model = measure_model(name, "lin", repeats=1), MODELS["lin"]
         further = warm_seconds(model, study.scene(name), Options(discretisation=False, engine="compiled"))
         times[name, "lin"] = RunTime(cold.process, further, cold.memory)
         found = study.reference(name)
@@ -81,7 +81,7 @@ class Seconds:
 
 def seconds(study: Study, name: str, way: str) -> Seconds:
     """Return the stored times of a scene by ``lin``, ``numerical``, ``formula`` or ``3D``."""
-    kept = study.once(times_of, "lin")
+    kept = study.once(case_times, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.levels:

@@ -283,11 +283,11 @@ def calculix(study: Study) -> Iterator[Outside]:
 
     Errors are in per cent of the mean load.
     """
-    from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, path_of, shipped
+    from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped_results
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:
-        data, ours = load_results(shipped(), name), study.reference(name)
+        data, ours = load_results(shipped_results(), name), study.reference(name)
         if data is None or ours is None:
             continue
         mean = float(ours.mean)
@@ -295,4 +295,6 @@ def calculix(study: Study) -> Iterator[Outside]:
             off = 0.01 * row.ours_percent * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
             value = (row.theirs, 0.01 * row.theirs_percent * mean, Band.of((row.ours,), off), mean)
-            yield Outside(*words, f"stored run, compare/studies/crosscheck/{path_of(shipped(), name).name}", "N", *value)
+            yield Outside(
+                *words, f"stored run, compare/studies/crosscheck/{result_path(shipped_results(), name).name}", "N", *value
+            )

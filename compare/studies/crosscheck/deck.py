@@ -80,7 +80,7 @@ def half_axes(scene: Scene, side: int) -> tuple[float, float]:
     return float(found.C_a), float(found.C_b)
 
 
-def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
+def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
     """Return the expected contacts on ``sides``, and the minor semi-axis of a screw contact of mean load [m]."""
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: half_axes(scene, s) for s in sides}
@@ -103,7 +103,7 @@ def groove_faces(place: Place) -> str:
     return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
 
 
-def _zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
+def _fine_zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
     """Return the semi-axes of the faces of a contact [m]."""
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
@@ -121,14 +121,14 @@ def flank_faces(m: GrooveMap, mesh: WholeBody, place: Place, fine: float) -> Ind
     xi = socket_coordinates(
         m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
     )
-    half = _zone(place, fine, MASTER)
+    half = _fine_zone(place, fine, MASTER)
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
     return _faces_within(mesh, flank[inside])
 
 
 def sphere_faces(m: GrooveMap, mesh: WholeBody, place: Place, radius: float, fine: float) -> Index:
     """Return the faces of a ball within the slave's zone of a contact; the ball is meshed in the frame of azimuth 0."""
-    (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _zone(place, fine, SLAVE)
+    (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _fine_zone(place, fine, SLAVE)
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
     across, along = radius * (x @ t1) / height, radius * (x @ t2) / height
@@ -204,7 +204,7 @@ class MeshedDeck:
     quality: dict[str, float]
 
 
-def refuse(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
+def refuse_with_faults(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
     """Raise InputError for the first fault that applies: condition, key, value, allowed values and advice."""
     for there, key, value, allowed, advice in faults:
         if there:
@@ -236,7 +236,7 @@ def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
         (solid.nut_groove != "through", "solid.nut_groove", groove, '"through"', whole),
         (half and unlike, "half", "not its own mirror image", pair, "mesh whole bodies"),
     )
-    refuse(scene.name, faults)
+    refuse_with_faults(scene.name, faults)
 
 
 def exact_errors(scene: Scene) -> Specimen:
@@ -250,7 +250,7 @@ def exact_errors(scene: Scene) -> Specimen:
         (uneven, "errors.*.profile", "grooves of two radii"),
     )
     allowed = "errors of ball radii and, the same on both flanks, of groove radii"
-    refuse(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
+    refuse_with_faults(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
     return drawn
 
 
@@ -263,13 +263,13 @@ def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> Groove
     return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
 
 
-def expected(scene: Scene) -> StaticResult:
+def expected_contacts(scene: Scene) -> StaticResult:
     """Solve a scene by the refined low-order model; InputError if it has no equilibrium or nothing is loaded."""
     found = run_model(scene, "refined", Options(discretisation=False))
     allowed = "a scene with loaded contacts that the model refined solves"
     advice = "meshes are refined at the contacts it finds: load or preload the scene"
     idle = not found.converged or not (found.load > 0.0).any()
-    refuse(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
+    refuse_with_faults(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
     return found
 
 
@@ -295,14 +295,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     """
     options = options or DeckOptions()
     _refuse_unlike_decks(scene, options.half)
-    drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
+    drawn, found, sides = exact_errors(scene), expected_contacts(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
-    places, short = places_of(scene, found.load, sides)
+    places, short = contact_places(scene, found.load, sides)
     fine = short / options.b_over_h
     try:
         dims = dimensions(scene)
-        meshed = _rings(scene, dims, drawn, m, places, fine, options)
-        meshed += _balls(scene, drawn, m, layout, places, fine, options)
+        meshed = _mesh_rings(scene, dims, drawn, m, places, fine, options)
+        meshed += _mesh_balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
         raise InputError(
             scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
@@ -311,16 +311,16 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw: `balls`"
-    refuse(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
+    refuse_with_faults(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
     contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
     deck = Deck(
         bodies,
-        _sections(scene, dims),
+        _rigid_sections(scene, dims),
         ("NUT_HELD",),
         contacts,
         options.stiffness,
         options.spring,
-        _heading(scene, dims, found, fine, count, options),
+        _deck_heading(scene, dims, found, fine, count, options),
         f"{scene.name}: {scene.title}",
         options.nlgeom,
         tuple(f"{b.name}_CUT" for b in bodies if options.half),
@@ -328,11 +328,11 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     return MeshedDeck(deck, found.load, fine, quality)
 
 
-def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
+def _refine_points(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
     return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
 
 
-def _rings(
+def _mesh_rings(
     scene: Scene, dims: Dimensions, drawn: Specimen, m: GrooveMap, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
     """Mesh screw (its 3D stretch) and nut; return each with the smallest scaled Jacobian of its cells."""
@@ -348,7 +348,7 @@ def _rings(
         on_body = [p for p in places if (p.side < 2) == screw]
         groove = body_map(m, drawn, scene, screw)
         near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in on_body]
-        size = _refined(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
+        size = _refine_points(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
         flange = None if screw else scene.nut.flange
         spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse, flange=flange)
         mesh = (half_body if options.half else whole_body)(groove, spec, size)
@@ -368,7 +368,7 @@ def _rings(
     return bodies
 
 
-def _balls(
+def _mesh_balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
     """Mesh every ball with its radius at its position."""
@@ -380,7 +380,7 @@ def _balls(
         if mesh is None:
             near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else on_ball
             zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
-            size = _refined(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
+            size = _refine_points(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
             mesh = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
             if shared:
                 meshed[kind] = mesh
@@ -422,7 +422,7 @@ def without_turning(points: Array, pairs: Index) -> Index:
     return np.array([found[k] for k in best], dtype=np.int64)
 
 
-def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
+def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     """Return rigid sections of the screw with supports and loads; InputError if they act elsewhere."""
     stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
     if dims.screw_held == "bore":
@@ -435,7 +435,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     advice = "a deck has no beams: cut the screw (`balls=3:5`), or set solid.shaft and the stations to match"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
-        refuse(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
+        refuse_with_faults(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
     sections: list[RigidSection] = []
     for name, z in ends.items():
@@ -449,7 +449,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     return tuple(sections)
 
 
-def _heading(
+def _deck_heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
     """Return comment lines of a deck: scene, choices, expected loads."""
@@ -465,7 +465,7 @@ def _heading(
         "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
         "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
         *dims.assumed,
-        f"Expected contact loads / N: low-order model refined, {_worth(scene, found)}; mean {mean:.1f} N.",
+        f"Expected contact loads / N: low-order model refined, {_cells_needed(scene, found)}; mean {mean:.1f} N.",
         "ball " + " ".join(f"{s:>10}" for s in SIDES),
         *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
         "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
@@ -473,7 +473,7 @@ def _heading(
     )
 
 
-def _worth(scene: Scene, found: StaticResult) -> str:
+def _cells_needed(scene: Scene, found: StaticResult) -> str:
     """Return a sentence on the error to expect of the loads."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:

@@ -110,7 +110,7 @@ def linear_motions(decks: list[Deck]) -> Array:
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = mesh_of(body.points, body.cells, "P2")
     K = assemble(elasticity(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
-    C = _transform(body, sections, number, decks[0].fixed)
+    C = _transform_lines(body, sections, number, decks[0].fixed)
     loads = np.zeros((C.shape[1], len(decks)))
     count = 6 * len(sections)
     for k, deck in enumerate(decks):
@@ -119,7 +119,7 @@ def linear_motions(decks: list[Deck]) -> Array:
     return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
 
 
-def _transform(
+def _transform_lines(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
     """Return the matrix from the free degrees of freedom and six of each section (last) to those of the body."""

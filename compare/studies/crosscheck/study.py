@@ -22,7 +22,14 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
-from rollbench.compare.studies.crosscheck.results import BodyMesh, CrossData, CrossRun, extrapolate, load_results, shipped
+from rollbench.compare.studies.crosscheck.results import (
+    BodyMesh,
+    CrossData,
+    CrossRun,
+    extrapolate_loads,
+    load_results,
+    shipped_results,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.libraries import version
@@ -96,14 +103,14 @@ def run_calculix(text: str, folder: Path) -> Outcome:
     except (OSError, ValueError):
         facts = {}
     if facts.get("deck") != key:
-        facts = {"deck": key, **_run(program, text, folder)}
+        facts = {"deck": key, **_run_program(program, text, folder)}
         kept.write_text(json.dumps(facts), encoding="utf-8")
     forces, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
     iterations, correction = read_cvg((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
     return Outcome(forces, moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
 
 
-def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
+def _run_program(program: str, text: str, folder: Path) -> dict[str, Any]:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
     for old in folder.glob(f"{NAME}.[dcfs]*"):
@@ -153,7 +160,7 @@ def read_cvg(text: str) -> tuple[int, float]:
 UNIT = "mm"
 
 
-def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
+def _mesh_choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
     """Return rows of elements across, growth and stiffness [N/mm3]."""
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
@@ -162,19 +169,19 @@ def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool 
 #: refined together (b/h times growth 0.48) on halves and on balls of one mesh; contact stiffness, large displacements.
 STUDIES: dict[str, list[DeckOptions]] = {
     "two-balls": [
-        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8)),
-        *_choices((1.5, 0.6, 2e8), (1.1, 0.8, 2e8), (0.8, 0.4, 2e8), (0.8, 0.6, 1e9)),
+        *_mesh_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8)),
+        *_mesh_choices((1.5, 0.6, 2e8), (1.1, 0.8, 2e8), (0.8, 0.4, 2e8), (0.8, 0.6, 1e9)),
         DeckOptions(0.6, 0.8, 2e17, nlgeom=True),
-        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.6, 0.3, 2e8), (1.92, 0.25, 2e8), half=True),
+        *_mesh_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.6, 0.3, 2e8), (1.92, 0.25, 2e8), half=True),
     ],
     "lin-case1-cut": [
-        *_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
-        *_choices((1.2, 0.4, 2e8), alike=True),
+        *_mesh_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+        *_mesh_choices((1.2, 0.4, 2e8), alike=True),
     ],
 }
 
 
-def label(options: DeckOptions) -> str:
+def options_label(options: DeckOptions) -> str:
     """Return the name of a deck's folder."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
@@ -205,20 +212,23 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
         text = deck_text(meshed.deck, UNIT)
         if digest(text) in known:
             runs.append(known[digest(text)])
-            step(f"{label(options)}: stored")
+            step(f"{options_label(options)}: stored")
             continue
         try:
-            outcome = run_calculix(text, work / scene.name / label(options))
-            runs.append(record(meshed, options, digest(text), outcome))
+            outcome = run_calculix(text, work / scene.name / options_label(options))
+            runs.append(make_record(meshed, options, digest(text), outcome))
         except ValueError as error:
             raise InputError(
-                scene.name, label(options), str(error), "a deck that CalculiX solves", "see its folder"
+                scene.name, options_label(options), str(error), "a deck that CalculiX solves", "see its folder"
             ) from None
-        step(f"{label(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
+        step(
+            f"{options_label(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
+            f"{outcome.seconds:.0f} s"
+        )
     return CrossData(scene.name, scene_key(scene.name), __version__, version("gmsh") or "", tuple(runs))
 
 
-def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
+def make_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
     """Return the record of a run; ValueError if a contact is missing."""
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
@@ -247,13 +257,13 @@ def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome
     )
 
 
-def extrapolated() -> tuple[str, dict[str, Array]]:
+def extrapolated_results() -> tuple[str, dict[str, Array]]:
     """Return the program, and its extrapolated loads (n, 4) [N] of the scenes whose content has not changed."""
-    stored = {name: load_results(shipped(), name) for name in STUDIES}
+    stored = {name: load_results(shipped_results(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
-    return "CalculiX", {name: extrapolate(d.runs).load for name, d in kept.items()}
+    return "CalculiX", {name: extrapolate_loads(d.runs).load for name, d in kept.items()}
 
 
-def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
+def find_references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
     """Yield scenes and levels of the 3D reference that the report compares with CalculiX."""
     yield tuple(STUDIES), STUDIED

@@ -155,7 +155,7 @@ class FrictionAnswer:
         return above(self.data.get("warnings", ()))
 
 
-def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
+def answer_head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
     """Return the entries that answers of every kind have; ``coupling``: of friction to loads, of a screw."""
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
@@ -166,7 +166,7 @@ def head(scene: KindScene, status: str, converged: bool, coupling: str | None = 
     }
 
 
-def three(value: float) -> str:
+def vector_json(value: float) -> str:
     """Return a value with three digits, without exponent below a million."""
     return f"{float(f'{value:.3g}'):g}"
 
@@ -212,18 +212,18 @@ def without_round_off(difference: float, size: float) -> float:
     return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
 
 
-def balance(power: float, loss: float) -> dict[str, Any]:
+def power_balance(power: float, loss: float) -> dict[str, Any]:
     """Return input power and dissipation [W]."""
     left = without_round_off(power - loss, loss)
     return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
 
 
-def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Return `balance`, with the imbalance in per cent unless the loss is below ``NOTHING`` times full sliding."""
-    return balance(power, loss) | {"balance_percent": increase(power, loss, bound)}
+def energy_json(power: float, loss: float, bound: float) -> dict[str, Any]:
+    """Return `power_balance`, with the imbalance in per cent unless the loss is below ``NOTHING`` times full sliding."""
+    return power_balance(power, loss) | {"balance_percent": loss_increase(power, loss, bound)}
 
 
-def increase(loss: float, before: float, bound: float) -> float | None:
+def loss_increase(loss: float, before: float, bound: float) -> float | None:
     """Return the increase of losses [%], zero if it is round-off; None if the loss before was negligible."""
     if not before > NOTHING * bound:
         return None
@@ -237,10 +237,10 @@ def by_contact(power: float, loss: float, apart: float, balls: float, bound: flo
     """
     return {
         "loss_apart_W": number(apart),
-        "friction_increase_percent": increase(loss, apart, bound),
+        "friction_increase_percent": loss_increase(loss, apart, bound),
         "ball_to_ball_percent": number(100.0 * balls / apart) if apart > NOTHING * bound else None,
         "ball_to_ball_loss_W": number(balls),
-        "energy": energy(power, loss, bound),
+        "energy": energy_json(power, loss, bound),
     }
 
 
@@ -302,7 +302,7 @@ def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
         "smallest_gap_um": number(1e6 * n.least),
         "force_on_next_N": [number(f) for f in n.force],
         "loss_W": number(n.power),
-        "friction_torque_change_percent": increase(t.power, state.bare.power, 0.0),
+        "friction_torque_change_percent": loss_increase(t.power, state.bare.power, 0.0),
     }
 
 
@@ -400,7 +400,7 @@ def static_only(warnings: Sequence[Warned]) -> list[Warned]:
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
-def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
+def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
     """Return warnings if the result is outside its range of validity."""
     at = state.at
     loaded = at.force > 0.0
@@ -429,7 +429,7 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {moves(t)}" if t.translating else ""
-    return "torque", f"{three(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
+    return "torque", f"{vector_json(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
 def residual_line(residual: float, left: float) -> Line:
@@ -437,19 +437,24 @@ def residual_line(residual: float, left: float) -> Line:
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
-def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
+def contact_lines(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
     """Return the results in a few lines, the driving torque first.
 
     Values that depend on the coefficient, which is hardly known to one digit, have three digits.
     """
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
-    without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+    without = (
+        "unknown: " + drag[1] if drag[0] is None else f"{vector_json(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+    )
     lines = [
         _driving_line(t, motion, inner if motion.turns == "screw" else outer),
-        ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
+        (
+            "friction",
+            f"torque {vector_json(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}",
+        ),
     ]
-    bare = f"{three(1e3 * state.bare.friction)} N mm"
+    bare = f"{vector_json(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:
         n = state.neighbours
         text = (

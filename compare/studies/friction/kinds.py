@@ -19,7 +19,7 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, 
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_linear
-from rollbench.compare.studies.friction.run import judged, run_data, run_lines, stepped
+from rollbench.compare.studies.friction.run import judge_history, run_data, run_lines, step_through_time
 from rollbench.compare.text.printing import Column, cell
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, free_motion
@@ -46,7 +46,7 @@ from rollbench.meshes.parts import SIDES, Motion
 TOUCHING = 1e-9
 
 
-def sliding(groove: ScrewGroove, force: Array) -> float:
+def slides(groove: ScrewGroove, force: Array) -> float:
     """Return the dissipation if all contacts slid at full speed [W]; infinite at rest: all of it is then round-off."""
     if groove.speed == 0.0:
         return np.inf
@@ -87,7 +87,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
-    bound, ball_loss = sliding(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
+    bound, ball_loss = slides(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
     between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
     solver = {
         "load_imbalance_N": number(max(c.load.left for c in chains)),
@@ -95,7 +95,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
         "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
         "rounds": max(c.rounds for c in chains),
     }
-    data = answer.head(scene, pair_status(r), r.converged, pair.coupling) | {
+    data = answer.answer_head(scene, pair_status(r), r.converged, pair.coupling) | {
         "law": "coulomb",
         "hertz": answer.hertz_word(pair.groove.hertz),
         "coupling": pair.coupling,
@@ -200,17 +200,17 @@ def run_series(h: History) -> dict[str, list[Any]]:
 def solve_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
     """Solve a whole screw in time: contacts, torques and energy."""
     run, time = scene.run, scene.time
-    in_time = judged(*stepped(run, Motion(run.groove.speed), time, scene.name), time)
+    in_time = judge_history(*step_through_time(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
-    bound = sliding(run.groove, h.load) / h.time.size
+    bound = slides(run.groove, h.load) / h.time.size
     loss = h.torque * speed
-    spent = answer.energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
+    spent = answer.energy_json(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
     largest = answer.without_round_off(float(np.abs(h.imbalance).max()), 1.0)
     spent["largest_step_balance_percent"] = number(100.0 * largest) if known else None
     summary, failed = run_summary(h), int(np.sum(~h.converged))
     found = run_data(in_time)
-    data = answer.head(scene, in_time.status, in_time.converged, run.coupling) | {
+    data = answer.answer_head(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
         "hertz": answer.hertz_word(run.groove.hertz),
         "coupling": run.coupling,
@@ -340,9 +340,9 @@ def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     ball, torque, speed = ball_row(load, at, motion), bearing.inner_torque(b, load, motion), b.screw_speed
-    power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
+    power = answer.energy_json(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
-    data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+    data = answer.answer_head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
         "hertz": answer.hertz_word(b.hertz),
         "coupled": False,
@@ -388,15 +388,15 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
 # --- bearings in pairs
 
 
-def rubs(case: BearingCase, state: BearingState) -> bool:
+def dissipates(case: BearingCase, state: BearingState) -> bool:
     """Return whether friction dissipates more than round-off."""
-    return float(state.loss.sum()) > answer.NOTHING * sliding(case.groove, state.load.force)
+    return float(state.loss.sum()) > answer.NOTHING * slides(case.groove, state.load.force)
 
 
 def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
     """Return the torques of a bearing over the load angles [N mm], and the ratio of largest to smallest."""
     torque = [1e3 * s.torque for s in states]
-    all_rub = all(rubs(case, s) for s in states)
+    all_rub = all(dissipates(case, s) for s in states)
     return {
         "friction_torque_Nmm": [number(t) for t in torque],
         "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
@@ -405,7 +405,7 @@ def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any
     }
 
 
-def loose(scene: BearingPairScene) -> list[str]:
+def loose_freedoms(scene: BearingPairScene) -> list[str]:
     """Return the motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
@@ -428,11 +428,11 @@ def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
         "tilt": case.tilt,
         "load_angle_deg": angle,
     }
-    mechanisms = loose(scene)
+    mechanisms = loose_freedoms(scene)
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
         status = f"no equilibrium: {mechanisms[0]}{others}"
-        return answer.FrictionAnswer(answer.head(scene, status, False) | common | {"warnings": []}, [], [], False)
+        return answer.FrictionAnswer(answer.answer_head(scene, status, False) | common | {"warnings": []}, [], [], False)
     return _bearing_answer(scene, common)
 
 
@@ -442,24 +442,24 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
     four, double = (bearing_data(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
-    ratios = [number(f.torque / d.torque) if rubs(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
+    ratios = [number(f.torque / d.torque) if dissipates(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     power, loss, bound = (
         float(np.mean(v))
         for v in (
             [s.input_power for _, s in states],
             [s.loss.sum() for _, s in states],
-            [sliding(c.groove, s.load.force) for c, s in states],
+            [slides(c.groove, s.load.force) for c, s in states],
         )
     )
-    spent = answer.energy(power, loss, bound)
+    spent = answer.energy_json(power, loss, bound)
     large = [
         w.prefixed(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]
     solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
-    data = answer.head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    data = answer.answer_head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
     columns = zip(
         common["load_angle_deg"],

@@ -98,7 +98,7 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
-    data = answer.head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+    data = answer.answer_head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
         "law": "coulomb",
         "distribution": scene.distribution,
         "coupled": False,

@@ -92,16 +92,16 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
     loads = in_motion(model, ahead)
     setting = Setting(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
-    return judged(*stepped(setting, motion, time, scene.name), time)
+    return judge_history(*step_through_time(setting, motion, time, scene.name), time)
 
 
-def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
+def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
     """Compute a run with several step sizes, with a progress bar; return the history and its step error."""
     with bar(f"{name}, run in time") as progress:
         return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 
-def judged(history: History, error: StepError | None, time: Time) -> Run:
+def judge_history(history: History, error: StepError | None, time: Time) -> Run:
     """Return the run with its status: not converged if a step failed or its error is unknown or above the goal."""
     status = history.status
     if history.good and error is None:
@@ -152,14 +152,14 @@ def run_data(run: Run) -> dict[str, Any]:
     data["torque"] = torque_data(h)
     data["energy"] = energy_data(h)
     data["over_angle"] = {
-        "angle_deg": _list(np.degrees(h.turned)),
-        "covers_deg": _list(np.degrees(h.lasts * abs(h.setting.groove.speed))),
-        "torque_Nmm": _list(1e3 * h.torque),
-        "groove_Nmm": _list(1e3 * h.groove_torque),
-        "ball_sliding_Nmm": _list(1e3 * h.ball_torque),
-        "ball_closing_Nmm": _list(1e3 * h.closing_torque),
-        "axial_load_N": _list(h.axial),
-        "driving_torque_on_screw_Nmm": _list(1e3 * h.on_screw),
+        "angle_deg": _list_or_none(np.degrees(h.turned)),
+        "covers_deg": _list_or_none(np.degrees(h.lasts * abs(h.setting.groove.speed))),
+        "torque_Nmm": _list_or_none(1e3 * h.torque),
+        "groove_Nmm": _list_or_none(1e3 * h.groove_torque),
+        "ball_sliding_Nmm": _list_or_none(1e3 * h.ball_torque),
+        "ball_closing_Nmm": _list_or_none(1e3 * h.closing_torque),
+        "axial_load_N": _list_or_none(h.axial),
+        "driving_torque_on_screw_Nmm": _list_or_none(1e3 * h.on_screw),
     }
     if run.balls:
         data["balls"] = [ball_data(h, t, k) for t in h.setting.tracks for k in range(t.balls.start, t.balls.stop)]
@@ -237,15 +237,15 @@ def ball_data(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
         "index": None if number_of < 0 else number_of + 1,
         "next": ahead,
         "place": k,
-        "azimuth_deg": _list(np.degrees(h.azimuth[:, k])),
+        "azimuth_deg": _list_or_none(np.degrees(h.azimuth[:, k])),
         "loaded": [bool(v) for v in h.loaded[:, k]],
-        "spacing_deg": _list(np.degrees(h.spacing[:, k])),
-        "force_on_next_N": _list(h.ball_force[:, k]),
-        "load_N": _list(h.load[:, k].sum(axis=1)),
+        "spacing_deg": _list_or_none(np.degrees(h.spacing[:, k])),
+        "force_on_next_N": _list_or_none(h.ball_force[:, k]),
+        "load_N": _list_or_none(h.load[:, k].sum(axis=1)),
     }
 
 
-def _list(values: Array) -> list[float | None]:
+def _list_or_none(values: Array) -> list[float | None]:
     """Return values as a JSON list."""
     return [number(float(v)) for v in values]
 
@@ -274,7 +274,7 @@ def run_lines(run: Run) -> list[Line]:
     t = torque_data(h)
     reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
     far = f"over {reached}" if h.complete else f"stopped at {reached} of {asked},"
-    digits = f".{significant(None if e is None else e.largest)}g"
+    digits = f".{significant_digits(None if e is None else e.largest)}g"
     mean, least, most, groove, between = (
         format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
     )
@@ -300,7 +300,7 @@ def run_lines(run: Run) -> list[Line]:
     return lines if run.converged else [*lines, ("", run.status)]
 
 
-def significant(error: float | None) -> int:
+def significant_digits(error: float | None) -> int:
     """Return the number of digits of a value with a relative error (None: unknown): at most two uncertain ones, 3 to 6."""
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 

@@ -24,7 +24,7 @@ from rollbench.compare.results.data import FrictionOnset
 from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer as output
-from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, balance, three
+from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, power_balance, vector_json
 from rollbench.compare.studies.friction.run import Run, run_data, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.losses import WIDE, heathcote
@@ -101,7 +101,7 @@ def makers_torque(scene: Scene, force: float) -> float:
     return MAKERS / float(np.sqrt(abs(np.tan(lead_angle(scene.track))))) * force * scene.track.lead / (2.0 * pi)
 
 
-def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
+def torque_band(solved: Solved, result: StaticResult) -> dict[str, Any]:
     """Return friction torques at both coefficients of ``MEASURED``, with and without the scene's loads.
 
     Also the drag torque by the makers' formula (null without preload).
@@ -124,14 +124,14 @@ def drag_lines(data: dict[str, Any]) -> list[Line]:
     if data["makers_formula_Nmm"] is None:
         return []
     text = (
-        f"without load {_range(data['drag_torque_Nmm'])} N mm at coefficients from {MEASURED[0]:g} to {MEASURED[1]:g}; "
+        f"without load {_range_json(data['drag_torque_Nmm'])} N mm at coefficients {MEASURED[0]:g} to {MEASURED[1]:g}; "
         f"makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
-        f"{three(data['makers_formula_Nmm'])} N mm"
+        f"{vector_json(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
 
 
-def _range(values: list[float | None]) -> str:
+def _range_json(values: list[float | None]) -> str:
     """Return torques [N mm] as text, joined by "to"."""
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
@@ -141,7 +141,7 @@ def states_no_play(scene: Scene) -> bool:
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
-def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
+def torque_over_play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
     """Return a screw's torque with balls smaller by ``SMALLER``; None if play is stated, or with preload or no load."""
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
@@ -191,7 +191,7 @@ def with_errors(scene: Scene, factor: float) -> Scene:
     return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
-def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
+def onset_of_touching(solved: Solved, result: StaticResult) -> FrictionOnset | None:
     """Return whether neighbouring balls touch at the loads of a result, and from which errors on.
 
     None if balls overlap or their circuits are not possible.
@@ -232,7 +232,7 @@ def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
     """Return the line on touching neighbours; ``turns``: turning part; ``errors``: whether the scene has errors."""
 
     def angle(value: float | None) -> str:
-        return "never" if value is None else f"after {three(np.degrees(value))} deg of the {turns}"
+        return "never" if value is None else f"after {vector_json(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if of.touch else 'do not touch'}"
     if of.first is None:
@@ -301,7 +301,7 @@ class Drag:
     note: str = ""
 
 
-def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
+def torque_over_coefficient(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     """Return the coefficients to solve for: those given, else the scene's; InputError if there are none."""
     for value in mu:
         if not 0.0 <= value <= MOST:
@@ -338,7 +338,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     InputError
         If the model does not cover the scene, or there is no coefficient of friction.
     """
-    pairs = coefficients(scene, choices.mu)
+    pairs = torque_over_coefficient(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
@@ -360,10 +360,12 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
     if states[0].settled and monotonic() - begin > FIRST:
-        say(f"friction torque {three(1e3 * states[0].torque.friction)} N mm; drag and band follow")
-    bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
+        say(f"friction torque {vector_json(1e3 * states[0].torque.friction)} N mm; drag and band follow")
+    bare = result if not solve_loaded(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
-    answer = _answer(scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare))
+    answer = _whole_answer(
+        scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare)
+    )
     if scene.time is None:
         return answer
     return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
@@ -379,7 +381,7 @@ def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
     return FrictionAnswer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
 
 
-def loaded(scene: Scene) -> bool:
+def solve_loaded(scene: Scene) -> bool:
     """Return whether a scene has loads."""
     return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
 
@@ -418,19 +420,19 @@ def drag_torques(
         return [kept_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
-    if loaded(scene):
+    if solve_loaded(scene):
         without = solved(bare, unloaded)
     if isinstance(without, str):
         return [Drag(None, without)] * len(pairs)
     if not any(state.torque.translating for state in without):
-        return [drag_of(state) for state in without]
+        return [drag_torque(state) for state in without]
     pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
     freed = replace(bare, supports=without_axial(scene.supports))
     let_go = solved(freed, run_model(freed, unloaded.model, options))
     if isinstance(let_go, str):
         return [Drag(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
-    return [replace(drag_of(state), note=note) for state in let_go]
+    return [replace(drag_torque(state), note=note) for state in let_go]
 
 
 def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
@@ -439,12 +441,12 @@ def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
     return tuple(s for s in freed if s.fixed)
 
 
-def drag_of(state: FrictionState) -> Drag:
+def drag_torque(state: FrictionState) -> Drag:
     """Return the drag torque of a state without axial load; none if a ball failed."""
     return Drag(state.torque.friction) if state.settled else Drag(None, "no balance of friction found")
 
 
-def status_of(state: FrictionState) -> str:
+def friction_status(state: FrictionState) -> str:
     """Return the status as text."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
@@ -457,7 +459,7 @@ def status_of(state: FrictionState) -> str:
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 
-def _assumed(scene: Scene, result: StaticResult) -> list[str]:
+def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
     """Return assumptions on scene and contact loads; the latter are marked, as they are of a model without friction."""
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
@@ -465,18 +467,20 @@ def _assumed(scene: Scene, result: StaticResult) -> list[str]:
 States = tuple[list[Friction], list[FrictionState], list[Drag]]
 
 
-def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> FrictionAnswer:
+def _whole_answer(
+    scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved
+) -> FrictionAnswer:
     """Return JSON values and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
     good = all(s.settled for s in solved[1])
-    status = status_of(next((s for s in solved[1] if not s.settled), state))
+    status = friction_status(next((s for s in solved[1] if not s.settled), state))
     torque = sums(state.torque, drag.torque)
     rows, losses = output.ball_rows(result, state), output.loss_rows(state)
     over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
-    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
-    wide, played = band(besides, result), play(besides, state)
-    near = onset(besides, result) if state.loaded else None
+    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
+    wide, played = torque_band(besides, result), torque_over_play(besides, state)
+    near = onset_of_touching(besides, result) if state.loaded else None
     held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
     e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
     data = head | {
@@ -500,7 +504,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
             "heathcote_percent": number(100.0 * slip),
         },
-        "energy": balance(e.input_power, e.power)
+        "energy": power_balance(e.input_power, e.power)
         | {"axial_load_power_W": number(e.load * e.ratio * e.speed), "torque_power_W": number(e.on_screw * e.speed)},
         "feedback": {
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
@@ -517,7 +521,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         },
         "assumed": assumed,
         "left_out": output.left_out(friction),
-        "warnings": output.warnings_of(
+        "warnings": output.friction_warnings(
             scene,
             friction,
             state,
@@ -537,7 +541,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         tables.append(("over the coefficient of friction", output.mu_columns(kind_of(scene)), over))
     every = [("per ball", output.BALL_COLUMNS, output.flat_rows(rows))] if state.loaded else []
     lines = [
-        *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
+        *output.contact_lines(motion, state, (drag.torque, drag.reason or drag.note)),
         *(drag_lines(wide) if state.loaded else ()),
     ]
     if near is not None:

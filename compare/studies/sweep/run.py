@@ -15,8 +15,8 @@ from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import Method, Vary, changed, displaced, points, values
-from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, attempt, reason, solve_batch
+from rollbench.compare.studies.sweep.keys import Method, Vary, change_keys, design_points, displaced_keys, values_at
+from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, attempt_sample, failure_reason, solve_batch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -60,7 +60,7 @@ class Sweep:
 
     def places(self) -> Array:
         """Coordinates of all samples in the unit cube, (m, d)."""
-        return points(self.method, self.keys, self.samples, self.seed)
+        return design_points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
         """Everything that the records depend on."""
@@ -85,7 +85,7 @@ class Sweep:
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
-                scene_tables.keys_of(changed(raw, [vary], [value]), self.origin)
+                scene_tables.keys_of(change_keys(raw, [vary], [value]), self.origin)
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
@@ -116,7 +116,7 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
     places = sweep.places()
     if not sample.records_by_sample(folder):
         _try_first(sweep, places)
-    for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
+    for path, other in displaced_keys(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
         step(f"{path} takes the place of the scene's {other}")
     sample.open_folder(folder, sweep.header())
     with sample.taken_over(folder) as token:
@@ -134,13 +134,13 @@ def _try_first(sweep: Sweep, places: Array) -> None:
     refused: list[InputError] = []
     for place in places[:FIRST]:
         try:
-            attempt(
-                sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted", sweep.wanted
+            attempt_sample(
+                sweep.text, sweep.origin, sweep.keys, values_at(sweep.keys, place), sweep.model, "interpreted", sweep.wanted
             )
             return
         except InputError as error:
             refused.append(error)
-    if len({reason(error) for error in refused}) > 1:
+    if len({failure_reason(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
@@ -156,7 +156,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
     size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
     batches = [left[k : k + size] for k in range(0, len(left), size)]
     jobs: list[parallel.Job] = [
-        (solve_batch, (str(folder.resolve()), token, what, [(n, values(sweep.keys, places[n])) for n in batch]))
+        (solve_batch, (str(folder.resolve()), token, what, [(n, values_at(sweep.keys, places[n])) for n in batch]))
         for batch in batches
     ]
     writer = sample.Writer(folder, token)

@@ -10,7 +10,7 @@ from tests.axes import CASES, ON_A_SHAFT
 import rollbench
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.report import scene_page, verify
-from rollbench.reports.scene_page import read_page, render
+from rollbench.reports.scene_page import read_page, render_page
 
 pytestmark = pytest.mark.xdist_group("axis page")
 
@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
 
 def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     page = scene_page.make_page("smith-axis-taper", STORES)
-    html, solved = render(page), rollbench.solve("smith-axis-taper")
+    html, solved = render_page(page), rollbench.solve("smith-axis-taper")
     assert page.verdict.startswith("The most pressed contact, in right 1, carries")
     tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
     assert [row["load"] for row in tables["rollers"]] == pytest.approx(

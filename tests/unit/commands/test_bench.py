@@ -16,17 +16,17 @@ from rollbench.compare.studies.run_times import load_times
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
-    done = run_times.launch(["-c", code], {"OWN": "x"})
+    done = run_times.launch_process(["-c", code], {"OWN": "x"})
     assert done.seconds >= done.first_line > 0.0
     assert done.output == "None x\n"
 
 
 def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process():
-    found = run_times.typed("schema --help")
+    found = run_times.time_command("schema --help")
     assert found.job.job == "schema --help, from an empty home"
     assert found.seconds >= found.first_line > 0.0
     assert min(found.cpu, found.again, found.again_cpu, found.beside, found.beside_cpu) > 0.0
-    failed = run_times.typed("solve no-such-scene")
+    failed = run_times.time_command("solve no-such-scene")
     assert failed.seconds is None
     assert failed.job.note.startswith("not measured: rollbench: ")
 

@@ -14,7 +14,7 @@ from rollbench.reports import offscreen
 
 @pytest.fixture(autouse=True)
 def _drawn_already(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(offscreen, "fault", lambda: "")
+    monkeypatch.setattr(offscreen, "drawing_fault", lambda: "")
     monkeypatch.setattr(doctor, "gmsh_fault", lambda: "")
     monkeypatch.setattr(doctor, "available_GB", lambda: 16.0)
 
@@ -43,7 +43,7 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
     (tmp_path / "matplotlib.py").write_text("raise RuntimeError('half installed')")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
-    monkeypatch.setattr(doctor, "requirements", lambda: {"matplotlib": "3.9"})
+    monkeypatch.setattr(doctor, "check_requirements", lambda: {"matplotlib": "3.9"})
     libraries.fault.cache_clear()
     (check,) = doctor._check_packages()
     libraries.fault.cache_clear()

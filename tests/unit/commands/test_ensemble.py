@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import with_ingredients
 
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.members.ensemble import one_pass, run_ensemble, work_of
+from rollbench.compare.studies.members.ensemble import axial_work, one_pass, run_ensemble
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 
@@ -30,7 +30,7 @@ def assert_same_loads(scene, result, members, first=0):
         single = solve_static(scene, engine="compiled", member=first + m)
         assert result.statuses[m] == single.status
         np.testing.assert_allclose(result.loads[m], single.load, rtol=0, atol=1e-9 * np.nanmax(single.load))
-        assert result.works[m] == pytest.approx(work_of(scene, single), rel=1e-9, nan_ok=True)
+        assert result.works[m] == pytest.approx(axial_work(scene, single), rel=1e-9, nan_ok=True)
 
 
 SCENES = [

@@ -22,7 +22,7 @@ TEXTS = {"two-balls": catalogue.scene_text("two-balls")}
 def report(tmp_path, name: str, table: Table = TABLE):
     origin = {"rollbench": "1.0", "inputs": inputs((tmp_path / "store",), TEXTS)}
     whole = Report("a report", "", {}, paged(Section("s", "S", (table,))), origin=origin)
-    return pages.write(whole, tmp_path / name).parent
+    return pages.write_report(whole, tmp_path / name).parent
 
 
 def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_path):

@@ -9,8 +9,8 @@ from tests.load_cases import written
 
 from rollbench.compare.report import scene_page, several, verify
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.cells import typeset
-from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
+from rollbench.reports.cells import typeset_text
+from rollbench.reports.scene_page import read_page, render_page, sha256, without_manifest
 
 pytestmark = pytest.mark.xdist_group("scene page")
 
@@ -28,12 +28,12 @@ def page():
 
 @pytest.fixture(scope="module")
 def html(page) -> str:
-    return render(page)
+    return render_page(page)
 
 
 def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) -> None:
     assert page.verdict.startswith("The most pressed contact (ball ")
-    assert html.index(typeset(page.verdict)) < html.index("<table")
+    assert html.index(typeset_text(page.verdict)) < html.index("<table")
     assert [row["quantity"] for row in page.table.rows][:2] == ["largest contact load", "mean contact load"]
     assert not re.search(r'(src|href)="(?!data:|#)', html)
     assert {part.name for part in page.parts} == {"scene", "loads", "stiffness", "error", "assumptions"}
@@ -68,7 +68,7 @@ def test_manifest_holds_until_something_is_changed(html: str) -> None:
 
 def test_a_scene_text_cannot_end_its_block(page) -> None:
     evil = replace(page, scene_text='title = "</script><script>alert(1)</script>"', parts=())
-    html = render(evil)
+    html = render_page(evil)
     assert "<script>alert" not in html
     assert read_page(html)["scene"] == evil.scene_text
 
@@ -102,7 +102,7 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
     def written_later(scenes, out, *_: object):
         again = scene_page.make_page(*scenes, STORES)
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
-        (out / "index.html").write_text(render(later), encoding="utf-8")
+        (out / "index.html").write_text(render_page(later), encoding="utf-8")
         return [later]
 
     monkeypatch.setattr(verify, "make_pages", written_later)
@@ -125,7 +125,7 @@ def both(tmp_path_factory):
     """A report on two scenes, one of three load cases, and what the terminal is told."""
     folder = tmp_path_factory.mktemp("several")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(several, "page_of", lambda *given: replace(scene_page.make_page(*given), picture=None))
+        patch.setattr(several, "make_page", lambda *given: replace(scene_page.make_page(*given), picture=None))
         said = verify.run_pages([SCENE, written(folder)], folder / "out", folder)
     return folder, said
 
@@ -166,7 +166,7 @@ def test_the_first_page_says_when_another_one_was_changed(both, command) -> None
 def test_a_bad_file_among_several_is_one_line_and_leaves_what_was_there(both, command, monkeypatch) -> None:
     folder, _ = both
     before = {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
-    monkeypatch.setattr(several, "page_of", lambda *_: pytest.fail("work was done"))
+    monkeypatch.setattr(several, "make_page", lambda *_: pytest.fail("work was done"))
     assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "out")
     assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "none")
     assert "--against" in command.refused("report", SCENE, SCENE, "--against", folder / "out", "--out", folder / "none")

@@ -14,7 +14,7 @@ from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
-from rollbench.reports.cells import harmless
+from rollbench.reports.cells import escape_formula
 
 
 def dead_process():
@@ -109,7 +109,7 @@ def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
 @pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1", "-3.5", "+1e-9", "plain", "", "–", "-5 um"])
 def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
     runs = text in ("=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1")
-    assert harmless(text) == ("'" if runs else "") + text
+    assert escape_formula(text) == ("'" if runs else "") + text
 
 
 def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
@@ -119,7 +119,7 @@ def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monk
             files.need_writable(bad)
     files.need_writable(tmp_path / "new" / "x.npz")
     assert list((tmp_path / "new").iterdir()) == []
-    monkeypatch.setattr(several, "page_of", lambda *_: pytest.fail("work was done"))
+    monkeypatch.setattr(several, "make_page", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
 

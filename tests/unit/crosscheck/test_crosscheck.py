@@ -16,22 +16,22 @@ from rollbench.compare.studies.crosscheck.results import (
     BodyMesh,
     CrossData,
     CrossRun,
-    agreement,
+    agreement_row,
     contact_rows,
     element_error,
-    extrapolate,
+    extrapolate_loads,
     load_results,
-    path_of,
-    save,
-    series,
-    shipped,
+    result_path,
+    save_result,
+    series_from_json,
+    shipped_results,
 )
 from rollbench.compare.studies.crosscheck.study import (
     STUDIES,
     Outcome,
     checked_scene,
     digest,
-    label,
+    options_label,
     read_cvg,
     read_dat,
     run_study,
@@ -108,7 +108,7 @@ def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
 
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
     """Equal loads on all contacts, so that all have one semi-axis."""
-    found = extrapolate([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
+    found = extrapolate_loads([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
     assert (found.order, found.length) == (ORDER, LENGTH)
     np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)
     finest = min(element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS)
@@ -150,7 +150,7 @@ def test_the_uncertainty_covers_what_the_law_leaves_out_and_shows_scatter():
     extrapolated = []
     for noise, most in ((0.02, 2.5), (0.1, 5.0)):
         limit, runs = manufactured(noise)
-        found = extrapolate(runs)
+        found = extrapolate_loads(runs)
         off, finest = np.abs(found.load - limit), np.abs(runs[-1].load - limit)
         assert np.mean(off <= found.uncertainty) >= 0.95
         assert off.mean() < 0.8 * finest.mean()
@@ -166,8 +166,8 @@ def test_the_uncertainty_covers_what_the_law_leaves_out_and_shows_scatter():
 def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes_give_a_range():
     for kept, why in ((RUNS[1:2] + RUNS[5:6], "one mesh only"), ((RUNS[0], RUNS[5]), "varies, but on no mesh")):
         with pytest.raises(ValueError, match=why):
-            extrapolate(kept)
-    found = extrapolate(RUNS[:2])
+            extrapolate_loads(kept)
+    found = extrapolate_loads(RUNS[:2])
     assert found.fixed == ("growth", "contact stiffness")
     assert not found.by_stiffness.any()
     two = [r.load for r in RUNS[:2]]
@@ -175,23 +175,23 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
 
 
 def test_results_are_kept_with_all_that_identifies_them(tmp_path):
-    save(tmp_path, DATA)
+    save_result(tmp_path, DATA)
     again = load_results(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
         np.testing.assert_allclose(one.load, two.load, rtol=1e-6)
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
     assert load_results(tmp_path, "other") is None
-    plain = json.loads(path_of(tmp_path, "two-balls").read_text())
+    plain = json.loads(result_path(tmp_path, "two-balls").read_text())
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
-        path_of(tmp_path, "two-balls").write_text(json.dumps(broken))
+        result_path(tmp_path, "two-balls").write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
             load_results(tmp_path, "two-balls")
 
 
 def test_rows_compare_limits_in_per_cent_of_the_mean_load():
-    assert [r.nodes for r in series(DATA)] == sorted(r.nodes for r in RUNS[:5])
+    assert [r.nodes for r in series_from_json(DATA)] == sorted(r.nodes for r in RUNS[:5])
     off = LIMIT.copy()
     off[1, 1] += 5.0
     rows = contact_rows(DATA, ours([off, off, off]))
@@ -201,23 +201,23 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
     assert worst.difference == pytest.approx(100.0 * 5.0 / mean, abs=0.1)
     assert worst.cells()["b/h 0.8, g 0.6"] == pytest.approx(RUNS[0].load[1, 1])
     assert worst.ours_percent == pytest.approx(100.0 * 2.0 / mean)
-    said = agreement("two-balls", rows)
+    said = agreement_row("two-balls", rows)
     assert "NOT within 0.5 %" in said
     assert "ball 2 SR" in said
     assert "1 of 6 contacts differ by more" in said  # by 5 N; 2 N are the reference's own uncertainty
-    assert "0 of 6 contacts differ by more" in agreement("two-balls", [replace(r, ours_percent=2.0) for r in rows])
+    assert "0 of 6 contacts differ by more" in agreement_row("two-balls", [replace(r, ours_percent=2.0) for r in rows])
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_stored_results_are_those_of_the_shipped_scenes(name):
-    data = load_results(shipped(), name)
+    data = load_results(shipped_results(), name)
     assert data.key == scene_key(name)
-    assert [label(o) for o in STUDIES[name]] == [label(r) for r in data.runs]
+    assert [options_label(o) for o in STUDIES[name]] == [options_label(r) for r in data.runs]
     for run in data.runs:
         assert run.correction < 1.0  # of its last increment; the fine halves took a second, small one
         assert run.weak < 2e-4 * run.load.max()
         assert run.unbalanced < 1e-3 * run.load.max()
-    limit = extrapolate(data.runs)
+    limit = extrapolate_loads(data.runs)
     assert np.all(limit.uncertainty >= 0.0)
     np.testing.assert_allclose(limit.load, data.runs[-1].load, atol=0.1 * limit.load.max())
 

@@ -12,7 +12,7 @@ from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import u_val
-from rollbench.compare.studies.crosscheck.results import extrapolate, load_results, shipped
+from rollbench.compare.studies.crosscheck.results import extrapolate_loads, load_results, shipped_results
 from rollbench.compare.studies.mesh_study import study_table
 from rollbench.compare.studies.survey import SEED, scene_text
 
@@ -113,8 +113,8 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
 
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
-    ours, theirs = STUDY.reference("two-balls"), load_results(shipped(), "two-balls")
-    limit = 100.0 * (extrapolate(theirs.runs).load.sum() / ours.load.sum() - 1.0)
+    ours, theirs = STUDY.reference("two-balls"), load_results(shipped_results(), "two-balls")
+    limit = 100.0 * (extrapolate_loads(theirs.runs).load.sum() / ours.load.sum() - 1.0)
     low, high = uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
     refined = [e for e in modelling.varied(STUDY.scene("lin-case3")) if e.variant.startswith("finer")]
@@ -124,7 +124,7 @@ def test_what_all_contacts_share_is_seen_by_another_program() -> None:
 
 def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     """dF / F over a / r of all eight contacts of two-balls, on the mesh that CalculiX solved both ways."""
-    data, ours, scene = load_results(shipped(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
+    data, ours, scene = load_results(shipped_results(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
     large = next(r for r in data.runs if r.nlgeom)
     small = next(r for r in data.runs if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
     worst = answers.load_answers(scene, small.load, np.radians(ours.best.angle)).worst

@@ -18,8 +18,8 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
-from rollbench.compare.studies.members.ensemble import KEPT, STEP, columns, contact_loads, life_sum, with_seed
-from rollbench.compare.studies.members.members import _binomial_quantile, run_members, statistics
+from rollbench.compare.studies.members.ensemble import KEPT, STEP, contact_loads, ensemble_columns, life_sum, with_seed
+from rollbench.compare.studies.members.members import _binomial_quantile, run_members, statistics_of
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.errors import without_draws
 from rollbench.meshes.parts import BallErrors
@@ -111,7 +111,7 @@ def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        quantile = statistics(rng.normal(size=200))["quantiles"][3]
+        quantile = statistics_of(rng.normal(size=200))["quantiles"][3]
         assert quantile["low"] <= quantile["value"] <= quantile["high"]
         hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
@@ -173,7 +173,7 @@ def test_members_of_several_sets_are_the_single_solves():
     loads = np.stack([contact_loads(r) for r in results])
     np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
-    names = columns(parts)
+    names = ensemble_columns(parts)
     member = dict(zip(names, found.kept[2], strict=True))
     assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
     assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)

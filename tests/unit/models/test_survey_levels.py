@@ -13,7 +13,7 @@ from rollbench.compare.studies.survey_levels import LevelRun, Runs, chosen_screw
 
 def runs_of(number):
     """Level 1 with the survey's loads in 50 s, level 2 with loads that are 2 % larger in 90 s."""
-    load = np.array(survey_models.stored()[number]["load"])
+    load = np.array(survey_models.stored_loads()[number]["load"])
     coarse = LevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
     return [coarse, replace(coarse, level=2, seconds=90.0, further_seconds=0.8, load=(1.02 * load).tolist())]
 
@@ -26,7 +26,7 @@ def test_the_screws_are_chosen_from_those_that_the_models_are_judged_on():
 
 def test_level_1_and_the_models_are_judged_by_level_2():
     runs = runs_of(chosen_screws()[0])
-    found = {(s.name, s.judged_by): s for s in survey_levels.standings_of(runs, survey.known_screws())}
+    found = {(s.name, s.judged_by): s for s in survey_levels.levels_and_models(runs, survey.known_screws())}
     coarse = found["3D level 1", "level 2"]
     assert coarse.errors == pytest.approx([100.0 * 0.02 / 1.02])
     assert (coarse.seconds, coarse.further) == (50.0, 0.5)

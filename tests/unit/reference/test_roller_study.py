@@ -17,13 +17,13 @@ TAPER = "smith-axis-taper"
 
 @pytest.fixture(scope="module")
 def kind():
-    (only,) = roller.rollers_of(catalogue.shipped(TAPER))
+    (only,) = roller.rollers_of_axis(catalogue.shipped(TAPER))
     return only
 
 
 @pytest.fixture(scope="module")
 def shipped(kind):
-    runs = [roller.stored(kind, level, (shipped_store(),)) for level in roller.LEVELS]
+    runs = [roller.stored_run(kind, level, (shipped_store(),)) for level in roller.LEVELS]
     assert None not in runs, "shipped runs are of another roller, or damaged"
     return runs
 
@@ -67,17 +67,17 @@ def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
 
 def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
     text = sealed(asdict(shipped[0]))
-    path = tmp_path / roller.file_of(kind, 1)
+    path = tmp_path / roller.run_file(kind, 1)
     path.write_text(text)
-    assert roller.stored(kind, 1, (tmp_path,)) == shipped[0]
+    assert roller.stored_run(kind, 1, (tmp_path,)) == shipped[0]
     path.write_text(text.replace('"level":1', '"level":2'))
-    assert roller.stored(kind, 1, (tmp_path,)) is None
+    assert roller.stored_run(kind, 1, (tmp_path,)) is None
 
 
 def test_sharp_straight_rollers_are_refused(kind, tmp_path):
     sharp = replace(kind, row=replace(kind.row, edge_radius=None))
     with pytest.raises(Refusal, match="edge_radius"):
-        roller.run_of(sharp, 1, (tmp_path,))
+        roller.run_level(sharp, 1, (tmp_path,))
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from tests.processes import ran
 from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged
 
 from rollbench.reports.content import Figure, Panel, Quantity, Report, Section, Series, Summary, Table, Text
-from rollbench.reports.pages import write
+from rollbench.reports.pages import write_report
 
 pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser")]
 WIDTHS = {1400: 900, 390: 844}
@@ -45,7 +45,7 @@ def small_report() -> Report:
 def folder(tmp_path_factory):
     """Holds the report, and the page that works on its pages."""
     folder = tmp_path_factory.mktemp("browser")
-    write(small_report(), folder / "out")
+    write_report(small_report(), folder / "out")
     constants = f"const FOLDER = 'out/', PAGES = {json.dumps(PAGES)}, WIDTHS = {json.dumps(list(WIDTHS.items()))};"
     (folder / "work.html").write_text(WORK.replace("<script>", f"<script>{constants}", 1), encoding="utf-8")
     return folder

@@ -18,7 +18,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 @pytest.fixture(scope="module")
 def svg():
-    return figures.draw(figure())
+    return figures.draw_figure(figure())
 
 
 def words_of(svg):
@@ -34,20 +34,20 @@ REFUSED = [
 
 class TestFigures:
     def test_same_data_same_bytes_without_date_and_version_and_other_data_others(self, svg):
-        assert figures.draw(figure()) == svg
+        assert figures.draw_figure(figure()) == svg
         assert not re.search(r"dc:date|matplotlib\.org", svg)
         other = Panel("Case <1>", "ball number", "normal force [N]", [Series("computed", [1, 2], [1.0, 5.0])])
-        assert figures.draw(figure(panels=[other])) != svg
+        assert figures.draw_figure(figure(panels=[other])) != svg
 
     def test_is_well_formed_and_shows_labels_escapes_and_the_letter_of_micrometres(self, svg):
         assert {"Case <1>", "normal force [N]", "computed", "printed", "source", "95 % band", "10⁻³"} <= words_of(svg)
         panel = Panel("", "oversize / um", "rigidity / (N/um)", [Series("a sum", [1, 2], [1.0, 5.0])])
-        words = words_of(figures.draw(figure(panels=[panel])))
+        words = words_of(figures.draw_figure(figure(panels=[panel])))
         assert {"oversize / µm", "rigidity / (N/µm)"} <= words
         assert not any(re.search(r"\bum\b", word) for word in words)
 
     def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self):
-        both = [figures.draw(figure(name)) for name in ("one", "two")]
+        both = [figures.draw_figure(figure(name)) for name in ("one", "two")]
         ids = [set(re.findall(r'\bid="([^"]+)"', svg)) for svg in both]
         assert ids[0]
         assert not ids[0] & ids[1]
@@ -61,17 +61,17 @@ class TestFigures:
     def test_poor_data_are_drawn_without_warning(self, log, values):
         x = [float(number) for number in range(len(values))]
         panel = Panel("t", "x", "y", [Series("s", x, values)], log=log, zero=True)
-        ElementTree.fromstring(figures.draw(figure(panels=[panel])))
+        ElementTree.fromstring(figures.draw_figure(figure(panels=[panel])))
 
     @pytest.mark.parametrize(("series", "log", "words"), REFUSED)
     def test_refuses_unknown_styles_and_scales_and_bars_of_another_length(self, series, log, words):
         with pytest.raises(ValueError, match=words):
-            figures.draw(figure(panels=[Panel("t", "x", "y", [series], log=log)]))
+            figures.draw_figure(figure(panels=[Panel("t", "x", "y", [series], log=log)]))
 
 
 class TestInAPage:
     def test_colours_are_the_page_s_to_set_and_references_resolve(self, svg):
-        text = pages.inline(svg)
+        text = pages.inline_svg(svg)
         colours = {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"}
         assert colours <= set(re.findall(r"var\([^)]*\)", text))
         assert "var(" not in svg
@@ -82,7 +82,7 @@ class TestInAPage:
         x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
         named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
         panel = Panel("", "x", "y", [named], log="xy")
-        svg, canvas = figures.drawing(figure(panels=[panel], size=(5.0, 3.0)))
+        svg, canvas = figures.drawing_lock(figure(panels=[panel], size=(5.0, 3.0)))
         root = ElementTree.fromstring(svg)
         found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
         heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))

@@ -58,7 +58,7 @@ def no_picture(monkeypatch):
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """Folder of one report, which tests read and leave as it is."""
-    return html.write(report(), tmp_path_factory.mktemp("report") / "out").parent
+    return html.write_report(report(), tmp_path_factory.mktemp("report") / "out").parent
 
 
 VERDICTS = [
@@ -95,7 +95,9 @@ class TestPage:
     def test_a_long_table_is_folded_with_all_its_rows_and_columns(self, tmp_path, rows, folded):
         keys = [*"abcdefghij", "verdict"]
         all_of = [Quantity(k, k, format="s") for k in keys]
-        html.write(report(Table("t", "T", all_of, [dict.fromkeys(keys, f"x{n}") for n in range(rows)])), tmp_path / "out")
+        html.write_report(
+            report(Table("t", "T", all_of, [dict.fromkeys(keys, f"x{n}") for n in range(rows)])), tmp_path / "out"
+        )
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert (text.count("<tr>"), text.count("<th ")) == (rows + 1, len(keys))
         assert ("<details" in text) is folded
@@ -113,7 +115,7 @@ class TestPage:
     @pytest.mark.parametrize("picture", [screw(), FieldPicture("cube", "A cube", (), (), (), (), 2.0)])
     def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path, picture):
         lines = []
-        html.write(report(picture), tmp_path / "out", lines.append)
+        html.write_report(report(picture), tmp_path / "out", lines.append)
         page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert "This picture was left out. install libgl1 &amp; co" in page
         assert lines[0] == "report: [1/2] First & foremost"
@@ -121,7 +123,7 @@ class TestPage:
         assert not list((tmp_path / "out" / "figures").iterdir())
 
     def test_same_report_same_bytes(self, tmp_path, written):
-        html.write(report(), tmp_path / "b")
+        html.write_report(report(), tmp_path / "b")
         assert contents(written) == contents(tmp_path / "b")
 
 
@@ -131,25 +133,25 @@ UNFIT = [((table(), table("Printed")), "given twice"), ((figure("../up"),), "let
 class TestReplacing:
     def test_leftovers_of_an_older_report_are_removed(self, tmp_path):
         (tmp_path / "out").mkdir()  # an empty directory is taken
-        html.write(report(table("old"), figure("old")), tmp_path / "out")
-        html.write(report(table("new")), tmp_path / "out")
+        html.write_report(report(table("old"), figure("old")), tmp_path / "out")
+        html.write_report(report(table("new")), tmp_path / "out")
         files = {"index.html", "first.html", "second.html", "search.js"}
         assert set(contents(tmp_path / "out")) == files | {"tables/new.csv", "tables/empty.csv"}
         assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
     @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
     def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
-        html.write(report(table()), tmp_path / "out")
+        html.write_report(report(table()), tmp_path / "out")
         before = contents(tmp_path)
         monkeypatch.setattr(pages.figures, "draw", Mock(side_effect=error))
         with pytest.raises(error):
-            html.write(report(table("new"), figure("new")), tmp_path / "out")
+            html.write_report(report(table("new"), figure("new")), tmp_path / "out")
         assert contents(tmp_path) == before
         assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
     @pytest.mark.parametrize(("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, ValueError)])
     def test_failure_while_swapping_brings_the_earlier_report_back(self, tmp_path, monkeypatch, error, raised):
-        html.write(report(table()), tmp_path / "out")
+        html.write_report(report(table()), tmp_path / "out")
         before = contents(tmp_path)
         rename = Path.rename
 
@@ -160,30 +162,30 @@ class TestReplacing:
 
         monkeypatch.setattr(Path, "rename", fail_on_new)
         with pytest.raises(raised):
-            html.write(report(table("new")), tmp_path / "out")
+            html.write_report(report(table("new")), tmp_path / "out")
         assert contents(tmp_path) == before
 
     @pytest.mark.parametrize("name", ["notes.txt", "index.html"])
     def test_a_foreign_directory_is_refused(self, tmp_path, name):
         (tmp_path / name).write_text("<html>mine</html>", encoding="utf-8")
         with pytest.raises(ValueError, match="holds no rollbench report"):
-            html.write(report(table()), tmp_path)
+            html.write_report(report(table()), tmp_path)
         assert contents(tmp_path) == {name: b"<html>mine</html>"}
 
     @pytest.mark.parametrize("name", ["notes.txt", "mine.html", "tables/mine.xlsx", "figures/more/a.svg"])
     def test_a_report_with_foreign_files_in_it_is_refused(self, tmp_path, name):
-        html.write(report(table()), tmp_path / "out")
+        html.write_report(report(table()), tmp_path / "out")
         mine = tmp_path / "out" / name
         mine.parent.mkdir(exist_ok=True)
         mine.write_text("mine", encoding="utf-8")
         with pytest.raises(ValueError, match="would be lost"):
-            html.write(report(table()), tmp_path / "out")
+            html.write_report(report(table()), tmp_path / "out")
         assert mine.read_text(encoding="utf-8") == "mine"
         with pytest.raises(ValueError, match="is a file"):
-            html.write(report(table()), mine)
+            html.write_report(report(table()), mine)
 
     @pytest.mark.parametrize(("items", "words"), UNFIT)
     def test_unfit_names_are_refused(self, tmp_path, items, words):
         with pytest.raises(ValueError, match=words):
-            html.write(report(*items), tmp_path / "out")
+            html.write_report(report(*items), tmp_path / "out")
         assert not list(tmp_path.iterdir())

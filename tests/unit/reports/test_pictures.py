@@ -27,8 +27,8 @@ def with_values(kind="P2"):
 @pytest.mark.parametrize("kind", ["P1", "P2", "Q2"])
 def test_a_cube_has_its_volume_surface_edges_and_values(kind):
     points, cells = cube(kind, 2)
-    grid = field3d.grid_of(content.MeshPart(points, cells, kind, points[:, 0] ** 2))
-    surface = field3d.surface_of(grid)
+    grid = field3d.part_grid(content.MeshPart(points, cells, kind, points[:, 0] ** 2))
+    surface = field3d.grid_surface(grid)
     assert (grid.volume, surface.area) == pytest.approx((1e9, 6e6))
     assert surface["values"] == pytest.approx((1e-3 * surface.points[:, 0]) ** 2)
     assert np.ptp(grid.extract_all_edges().points.reshape(-1, 3), axis=0) == pytest.approx(1e3)

@@ -9,14 +9,14 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections.sheets import sketch_scene
 from rollbench.reports.content import Sketch
-from rollbench.reports.sketch import FORCE, INK, WIDTH, draw
+from rollbench.reports.sketch import FORCE, INK, WIDTH, draw_sketch
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawn(name: str) -> tuple[Sketch, ElementTree.Element]:
     sketch = sketch_scene(catalogue.scene(name), "s", "S")
-    return sketch, ElementTree.fromstring(draw(sketch))
+    return sketch, ElementTree.fromstring(draw_sketch(sketch))
 
 
 def test_a_screw_shows_nut_balls_support_and_load_with_their_words() -> None:
@@ -32,7 +32,7 @@ def test_arrows_point_where_loads_push() -> None:
     heads = []
     for force in ((0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)):
         other = replace(scene, loads=(replace(scene.loads[0], force=force),))
-        root = ElementTree.fromstring(draw(sketch_scene(other, "s", "S")))
+        root = ElementTree.fromstring(draw_sketch(sketch_scene(other, "s", "S")))
         (head,) = (p.get("points", "") for p in root.iter(f"{SVG}polygon") if p.get("fill") == FORCE)
         (x, y), (x1, y1), (x2, y2) = (tuple(map(float, point.split(","))) for point in head.split())
         heads.append((x - (x1 + x2) / 2, y - (y1 + y2) / 2))

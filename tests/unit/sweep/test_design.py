@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.studies.sweep.keys import base_points, points, read_vary, values
+from rollbench.compare.studies.sweep.keys import base_points, design_points, read_vary, values_at
 
 KEYS = read_vary(["a=0.0:1.0", "b=1 um:3 um", "c=x,y,z"])
 
 
 def test_sobol_design_is_a_b_and_their_mixtures():
-    found = points("sobol", KEYS, 100, 1)
+    found = design_points("sobol", KEYS, 100, 1)
     n = base_points(100, 3)
     assert (n, found.shape) == (16, (5 * 16, 3))
     a, b = found[:n], found[n : 2 * n]
@@ -19,25 +19,25 @@ def test_sobol_design_is_a_b_and_their_mixtures():
 
 
 def test_latin_hypercube_has_one_sample_in_every_slice():
-    slices = (50 * points("lhs", KEYS, 50, 3)).astype(int)
+    slices = (50 * design_points("lhs", KEYS, 50, 3)).astype(int)
     np.testing.assert_array_equal(np.sort(slices, axis=0), np.arange(50)[:, None] * np.ones((1, 3)))
 
 
 def test_grid_has_all_combinations_and_the_ends():
-    found = points("grid", KEYS, 30, 0)
-    rows = [tuple(values(KEYS, place)) for place in found]
+    found = design_points("grid", KEYS, 30, 0)
+    rows = [tuple(values_at(KEYS, place)) for place in found]
     assert len(rows) == len(set(rows)) == 3 * 3 * 3
     assert [{row[k] for row in rows} for k in (1, 2)] == [{"1.0 um", "2.0 um", "3.0 um"}, {*"xyz"}]
 
 
 def test_same_seed_same_places_and_another_seed_others():
     for method in ("sobol", "lhs"):
-        first = points(method, KEYS, 64, 5)
-        assert np.array_equal(first, points(method, KEYS, 64, 5))
-        assert not np.array_equal(first, points(method, KEYS, 64, 6))
+        first = design_points(method, KEYS, 64, 5)
+        assert np.array_equal(first, design_points(method, KEYS, 64, 5))
+        assert not np.array_equal(first, design_points(method, KEYS, 64, 6))
 
 
 @pytest.mark.parametrize(("method", "samples"), [("random", 10), ("lhs", 1), ("grid", 5), ("lhs", 10**7)])
 def test_bad_designs_are_refused(method, samples):
     with pytest.raises(InputError):
-        points(method, KEYS, samples, 0)
+        design_points(method, KEYS, samples, 0)

@@ -22,7 +22,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.summary import summary, sweep_of
+from rollbench.compare.studies.sweep.summary import make_sweep, summarise
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Load, Motion
 
@@ -66,7 +66,7 @@ sweeping.run_samples(what, folder, Engine(workers=workers), print)
 
 
 def what(samples=40, **other):
-    return sweep_of(SCENE, VARY, samples, other.get("method", "lhs"), other.get("seed", 1), "lin")
+    return make_sweep(SCENE, VARY, samples, other.get("method", "lhs"), other.get("seed", 1), "lin")
 
 
 def run(folder, samples=40, engine=None, **other):
@@ -124,7 +124,7 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
 def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sample, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    for used, words in ((sample.taken_over, "under way"), (sample.working, "processes of an earlier run")):
+    for used, words in ((sample.taken_over, "under way"), (sample.hold_lock, "processes of an earlier run")):
         with used(tmp_path / "a"), pytest.raises(InputError, match=words):
             run(tmp_path / "a")
     run(tmp_path / "a")
@@ -138,7 +138,7 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
 
 
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
-    sweep = sweep_of("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
+    sweep = make_sweep("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
     found = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     status = [found[n]["status"] for n in range(6)]
     assert (status[0], status[-1][:25]) == ("converged", "refused: lin-case1.toml: ")
@@ -148,7 +148,7 @@ def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     assert (len(lines), "refused" in lines[-1]) == (7, True)
     text = json.loads((tmp_path / "a" / "summary.json").read_text())
     assert text["solved"] == 6 > text["converged"] > 0
-    failures = summary(sweep, found)["failures"]
+    failures = summarise(sweep, found)["failures"]
     assert 6 - text["converged"] > len(failures) >= 1
     assert sum(row["samples"] for row in failures) == 6 - text["converged"]
     assert (tmp_path / "a" / "sweep-effects.svg").exists()
@@ -156,7 +156,7 @@ def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
 
 @pytest.mark.parametrize("samples", [4, 40])
 def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_path, samples):
-    sweep = sweep_of("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
+    sweep = make_sweep("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
     with pytest.raises(InputError, match=r"is refused for one reason, the last one so: lin-case1\.toml: .*allowed"):
         sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists(), "the folder is free for the next one"
@@ -211,12 +211,12 @@ GOOD = "track.lead=10 mm:20 mm"
 def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_is_solved(tmp_path, vary):
     model, words = ("no such", "model: got") if vary == GOOD else ("lin", None)
     with pytest.raises(InputError, match=words):
-        sweeping.run_samples(sweep_of("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", Engine(), print)
+        sweeping.run_samples(make_sweep("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists()
 
 
 def test_a_sample_is_the_solution_of_its_scene():
-    sweep = sweep_of("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
+    sweep = make_sweep("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
     found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
     result = run_model(scene_file.loads(text, "x.toml"), "lin", Options(discretisation=False))
@@ -248,7 +248,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
         solved.append(arguments)
         return run_model(*arguments)
 
-    some = sweep_of(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
+    some = make_sweep(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
     with monkeypatch.context() as patch:
         patch.setattr(sampling, "run_model", counted)
         patch.setattr(sample, "solve_scaled", None)  # the unloaded solution is of rigidity and preload
@@ -261,7 +261,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "some", 4)
     with pytest.raises(InputError, match="outputs: got loads; allowed: largest_load_N"):
-        sweeping.run_samples(sweep_of(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print)
+        sweeping.run_samples(make_sweep(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print)
 
 
 def test_outputs_of_load_cases_and_of_several_sets_can_be_left_out():

@@ -8,7 +8,7 @@ from rollbench.compare.evidence import Evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import Scatter, Validated
 from rollbench.compare.sections.u_val import scatter_figure, scatter_table, u_val_table
-from rollbench.reports.figures import draw
+from rollbench.reports.figures import draw_figure
 
 
 def test_every_external_table_has_a_title():
@@ -43,4 +43,4 @@ def test_u_val_says_what_an_error_is_worth_and_bias_and_scatter_are_drawn():
     assert says == ["not told from u_val", "E ± u_val is the model's"]
     found = [Scatter("lin", "contact loads", 15, 900, 0.3, 2.9, 0.8, 0.5)]
     assert scatter_table(found).rows[0]["within_own"] == 50.0
-    assert "<svg" in draw(scatter_figure(found))
+    assert "<svg" in draw_figure(scatter_figure(found))

@@ -8,7 +8,7 @@ from rollbench.compare.cases.lin.evidence.steering import REACH, at_angle, rack,
 from rollbench.compare.cases.lin.pages import steering
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Table
-from rollbench.reports.figures import draw
+from rollbench.reports.figures import draw_figure
 
 SCENE = catalogue.scene("lin-nominal-4p1")
 
@@ -70,7 +70,7 @@ def test_lash_tests_are_load_curves_of_the_screw():
 def test_figures_and_tables_are_whole(points):
     figure = steering.rack_figure(points)
     assert [len(p.series) for p in figure.panels[:2]] == [4, 4]
-    assert draw(figure).startswith("<?xml")
+    assert draw_figure(figure).startswith("<?xml")
     rows = steering.ratio_rows(points)
     assert len(rows) == len(gear.PINIONS) * len(gear.OFFSETS) * 3
     assert len(Table.of("ratios", "", rows).columns) == 6
