@@ -27,7 +27,7 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import each_case, solvable
+from rollbench.compare.scenes.scene_file import each_case, scene_or_assembly
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import held_to_one_thread
@@ -656,7 +656,7 @@ def mesh_study(
     described = _described(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
         return mesh_study_of(*roller.library(described, levels, LOG.info, Path(store)))
-    found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+    found = library(scene_or_assembly(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 
 

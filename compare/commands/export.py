@@ -114,7 +114,7 @@ def export(
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
             raise ArgumentError("format", "step", "no `part`, `level` or `ball` with it", "leave them out")
-        return print_answer(run_step(scene_file.solvable(catalogue.any_scene(scene), scene), out))
+        return print_answer(run_step(scene_file.scene_or_assembly(catalogue.any_scene(scene), scene), out))
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
 
 
@@ -293,12 +293,12 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.tasks import settings_of
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case, whole
+    from rollbench.compare.scenes.scene_file import each_case, single_set_or_raise
 
     if level not in LEVELS:
         raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
     described = catalogue.any_scene(typed)
-    scenes = [whole(x, typed) for x in each_case(described, typed)]
+    scenes = [single_set_or_raise(x, typed) for x in each_case(described, typed)]
     scene = scenes[0]
     out = out or Path(f"{described.name}-condensed.npz")
     need_writable(out)

@@ -166,10 +166,12 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
-    titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
+    titles = {name: catalogue.top_level_keys(name)["title"] for name in catalogue.scene_names()}
     of_users = {name: origin(name) for name in installed() if name not in MODELS}
     return {
-        "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
+        "scenes": {
+            k: {n: t for n, t in titles.items() if catalogue.kind_of_shipped(n) == k} for k in (*WHOLE, AXIS, *KINDS)
+        },
         "models": {model.name: model.about for model in MODELS.values()},
         **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},

@@ -274,7 +274,7 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
     """Check the equilibrium of every shipped scene, and the agreement of both solvers of the beam model."""
     rows = []
     limit = min(EXACT, max_error)
-    for name in catalogue.whole_names():
+    for name in catalogue.single_set_names():
         result = study.solve(name)
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")

@@ -134,7 +134,7 @@ class Place:
 @cache
 def compared(*, ring: bool) -> tuple[Scene, ...]:
     """Return the shipped scenes that were compared with the 3D reference: rings if ``ring``, else screws."""
-    names = (*catalogue.with_role("referenced"), *catalogue.with_role("unseen"))
+    names = (*catalogue.names_with_role("referenced"), *catalogue.names_with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
 

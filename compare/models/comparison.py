@@ -26,7 +26,7 @@ from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, bodies_path, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, balls_of
-from rollbench.compare.scenes.catalogue import with_role
+from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -34,7 +34,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Load, Scene
 
 #: Scenes whose runs of the 3D reference are shipped.
-REFERENCED = with_role("referenced")
+REFERENCED = names_with_role("referenced")
 
 #: Definition of the gate's error (`measure.gate_scale`) in words.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"

@@ -27,7 +27,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import Run, load_run
 from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
-from rollbench.compare.scenes.catalogue import with_role
+from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import forget
@@ -164,7 +164,7 @@ def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | 
 
 
 #: Screws and a bearing that were not used while the refined model was developed.
-UNSEEN = with_role("unseen")
+UNSEEN = names_with_role("unseen")
 
 #: Scenes with an uncertainty above 0.3 % on four mesh levels, due to lightly loaded contacts next to heavily loaded ones.
 DEEP = ("two-balls", "unseen-25x5")

@@ -99,7 +99,7 @@ def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> Scen
         return _page_of_cases(name, described, stores, file)
     if isinstance(described, Assembly):
         return page_of_axis(name, solve_axis(described, default_model(described), Options()), stores)
-    return _page_of_scene(name, scene_file.whole(described, name), stores, file)
+    return _page_of_scene(name, scene_file.single_set_or_raise(described, name), stores, file)
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:

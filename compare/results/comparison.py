@@ -23,7 +23,7 @@ from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.compare.results.compared import Beside, Compared, answer_rows, answers_of, compared, verdict
 from rollbench.compare.results.solved import ExpectedError, expected_error
-from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
+from rollbench.compare.scenes.duty_cycle import CaseOfCycle, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -560,7 +560,7 @@ def named(one: Referenced) -> dict[str, str]:
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
-def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
+def cycles_of(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
     """Return the duty cycles to which load cases belong, each once.
 
     Parameters

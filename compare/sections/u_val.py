@@ -94,7 +94,11 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     """Return loads (n, 4) [N] by level that a store keeps for tests only, and the drawn scenes; empty if no file."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
+    drawn = {
+        name: scene_file.scene_of_text(record.pop(SCENE), f"{name}.toml")
+        for name, record in data.items()
+        if SCENE in record
+    }
     return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 

@@ -29,8 +29,8 @@ from rollbench.compare.reference.jobs import keep
 from rollbench.compare.reference.store import Run, read_run, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.from_keys import touching_angle
-from rollbench.compare.scenes.template import LOAD, values_like
+from rollbench.compare.scenes.from_keys import angle_of_touching_balls
+from rollbench.compare.scenes.template import LOAD, catalogue_values
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -80,9 +80,9 @@ def scene_text(seed: int, number: int) -> str:
     lead = int(rng.choice(SIZES[outer]))
     kind = str(rng.choice(PRELOADS))
     starts = 2 if lead > 0.3 * outer and kind != "lead offset" and rng.random() < 0.45 else 1
-    sizes = values_like(f"{outer}x{lead / starts:g}")
+    sizes = catalogue_values(f"{outer}x{lead / starts:g}")
     ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
-    balls, count = _balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
+    balls, count = _balls(rng, starts, ball, angle_of_touching_balls(pitch / 2.0, lead, ball), halved=kind == "lead offset")
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
     track = {
@@ -222,7 +222,7 @@ def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> li
 
 def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
     """Return the length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, in whole micrometres."""
-    read = scene_file.loads(_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
+    read = scene_file.scene_of_text(_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _log(rng, 1.0, 6.0)) + 5e-4, 3)
 
@@ -277,7 +277,7 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
     record: Record = {"number": number, "version": __version__}
     try:
-        scene = scene_file.loads(text, f"{name}.toml")
+        scene = scene_file.scene_of_text(text, f"{name}.toml")
         record |= described(scene)
         raised = replace(scene, name=f"{name}-raised", loads=tuple(_raised(x) for x in scene.loads))
         found = [run for one in (scene, raised) if (run := kept(runs, one)) is not None]

@@ -52,7 +52,7 @@ Row = dict[str, Any]
 
 def drawn(number: int) -> Scene:
     """Return screw ``number`` of the survey."""
-    return scene_file.loads(survey.scene_text(survey.SEED, number), f"{name_of(number)}.toml")
+    return scene_file.scene_of_text(survey.scene_text(survey.SEED, number), f"{name_of(number)}.toml")
 
 
 def name_of(number: int) -> str:

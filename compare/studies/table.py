@@ -103,7 +103,7 @@ def asked_for(
     InputError
         If scene, key, unit, quantity or model is unknown.
     """
-    described = scene_file.solvable(catalogue.any_scene(scene), scene)
+    described = scene_file.scene_or_assembly(catalogue.any_scene(scene), scene)
     shipped = scene in catalogue.scene_names()
     text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
     for name in quantities:
@@ -188,7 +188,7 @@ def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
     """Solve one combination of the keys' values; a refusal by scene or model becomes the status of the row."""
     try:
         raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
-        scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
+        scene = scene_file.scene_or_assembly(scene_tables.read_tables(raw, asked.origin), asked.origin)
         if isinstance(scene, Assembly) and isinstance(asked.station, float):
             scene = replace(scene, stiffness_at=asked.station)
         return _solved(scene, asked, engine)

@@ -159,7 +159,7 @@ def solved(text: str, model: str) -> Any:
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
         return (several, gather_axis(described, several)) if several.converged else several
-    scene = scene_file.whole(described, "drawn.toml")
+    scene = scene_file.single_set_or_raise(described, "drawn.toml")
     result = run_model(scene, model, COMPILED)
     return (result, gather(scene, result, model, COMPILED)) if result.converged else result
 
@@ -178,7 +178,7 @@ def of_kind(number: int, shift: float) -> str:
 
 def of_a_kind(name: str) -> bool:
     """Whether only friction solves a shipped scene, in little time."""
-    return catalogue.heading(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
+    return catalogue.top_level_keys(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
 
 
 Item = Callable[[int, float], Found]

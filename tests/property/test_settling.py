@@ -40,7 +40,7 @@ def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(
         return found
 
     monkeypatch.setattr(reference, "solve_reference", counted)
-    scene = scene_file.load(SCENES / f"{name}.toml")
+    scene = scene_file.read_scene_file(SCENES / f"{name}.toml")
     (run,) = compute(Task((scene,), level))
     assert (run.status, run.moving, run.measured) == ("converged", 0.0, measuring_conditions())
     assert max(updates) <= 4

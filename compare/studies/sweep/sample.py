@@ -442,7 +442,7 @@ def attempt(
     scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
         return _solve_cases(scene, model, engine, wanted)
-    result, kept = solve_case(scene_file.solvable(scene, origin), model, engine, wanted)
+    result, kept = solve_case(scene_file.scene_or_assembly(scene, origin), model, engine, wanted)
     return {"status": result.status, **kept}
 
 

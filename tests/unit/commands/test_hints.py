@@ -41,7 +41,7 @@ def test_a_misspelt_file_has_a_suggestion(tmp_path, typed: str) -> None:
     (tmp_path / "screw 40.toml").write_text("", encoding="utf-8")
     (tmp_path / "screw 40.csv").write_text("", encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        scene_file.load(tmp_path / typed)
+        scene_file.read_scene_file(tmp_path / typed)
     assert f"did you mean {shlex.quote(str(tmp_path / 'screw 40.toml'))}?" in str(caught.value)
 
 

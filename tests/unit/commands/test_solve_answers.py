@@ -180,7 +180,7 @@ def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command
 
 
 def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
-    text = template.scene_like("40x10")
+    text = template.ball_screw_text("40x10")
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)

@@ -66,7 +66,7 @@ def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
 
 def test_a_scene_may_set_its_own_limits() -> None:
     text = catalogue.scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
-    scene = scene_file.loads(text, "two-balls.toml")
+    scene = scene_file.scene_of_text(text, "two-balls.toml")
     assert scene == TWO, "limits are no part of what is solved and stored"
     assert store.key_of(scene, "", {}, (0, 3)) == store.key_of(TWO, "", {}, (0, 3))
     stated, given = limits_of(scene, None), limits_of(scene, 9.0)
@@ -85,7 +85,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
 
     monkeypatch.setattr(user, "ensure", refused)
     text = catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"')
-    first, second = check([scene_file.loads(text, "mine.toml"), TWO], Asked((tmp_path, gate_request().stores[1])))
+    first, second = check([scene_file.scene_of_text(text, "mine.toml"), TWO], Asked((tmp_path, gate_request().stores[1])))
     assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
     assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
     assert second.word == "pass"

@@ -86,7 +86,7 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
     assert len(known) == COUNT
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}
     for name, scene in scenes.items():
-        assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")
+        assert scene == scene_file.scene_of_text(scene_text(SEED, known[name]), f"{name}.toml")
     assert {grid_parts.both_flanks(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
 
 
