@@ -199,8 +199,8 @@ def solve_described(
     rollbench.InputError
         If the model does not cover the scene.
     """
-    from rollbench.compare.models.answers import Answers, tangent_at_nut, tangent_of
-    from rollbench.compare.models.load_cases import solve_any, together
+    from rollbench.compare.models.answers import Answers, tangent_stiffness_at, tangent_stiffness_at_nut
+    from rollbench.compare.models.load_cases import cycle_summary, solve_any
     from rollbench.compare.models.registry import default_model
     from rollbench.compare.results.solved import result_of
 
@@ -212,16 +212,16 @@ def solve_described(
                 scene = replace(scene, stiffness_at=stiffness_at)
             one = solve_any(scene, chosen, options)
             if isinstance(scene, Scene) and stiffness_at is not None and one.answers is not None:
-                tangent = tangent_of(scene, stiffness_at, chosen, options)
+                tangent = tangent_stiffness_at(scene, stiffness_at, chosen, options)
             K = one.answers.at_nut if isinstance(one.answers, Answers) else None
             if K is None and stiffness and isinstance(scene, Scene) and one.answers is not None:
-                K, _ = tangent_at_nut(scene, chosen, options)
+                K, _ = tangent_stiffness_at_nut(scene, chosen, options)
             solved.append(one)
             tangents.append(tangent)
             at_nut.append(K)
     if not isinstance(described, DutyCycle):
         return result_of(solved, tangents, at_nut)
-    return result_of(solved, tangents, at_nut, described, together(described, solved))
+    return result_of(solved, tangents, at_nut, described, cycle_summary(described, solved))
 
 
 @held_to_one_thread()

@@ -289,7 +289,7 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
 
     Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
-    from rollbench.compare.files import need_writable, written
+    from rollbench.compare.files import need_writable, os_errors_as_input_errors
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.tasks import settings_of
     from rollbench.compare.scenes import catalogue
@@ -313,7 +313,7 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
         raise out_of_memory(error) from error
     except ValueError as error:
         raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
-    with written(out):
+    with os_errors_as_input_errors(out):
         condensed_bodies(setup, level).save(out)
     command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
     return Answer(parts=[f"wrote {out}; use it with: {command}"])

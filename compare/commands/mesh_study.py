@@ -88,7 +88,7 @@ def run_mesh_study(
     count: as for `levels_of`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
     """
     from rollbench.compare.commands.compare import code_of
-    from rollbench.compare.files import no_figure, write_csv, write_figure
+    from rollbench.compare.files import why_no_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
@@ -110,7 +110,7 @@ def run_mesh_study(
             write_figure(Path(f"{stem}.svg"), figure)
         parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(extremes(table)), ""]
         parts += [closing(one.found), *filter(None, [one.found.unsettled])]
-        parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
+        parts.append(f"every contact: {stem}.csv and {why_no_figure() or '.svg'}")
     return Answer(tables, parts, code_of(one.found for one in references))
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, finest_bodies
-from rollbench.compare.models.model_form import Point, left_out, point, surveyed_points
+from rollbench.compare.models.model_form import Point, leave_one_out, measure_errors, points_of_drawn_screws
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
@@ -131,7 +131,7 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
     return Effect(scene, variant, label, choice, kind, change, load_error(changed, base), ratio)
 
 
-def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
+def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     """Return a scene's modelling uncertainty: root sum of squares over all choices; None if none was varied."""
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
@@ -223,7 +223,7 @@ def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | No
 
 
 @dataclass(frozen=True)
-class Share:
+class BodyShareErrors:
     """Errors of the refined model on one scene when the bodies of the finest 3D run replace some of its bodies."""
 
     #: Name of the scene.
@@ -234,7 +234,7 @@ class Share:
     bias: dict[tuple[str, ...], float]
 
 
-def shares(study: Study) -> list[Share]:
+def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
     """Compute, by scene, the refined model's errors with neither body, the screw, the nut or both taken from 3D."""
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
@@ -250,7 +250,7 @@ def shares(study: Study) -> list[Share]:
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
             errors[parts] = load_error(result.load, reference.load, reference.contacts)
             bias[parts] = float(error_percent(result.load.sum(), reference.load.sum()))
-        out.append(Share(name, errors, bias))
+        out.append(BodyShareErrors(name, errors, bias))
     return out
 
 
@@ -267,7 +267,7 @@ def ladder(study: Study) -> list[Rung]:
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
     """Return the comparison points (errors of a model on a scene) from which the expected error is estimated."""
     references = study.references((*REFERENCED, *UNSEEN))
-    return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
+    return [measure_errors(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
@@ -278,7 +278,7 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
     list of dict
         Measured and expected errors of the loads [% of the mean load]; None if the others do not cover the screw.
     """
-    everything = [*points(study, rungs), *surveyed_points()]
+    everything = [*points(study, rungs), *points_of_drawn_screws()]
     return [
         {
             "scene": one.point.scene,
@@ -289,5 +289,5 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
             "expected_rms": None if one.expected is None else one.expected["rms_percent"],
         }
         for model in RUNGS
-        for one in left_out(everything, model.name)
+        for one in leave_one_out(everything, model.name)
     ]

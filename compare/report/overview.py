@@ -11,12 +11,12 @@ from rollbench.compare.evidence import audit, computations
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
-from rollbench.compare.models.model_form import Point, surveyed_points
+from rollbench.compare.models.model_form import Point, points_of_drawn_screws
 from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
 from rollbench.compare.models.modelling import points as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
+from rollbench.compare.models.uncertainty import CONTACTS, bias_and_scatter, total
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
 from rollbench.compare.sections.source_tables import by_place
@@ -420,8 +420,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
     found = study.references(tuple(points))
     bars = [uncertainty_percent(ref) for ref in found.values()]
-    compared = [*compared_points(study, study.once(ladder)), *surveyed_points()]
-    screws, drawn = screw_errors(compared), len({p.scene for p in surveyed_points()})
+    compared = [*compared_points(study, study.once(ladder)), *points_of_drawn_screws()]
+    screws, drawn = screw_errors(compared), len({p.scene for p in points_of_drawn_screws()})
     wide = first_figure(screws, points, "error-time", (11.0, 4.1))
     narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = [drawn_words(drawn), *coverage({name: study.scene(name) for name in points}, found)]
@@ -467,7 +467,7 @@ def quantity_table(study: Study) -> Table:
                 "verdict": "yes" if passed == len(of_model) else "no",
             }
         )
-    for s in scatter(rows):
+    for s in bias_and_scatter(rows):
         if s.model not in KINDS:
             continue
         worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]

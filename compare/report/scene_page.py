@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.user import judged_by
+from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models.answers import Answers, tangent_of
+from rollbench.compare.models.answers import Answers, tangent_stiffness_at
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import SolvedAxis, solve_any, solve_axis, solve_one, together
+from rollbench.compare.models.load_cases import SolvedAxis, cycle_summary, solve_any, solve_axis, solve_one
 from rollbench.compare.models.model_form import FILE, ModelForm
 from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
+from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated_error
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
@@ -106,7 +106,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
     """Return the page of the load case with the highest pressure, headed by the results of all cases together."""
     solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
-    whole = together(cycle, solved)
+    whole = cycle_summary(cycle, solved)
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case
@@ -143,15 +143,17 @@ def _page_of_scene(
     """Return the page of one load case."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
-    given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
+    given = None if file is None else references_from_file(file, scene, warnings.append, case=case)[0].found
     options = Options()
     one = solve_one(scene, DEFAULT, options)
     result, answers, worth = one.result, one.answers, one.expected
     if answers is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
-    tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
+    tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
-    judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
+    judged = [
+        v for q in QUANTITIES if (v := validated_error(study, scene.name, DEFAULT, q, from_result(result))) is not None
+    ]
     text, data = scene_text(name), case_json(one)
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import alike, question
+from rollbench.compare.files import did_you_mean, similar_names
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
@@ -128,6 +128,6 @@ def looks_like_path(text: str) -> bool:
 
 def _unknown_name_error(name: str) -> InputError:
     names = scene_names()
-    near = question(alike(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
+    near = did_you_mean(similar_names(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
     advice = near or "list the shipped scenes with: rollbench list"
     return InputError("scene", "name", f'"{name}"', f"one of {len(names)} shipped names, or a file", advice)

@@ -113,7 +113,7 @@ def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("track.clearance",), 'only for a bearing, lead = "0 mm"', advice, "a clearance of a nut")
     if angle is not None:
         advice = (
-            "leave contact_angle out: it follows from clearance and groove radii; write the play of a four-point bearing as "
+            "leave contact_angle out: it follows from clearance and groove radii; write play of a four-point bearing as "
             "errors.balls.oversize below zero"
         )
         yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both of them")

@@ -12,7 +12,7 @@ from typing import Any
 
 from rollbench.compare.case import shipped_files
 from rollbench.compare.errors import SceneError
-from rollbench.compare.files import ENCODING, NoText, like_path, text_of
+from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_of
 from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
@@ -141,7 +141,7 @@ def read_text(path: str | Path) -> str:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        near = like_path(Path(path), shipped_files("scenes")) if isinstance(error, FileNotFoundError) else ""
+        near = similar_paths(Path(path), shipped_files("scenes")) if isinstance(error, FileNotFoundError) else ""
         advice = near or "check the path, or see the shipped scenes with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
@@ -150,7 +150,7 @@ def read_text(path: str | Path) -> str:
         raise SceneError(str(path), "file", value, allowed, "is this a scene file?")
     try:
         text = text_of(data)
-    except NoText as error:
+    except NotTextError as error:
         raise SceneError(str(path), "file", error.value, ENCODING, error.advice) from None
     longest = max(map(len, text.splitlines()), default=0)
     if longest > MAX_LINE:

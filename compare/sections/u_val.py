@@ -29,11 +29,19 @@ from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     Scatter,
     Validated,
+    bias_and_scatter,
     bound_shares,
-    scatter,
-    validated,
+    validated_error,
 )
-from rollbench.compare.reference.grid_parts import Experience, Levelled, left_out, measured, moving, parts, too_large
+from rollbench.compare.reference.grid_parts import (
+    Experience,
+    Levelled,
+    derive_experience,
+    error_near_faces,
+    excess_near_faces,
+    grid_parts_of,
+    loaded_on_any_level,
+)
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import scene_file
@@ -129,7 +137,11 @@ def socket_scatter(study: Study) -> float | None:
 def experience(study: Study) -> Experience | None:
     """Return the experience from all compared scenes of a store; None if it does not hold them."""
     loads, sockets = levelled(study), socket_scatter(study)
-    return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
+    return (
+        None
+        if sockets is None or len(loads) < len(UNSEEN)
+        else derive_experience(loads, sockets, study.once(_beside_faces))
+    )
 
 
 def _scene(study: Study, name: str) -> Scene:
@@ -141,7 +153,7 @@ def _beside_faces(study: Study) -> dict[str, Array]:
     """Return the errors of level 1 near free faces, (n, 4) [% of the mean load], by compared scene."""
     first = min(LEVELS)
     return {
-        name: error_percent(left_out(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
+        name: error_percent(error_near_faces(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
         for name, loads in levelled(study).items()
         if first in loads
     }
@@ -182,12 +194,12 @@ def _held(
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
-    known = measured(others, sockets, beside)
+    known = derive_experience(others, sockets, beside)
     loads, judge = scenes[name], max(scenes[name])
-    on, mean = moving(loads), mean_load(loads[judge])
+    on, mean = loaded_on_any_level(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
-    grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    beside_faces = left_out if grid.by_experience else too_large
+    grid, off = grid_parts_of(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    beside_faces = error_near_faces if grid.by_experience else excess_near_faces
     bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
     return Held(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
@@ -203,7 +215,7 @@ SHOWN = (DEFAULT, "lin")
 
 def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
     """Return the validation results of every model of the ladder, by scene and quantity."""
-    found = [validated(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
+    found = [validated_error(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 
@@ -316,7 +328,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         return Section("u-val", title, (Text(("No run of the 3D reference was found.",)),))
     step("grid, choices and input tolerances of every scene")
     rows = rows_of(study, rungs)
-    found = scatter(rows)
+    found = bias_and_scatter(rows)
     of_loads = {s.model: s for s in found if s.quantity == CONTACTS}
     words = [
         f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them "

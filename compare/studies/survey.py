@@ -21,10 +21,18 @@ from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import DESCRIPTORS, SURVEY
 from rollbench.compare.models.comparison import from_run
-from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, loaded_section, point, rigidity, shipped_points
+from rollbench.compare.models.model_form import (
+    QUANTITIES,
+    Point,
+    estimate,
+    loaded_section,
+    measure_errors,
+    rigidity_between,
+    shipped_points,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.jobs import keep
 from rollbench.compare.reference.store import Run, read_run, shipped_store
 from rollbench.compare.reference.tasks import Task
@@ -283,7 +291,7 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
         found = [run for one in (scene, raised) if (run := kept(runs, one)) is not None]
         if len(found) < 2:
             task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
-            found = compute(task)
+            found = compute_runs(task)
             if runs is not None:
                 keep(runs, task, found, None)
         record |= compared(scene, raised, found)
@@ -357,7 +365,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         answers[name] = answer, run_model(raised, name, Options(discretisation=False))
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
-        name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
+        name: measure_errors(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
@@ -368,7 +376,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].moved, 5),
-        "rigidity_N_per_um": _rounded(rigidity(places), 1e-6),
+        "rigidity_N_per_um": _rounded(rigidity_between(places), 1e-6),
         "models": {name: _model(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()},
         "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],
@@ -380,15 +388,15 @@ def _rounded(value: float | None, factor: float = 1.0) -> float | None:
     return None if value is None else round(factor * value, 5)
 
 
-def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
+def _model(scene: Scene, result: StaticResult, run: Run, measure_errors: Point) -> Record:
     """Return a model's errors [%] on a drawn screw, and the errors expected from the other compared scenes."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
+    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != measure_errors.scene])
     return {
         "status": result.status,
-        "largest_percent": point.percent,
+        "largest_percent": measure_errors.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
+        **{name: getattr(measure_errors, name) for name in ("gate_percent", *QUANTITIES[1:])},
         **{name.replace("percent", "expected_percent"): _rounded(getattr(expected, name)) for name in QUANTITIES},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_of
+from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_stiffness_at
 from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, known_model
 from rollbench.compare.quantities import as_json
@@ -209,7 +209,7 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
         errors = _expected(scene, result)
         if "stiffness" in asked.quantities:
             station = asked.station if isinstance(asked.station, float) else scene.nut.position
-            tangent = tangent_of(scene, station, asked.model, Options())
+            tangent = tangent_stiffness_at(scene, station, asked.model, Options())
     elif isinstance(result, AxisResult) and "stiffness" in asked.quantities:
         of_set = next((s.stiffness for s in result.sets if s.of.name == asked.station), result.stiffness)
         none = "the place is held, or no contact there is loaded"

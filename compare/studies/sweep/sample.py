@@ -26,9 +26,9 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
-from rollbench.compare.models.answers import unloaded_place
+from rollbench.compare.models.answers import axial_place_without_loads
 from rollbench.compare.models.load_cases import cycle_life, loads_of
-from rollbench.compare.models.loading import axial_load, axial_preload, motion_asked, scaled, solve_scaled
+from rollbench.compare.models.loading import axial_load, axial_preload, displacement_of_interest, scaled, solve_scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -83,7 +83,7 @@ def outputs(
         return solve_scaled(scene, 0.0, model, options)
 
     def rigidity() -> float | None:
-        moved = axial_displacement(scene, result) - unloaded_place(scene, bare())
+        moved = axial_displacement(scene, result) - axial_place_without_loads(scene, bare())
         return _rigidity(axial_force(result), moved)
 
     makers: Makers = {
@@ -127,8 +127,10 @@ def cycle_outputs(
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
     if "torque_Nmm" in wanted:
         torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
-        known = all(torque is not None for _, torque in torques)
-        found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
+        known = all(total_friction_torque is not None for _, total_friction_torque in torques)
+        found["torque_Nmm"] = (
+            sum(share * total_friction_torque for share, total_friction_torque in torques) if known else None
+        )
     if "life_million_revolutions" in wanted:
         lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
         rated = [x.revolutions for x in lives if x is not None]
@@ -156,7 +158,7 @@ def axis_outputs(
     set with the shortest; preload: the largest axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved, loads = axial_load(assembly), motion_asked(assembly, result)[2], loads_of(result)
+    force, moved, loads = axial_load(assembly), displacement_of_interest(assembly, result)[2], loads_of(result)
 
     @cache
     def bare() -> AxisResult:
@@ -170,7 +172,7 @@ def axis_outputs(
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
         "rigidity_N_per_um": lambda: (
-            _rigidity(force, moved - motion_asked(assembly, bare())[2]) if bare().converged else None
+            _rigidity(force, moved - displacement_of_interest(assembly, bare())[2]) if bare().converged else None
         ),
         "preload_N": preload,
         "life_million_revolutions": lambda: _life([(s.of.parts, loads[s.of.name]) for s in result.sets]),
@@ -265,9 +267,9 @@ def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
     """Return the friction torque of all sets [N mm]; None if it does not converge or a set is not covered."""
-    from rollbench.compare.models.friction_sums import torque
+    from rollbench.compare.models.friction_sums import total_friction_torque
 
-    return torque(sets, friction, motion, options)
+    return total_friction_torque(sets, friction, motion, options)
 
 
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import like_path
+from rollbench.compare.files import similar_paths
 from rollbench.compare.scenes import catalogue, scene_file
 
 
@@ -54,8 +54,8 @@ def test_further_suggestions(tmp_path, monkeypatch) -> None:
         with pytest.raises(InputError, match=r"did you mean Mine\.toml"):
             catalogue.any_scene(typed)
     (tmp_path / "loads.csv").write_text("", encoding="utf-8")
-    assert like_path(tmp_path / "laods.csv") == f"did you mean {tmp_path / 'loads.csv'}?"
-    assert like_path(tmp_path / "none" / "laods.csv") == ""
+    assert similar_paths(tmp_path / "laods.csv") == f"did you mean {tmp_path / 'loads.csv'}?"
+    assert similar_paths(tmp_path / "none" / "laods.csv") == ""
     with pytest.raises(InputError, match="rollbench list"):
         catalogue.any_scene("xyzxyz.toml")
 

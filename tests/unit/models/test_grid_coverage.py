@@ -44,7 +44,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     rows = []
     for loads in u_val.levelled(STUDY).values():
         if set(levels) <= set(loads):
-            y = np.array([loads[k][grid_parts.moving(loads)] for k in levels])
+            y = np.array([loads[k][grid_parts.loaded_on_any_level(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
             rows.append(changes / changes.mean())
     found = np.mean(rows, axis=0)
@@ -106,7 +106,7 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
     assert found.scenes == kept.scenes
     choices = uncertainty.read_choices(store.shipped_store())
     for name in modelling.VARIED:
-        total = modelling.combined(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
+        total = modelling.combine_effects(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 

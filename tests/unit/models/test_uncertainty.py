@@ -10,14 +10,14 @@ from rollbench.compare.models.answers import load_answers
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (
     QUANTITIES,
-    Choices,
-    Total,
+    ChoiceEffects,
+    LoadUncertainty,
     choices_for,
     input_parts,
     input_uncertainty,
     read_choices,
-    save,
-    second_order,
+    save_choices,
+    second_order_reduction,
     total,
 )
 from rollbench.compare.quantities import as_json
@@ -27,8 +27,11 @@ from rollbench.meshes.parts import Material
 pytestmark = pytest.mark.xdist_group("u_val")
 
 STUDY = Study()
-KNOWN = {"lin-case1": Choices("lin-case1", 1.5, "lands", 1.2), "lin-case3": Choices("lin-case3", 2.5, "held face", 2.4)}
-WHOLE = Total(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there is one", 1.2, True)
+KNOWN = {
+    "lin-case1": ChoiceEffects("lin-case1", 1.5, "lands", 1.2),
+    "lin-case3": ChoiceEffects("lin-case3", 2.5, "held face", 2.4),
+}
+WHOLE = LoadUncertainty(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there is one", 1.2, True)
 
 
 def test_parts_add_by_squares_and_the_largest_are_named() -> None:
@@ -53,7 +56,7 @@ def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -
     assert choices_for(mine, {}) is None
     soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
     assert choices_for(soft, KNOWN) is None
-    save(tmp_path, KNOWN)
+    save_choices(tmp_path, KNOWN)
     assert read_choices(tmp_path) == KNOWN
 
 
@@ -73,10 +76,12 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
     worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
     mean = found.load[found.load > 0.0].mean()
-    assert second_order(scene, found) == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
+    assert second_order_reduction(scene, found) == pytest.approx(
+        3.0 * worst.a / scene.balls.radius * found.load.max() / mean
+    )
     eight = replace(found, load=8.0 * found.load)
-    assert second_order(scene, eight) == pytest.approx(2.0 * second_order(scene, found), rel=1e-6)
-    assert second_order(scene, replace(found, load=0.0 * found.load)) == 0.0
+    assert second_order_reduction(scene, eight) == pytest.approx(2.0 * second_order_reduction(scene, found), rel=1e-6)
+    assert second_order_reduction(scene, replace(found, load=0.0 * found.load)) == 0.0
 
 
 def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:

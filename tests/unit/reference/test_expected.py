@@ -94,9 +94,9 @@ def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatc
 
 def test_a_reader_that_goes_away_is_seen() -> None:
     read, write = os.pipe()
-    assert not running.reader_gone((write,))
+    assert not running.output_closed((write,))
     os.close(read)
-    assert running.reader_gone((write,))
+    assert running.output_closed((write,))
     os.close(write)
 
 
@@ -119,4 +119,4 @@ def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatc
     ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))
     monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
     with pytest.raises(errors.InputError, match=r"memory.*ended from outside.*fewer workers"):
-        computing.compute(TASK)
+        computing.compute_runs(TASK)

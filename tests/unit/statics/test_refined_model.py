@@ -12,7 +12,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models import model_form, modelling
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import reference
+from rollbench.compare.reference.estimate import best_reference
 from rollbench.compare.reference.store import bodies_path, load_run, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Scene
@@ -75,7 +75,7 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
 
 
 def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
-    found = reference(scene)
+    found = best_reference(scene)
     assert found is not None
     return {r.model: r for r in modelling.solve_ladder(scene, found, None)}
 
@@ -126,7 +126,7 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
 
 def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None:
     """The refined model, each screw judged by all others: covered, held, and no promise of fifty per cent."""
-    found = model_form.left_out(model_form.shipped_points(), DEFAULT)
+    found = model_form.leave_one_out(model_form.shipped_points(), DEFAULT)
     covered = [one for one in found if one.expected is not None]
     assert len(covered) >= 0.9 * len(found)
     assert sum(one.point.scene.startswith("survey") for one in found) >= 190
@@ -147,7 +147,7 @@ SHIPPED_BEYOND_EXPECTED = {"unseen-40x10", "unseen-thin-nut"}
 
 def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
     """One more fails, one less too: the list is then wrong."""
-    found = model_form.left_out(model_form.shipped_points(), DEFAULT)
+    found = model_form.leave_one_out(model_form.shipped_points(), DEFAULT)
     far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
     beyond = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
     assert far == {f"survey {number}" for number in BEYOND_REACH}
@@ -166,7 +166,7 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
     for _ in range(30):
         x, errors = drawn(120)
         new, found = drawn(20)
-        held += [e <= model_form.bound(x, errors, here, 0.01) for here, e in zip(new, found, strict=True)]
+        held += [e <= model_form.error_bound(x, errors, here, 0.01) for here, e in zip(new, found, strict=True)]
     assert np.mean(held) == pytest.approx(model_form.SHARE, abs=0.03)
 
 

@@ -15,7 +15,7 @@ from tests.processes import python
 
 from rollbench.compare.commands.sweep import run_sweep
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import gather, gather_axis
+from rollbench.compare.models.answers import all_answers, all_axis_answers
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
@@ -168,7 +168,7 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
     scene = scene_file.scene_of_text(text, "lin-case3.toml")
     options = Options(discretisation=False)
     result = run_model(scene, "lin", options)
-    answers = gather(scene, result, "lin", options)
+    answers = all_answers(scene, result, "lin", options)
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.unequal, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
@@ -186,7 +186,7 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
 def test_several_sets_have_the_same_outputs():
     found = sampling.solve_sample(catalogue.scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.parse_scene(catalogue.scene_text("double-nut"), "double-nut.toml")
-    answers = gather_axis(assembly, run_model(assembly, "lin"))
+    answers = all_axis_answers(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
