@@ -59,7 +59,7 @@ def package_versions(packages: Sequence[str]) -> str:
     return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
 
 
-def machine_description() -> str:
+def machine() -> str:
     """Return processor and number of cores as text."""
     cpu = platform.processor() or platform.machine()
     with suppress(OSError):

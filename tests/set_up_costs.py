@@ -18,7 +18,7 @@ import pytest
 from rollbench.compare import __version__
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
-from rollbench.compare.running import machine_description
+from rollbench.compare.running import machine
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.run_times import SET_UP_COSTS, today
 from rollbench.compare.studies.survey import SEED, scene_text
@@ -185,11 +185,6 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
 
 if __name__ == "__main__":
     one_thread()
-    found = {
-        "version": __version__,
-        "machine": machine_description(),
-        "date": today(),
-        "jobs": [stages_of(*job) for job in JOBS],
-    }
+    found = {"version": __version__, "machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
     found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
     (shipped_store() / SET_UP_COSTS).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -66,16 +66,16 @@ def stored(folder: Path, scene: Scene) -> CrossData:
 
 
 def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
-    from rollbench.compare.reference.estimate import best_reference
+    from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.jobs import ensure, plan
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.store import shipped_store
 
     stores = (store, shipped_store())
-    found = best_reference(scene, stores)
+    found = reference(scene, stores)
     if found is None:
         ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
-        found = best_reference(scene, stores)
+        found = reference(scene, stores)
     if found is None:
         wanted = "a scene whose contact problem has a solution", "see the status of the runs in the store"
         raise InputError(scene.name, "3D reference", "no converged run", *wanted)

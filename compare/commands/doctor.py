@@ -196,12 +196,12 @@ def _size() -> Iterator[Check]:
 
 
 def _shipped() -> Iterator[Check]:
-    from rollbench.compare.reference.estimate import best_reference
+    from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.store import PROGRAMS
     from rollbench.compare.scenes import catalogue
 
     names = catalogue.names_with_role("referenced")
-    held = [kept for name in names if (kept := best_reference(catalogue.scene(name))) is not None]
+    held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]
     programs = ", ".join(
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
         for program in PROGRAMS

@@ -72,11 +72,10 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
 
     Raises InputError as `run_samples`.
     """
+    from rollbench.compare.files import why_no_figure
     from rollbench.compare.studies.sweep.summary import solve_sweep
 
     found = solve_sweep(sweep, out, engine, on_terminal)
-    from rollbench.compare.files import why_no_figure
-
     written = f"{out}: written: samples.csv, summary.json and {why_no_figure() or 'figures (SVG)'}"
     return Answer(found, [*terminal(sweep.keys, found), written], 0 if found["converged"] else 1)
 

@@ -219,9 +219,9 @@ class WholeScrewQuantities:
         if self.scene.friction is None or not lent.converged:
             return None
         result = replace(lent, load=load, contact_angle=np.where(np.isfinite(angle), angle, lent.contact_angle))
-        from rollbench.compare.models.friction_sums import total_friction_torque
+        from rollbench.compare.models.friction_sums import torque
 
-        value = total_friction_torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
+        value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
         return None if value is None else 1e-3 * value
 
     @cached_property

@@ -476,6 +476,6 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 
 
-def quantities_not_judged(verdicts: Sequence[Verdict]) -> list[str]:
+def not_judged(verdicts: Sequence[Verdict]) -> list[str]:
     """Return the names of the quantities that no verdict judges."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

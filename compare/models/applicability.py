@@ -119,7 +119,7 @@ class DescriptorInRange:
     high: float
 
     @property
-    def descriptors_outside_range(self) -> bool:
+    def outside(self) -> bool:
         """Whether the value is beyond the compared range by more than the margin."""
         d = self.descriptor.margin * (1.0 + 1e-9)
         return not self.low - d <= self.value <= self.high + d
@@ -224,7 +224,7 @@ def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> 
     return tuple(out)
 
 
-def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
+def outside(scene: Scene) -> tuple[str, ...]:
     """Describe each descriptor of a scene that is outside the compared range.
 
     Parameters

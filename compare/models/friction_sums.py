@@ -36,15 +36,11 @@ def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
     }
 
 
-def motion_against_load(total_friction_torque: ScrewTorque) -> str | None:
+def motion_against_load(torque: ScrewTorque) -> str | None:
     """Return whether the motion is ``with the load`` or ``against the load`` (axial); None if nothing translates."""
-    if not total_friction_torque.translating:
+    if not torque.translating:
         return None
-    return (
-        "with the load"
-        if total_friction_torque.load * total_friction_torque.ratio * total_friction_torque.speed > 0.0
-        else "against the load"
-    )
+    return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
 
 
 def percent(share: float) -> float | None:
@@ -97,7 +93,7 @@ def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -
         return None, str(error)
 
 
-def total_friction_torque(
+def torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
     """Compute the sum of the friction torques of all sets.

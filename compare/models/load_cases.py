@@ -270,7 +270,7 @@ class Together:
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
-def cycle_summary(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
+def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
     """Compute extremes and lives over the load cases of a duty cycle.
 
     Parameters
@@ -309,8 +309,8 @@ def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
     if not known:
         return None
     slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else SLOPE for name in known}
-    cycle_summary = 1e-6 * system_life([(1e6 * life, slopes[name]) for name, life in known.items()])
-    return SystemLife(cycle_summary, min(known, key=lambda name: known[name]), lead_of(cycle.parts), cycle.speed)
+    together = 1e-6 * system_life([(1e6 * life, slopes[name]) for name, life in known.items()])
+    return SystemLife(together, min(known, key=lambda name: known[name]), lead_of(cycle.parts), cycle.speed)
 
 
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:

@@ -13,8 +13,8 @@ scene beyond the compared ones in any feature is "not covered".
 
 `rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its points (survey.json).
 
-The errors of a compared scene are against one run of the 3D reference (`measure_errors`). Displacement and rigidity are
-those of the section of the screw on which the axial load acts. Beyond the nut a beam and a 3D shaft agree on the motion of a
+The errors of a compared scene are against one run of the 3D reference (`point`). Displacement and rigidity are those
+of the section of the screw on which the axial load acts. Beyond the nut a beam and a 3D shaft agree on the motion of a
 section (Saint-Venant); within it contacts deform the material locally, and the motion of a section depends on its
 definition.
 """
@@ -32,7 +32,7 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.applicability import descriptors_outside_range, survey_records
+from rollbench.compare.models.applicability import outside, survey_records
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.lowfi.statics.contacts import error_free_hertz
@@ -249,7 +249,7 @@ def shipped_points() -> tuple[Point, ...]:
 @cache
 def points_of_drawn_screws() -> tuple[Point, ...]:
     """Return the comparison points of all drawn screws of the survey; empty if its file is missing or damaged."""
-    return _points(lambda: [measure_errors for scene in survey_records() for measure_errors in scene["points"]])
+    return _points(lambda: [point for scene in survey_records() for point in scene["points"]])
 
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
@@ -352,7 +352,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     known = np.array([_scaled(p.features, scales) for p in like])
     away = np.hypot.reduce(known - place, axis=1)  # of any size: a moment without loads lies far away
     nearest = like[int(away.argmin())].scene
-    unlike = [*descriptors_outside_range(scene), *_features_beyond_compared(known, place)]
+    unlike = [*outside(scene), *_features_beyond_compared(known, place)]
     if unlike:
         return uncovered(f"beyond what was compared: {'; '.join(unlike)}", float(away.min()), nearest)
     return ModelForm(
@@ -382,7 +382,7 @@ class LeftOutScene:
     """Compared scene, with its measured errors and those estimated from all other compared scenes."""
 
     #: Measured errors of the scene.
-    measure_errors: Point
+    point: Point
     #: Expected errors [%] by quantity; None if the scene is not covered by the others.
     expected: dict[str, float | None] | None
 
@@ -396,12 +396,12 @@ def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
         like = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)]
         known = np.array([_scaled(p.features, scales) for p in like])
-        for k, measure_errors in enumerate(like):
-            if (FLANGE in measure_errors.features) == flange:
-                others, rest = [p for p in like if p is not measure_errors], np.delete(known, k, axis=0)
+        for k, point in enumerate(like):
+            if (FLANGE in point.features) == flange:
+                others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
                 out.append(
                     LeftOutScene(
-                        measure_errors,
+                        point,
                         None if _features_beyond_compared(rest, known[k]) else _expected_errors(others, rest, known[k]),
                     )
                 )
@@ -457,7 +457,7 @@ def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
     return float(along[0] - along[1])
 
 
-def measure_errors(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
+def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Measure the errors of a model on a scene against a run of the 3D reference.
 
     Parameters

@@ -21,7 +21,7 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, finest_bodies
-from rollbench.compare.models.model_form import Point, leave_one_out, measure_errors, points_of_drawn_screws
+from rollbench.compare.models.model_form import Point, leave_one_out, point, points_of_drawn_screws
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
@@ -267,7 +267,7 @@ def ladder(study: Study) -> list[Rung]:
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
     """Return the comparison points (errors of a model on a scene) from which the expected error is estimated."""
     references = study.references((*REFERENCED, *UNSEEN))
-    return [measure_errors(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
+    return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.estimate import Reference, best_reference
+from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
@@ -89,19 +89,19 @@ class Study:
             self.computed[key] = make(self, *args)
         return cast(T, self.computed[key])
 
-    def best_reference(self, name: str) -> Reference | None:
+    def reference(self, name: str) -> Reference | None:
         """Return the stored 3D reference of a shipped scene, with its uncertainty; None without a converged run."""
         return self.once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
         """Return the stored 3D references by scene name; scenes without one are left out."""
-        references = {name: self.best_reference(name) for name in names}
+        references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
 
 def _stored_reference(study: Study, name: str) -> Reference | None:
     """Return the stored 3D reference of a shipped scene; None if there is none."""
-    return best_reference(study.scene(name), study.stores)
+    return reference(study.scene(name), study.stores)
 
 
 def with_groove(scene: Scene, conformity: float) -> Scene:

@@ -36,7 +36,7 @@ import numpy as np
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import load_answers
-from rollbench.compare.models.applicability import descriptors_outside_range
+from rollbench.compare.models.applicability import outside
 from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, base_run
 from rollbench.compare.models.registry import MODELS
@@ -254,7 +254,7 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
         return None
     scene = study.scene(name)
     grid = grid_uncertainty(scene, reference, quantity)
-    choices = {} if descriptors_outside_range(scene) else study.once(choices_of, quantity)
+    choices = {} if outside(scene) else study.once(choices_of, quantity)
     speaks = SPOKEN_FOR.get(name, "")
     if speaks in choices and choices[speaks].shape == grid.shape:
         model, varied = choices[speaks], speaks
@@ -342,14 +342,14 @@ class Scatter:
     #: Relative deviation from the reference, as a geometric mean [%].
     bias: float
     #: Relative standard deviation of the model without the grid uncertainty [%].
-    bias_and_scatter: float
+    scatter: float
     #: Share of values within u_val.
     within: float
     #: Share of values within the reference's part of u_val.
     within_own: float
 
 
-def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
+def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """Compute bias and scatter by model and quantity, as in fire-model validation (NUREG-1824, supplement 1).
 
     Notes
@@ -421,9 +421,7 @@ class LoadUncertainty:
     #: Dominant input.
     input: str = quantity("input_dominated_by", show=lambda name: name or None)
     #: Second order of displacements.
-    second_order_reduction: float = quantity(
-        "large_displacements_percent", "what the second order of displacements changes"
-    )
+    second_order: float = quantity("large_displacements_percent", "what the second order of displacements changes")
     #: Whether the sum of loads has a part that all contacts share.
     shared: bool = quantity(
         "shared_by_all_percent",
@@ -433,7 +431,7 @@ class LoadUncertainty:
     #: Text on the uncertainty of a user's reference, shown in place of the parts; empty for a computed reference.
     stated: str = ""
     #: Part of the discretisation for the contact ``at_face``, near a free face of the nut (`compare.reference.grid_parts`).
-    uncertainty_near_face: float = quantity(
+    beside_face: float = quantity(
         "beside_free_face_percent",
         "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
         "it is less than the rest",
@@ -454,7 +452,7 @@ class LoadUncertainty:
         """Root of the sum of squares of all parts [%]; unknown parts count as zero."""
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
-        parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order_reduction}
+        parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
         return float(Uncertainty(parts).combined(unknown=0.0))
 
     @property
@@ -507,21 +505,21 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUnc
     if reference.stated:
         return LoadUncertainty(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
     share, name = _largest_input_effect(scene) if inputs else (None, "")
-    lip, at = uncertainty_near_face(reference)
+    lip, at = beside_face(reference)
     return LoadUncertainty(
         uncertainty_percent(reference),
         reference.parts.by_experience,
         choices_for(replace(scene, name=reference.best.scene), read_choices(shipped_store())),
         share,
         name,
-        second_order_reduction(scene, reference),
+        second_order(scene, reference),
         both_flanks(reference.load),
         beside_face=lip,
         at_face=at,
     )
 
 
-def uncertainty_near_face(reference: Reference) -> tuple[float, str]:
+def beside_face(reference: Reference) -> tuple[float, str]:
     """Return the largest uncertainty of a contact due to a free face near it [% of the mean load], and the contact.
 
     Zero and an empty text if it is not above the rest of the uncertainty by discretisation.
@@ -533,7 +531,7 @@ def uncertainty_near_face(reference: Reference) -> tuple[float, str]:
     return float(share.max()), f"ball {ball + 1} {SIDES[side]}"
 
 
-def second_order_reduction(scene: Scene, reference: Reference) -> float:
+def second_order(scene: Scene, reference: Reference) -> float:
     """Return the reduction of the largest contact load by large displacements [% of the mean load]."""
     worst = load_answers(scene, reference.load, np.radians(reference.best.angle)).worst
     if worst is None:
@@ -559,7 +557,7 @@ def choice_effects_record(varied: Modelling) -> ChoiceEffects:
 
 def choices_for(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
     """Return the choices' effects used for a scene: of a scene with its parts, else the largest; None if outside."""
-    if descriptors_outside_range(scene):
+    if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 

@@ -12,8 +12,9 @@ of the finest level and Delta = (max - min) / (levels - 1), the uncertainty of p
     U = F |delta| + sigma + |r_1|                        where sigma < Delta,
     U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,
 
-with F = 1.25 for an order in the range, else 3. Deviations from the publication are stated at
-`grid_convergence` and `pooled_grid_uncertainty`; both are tested for the share of noisy sequences whose true value lies within U.
+with F = 1.25 for an order in the range, else 3. Deviations from the publication are stated
+at `grid_convergence` and `pooled_grid_uncertainty`; both are
+tested for the share of noisy sequences whose true value lies within U.
 
 Quantities ``(levels, m)`` that are fitted together share the powers of h; limit and coefficients differ (variable
 projection: for a given p they follow by linear least squares, so that only p is searched). Sizes are relative to the

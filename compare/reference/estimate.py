@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.convergence import representative_size
-from rollbench.compare.reference.grid_parts import GridParts, error_near_faces, excess_near_faces, grid_parts_of
+from rollbench.compare.reference.grid_parts import GridParts, error_near_faces, excess_near_faces, parts
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -36,7 +36,7 @@ class Reference:
     #: Uncertainty of the loads by discretisation and incomplete convergence, (n, 4) [N]; zero where no level has load.
     uncertainty: Array
     #: Parts of this uncertainty.
-    grid_parts_of: GridParts
+    parts: GridParts
     #: Number of contacts that the nominal screw loads; 0: not known.
     contacts: int = 0
     #: Name of the reference; of a user's its file.
@@ -74,7 +74,7 @@ class Reference:
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 
-def best_reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
+def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
     """Return the best stored reference of a scene.
 
     Parameters
@@ -114,17 +114,13 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
         The reference.
     """
     loads = {run.level: run.load for run in runs}
-    grid, best = grid_parts_of(loads, grid_parts.read_experience(shipped_store())), runs[-1]
+    grid, best = parts(loads, grid_parts.read_experience(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
     lips = excess_near_faces(scene, best.load, best.level)
     beside = error_near_faces(scene, best.load, best.level) if grid.by_experience else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)
 
 
-def uncertainty_percent(best_reference: Reference) -> float:
+def uncertainty_percent(reference: Reference) -> float:
     """Return the largest uncertainty of a contact load by discretisation [% of the mean load]."""
-    return (
-        float(error_percent(best_reference.uncertainty.max(), 0.0, best_reference.mean))
-        if best_reference.parts.bar
-        else 0.0
-    )
+    return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.bar else 0.0

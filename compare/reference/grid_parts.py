@@ -145,7 +145,7 @@ def loaded_on_any_level(loads: Levelled) -> Array:
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
-def grid_parts_of(loads: Levelled, known: Experience) -> GridParts:
+def parts(loads: Levelled, known: Experience) -> GridParts:
     """Compute the parts of the discretisation uncertainty from loads on several levels and from experience.
 
     Parameters

@@ -22,7 +22,7 @@ from rollbench.compare import __version__, files
 from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.tasks import Solvable, meshes_suit, plain, relevant_to_statics
-from rollbench.compare.running import machine_description
+from rollbench.compare.running import machine
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -104,7 +104,7 @@ class Measured:
     #: Digest of the solvers' sources.
     sources: str = ""
     #: Description of the machine.
-    machine_description: str = ""
+    machine: str = ""
 
     def __str__(self) -> str:
         """Return version and machine as text, to follow the words "measured with"."""
@@ -114,7 +114,7 @@ class Measured:
 @cache
 def measuring_conditions() -> Measured:
     """Return the conditions (version, sources, machine) of times measured by this process."""
-    return Measured(__version__, sources_hash(SOLVERS)[:16], machine_description())
+    return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
 
 
 def one_run(times: Iterable[Measured]) -> Measured | None:
@@ -221,12 +221,12 @@ class Run:
     #: Digest of the solvers' sources when it was measured (empty before 0.15).
     sources: str = ""
     #: Machine on which it was measured (empty before 0.15).
-    machine_description: str = ""
+    machine: str = ""
 
     @property
     def measured(self) -> Measured:
         """Conditions under which the run's times were measured."""
-        return Measured(self.versions.get("rollbench", ""), self.sources, self.machine_description)
+        return Measured(self.versions.get("rollbench", ""), self.sources, self.machine)
 
     @property
     def answers(self) -> bool:

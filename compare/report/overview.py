@@ -16,7 +16,7 @@ from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
 from rollbench.compare.models.modelling import points as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import CONTACTS, bias_and_scatter, total
+from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
 from rollbench.compare.sections.source_tables import by_place
@@ -467,7 +467,7 @@ def quantity_table(study: Study) -> Table:
                 "verdict": "yes" if passed == len(of_model) else "no",
             }
         )
-    for s in bias_and_scatter(rows):
+    for s in scatter(rows):
         if s.model not in KINDS:
             continue
         worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]

@@ -26,7 +26,7 @@ from rollbench.compare.report.scene_page import replaced
 from rollbench.compare.report.verify import moved_tables, tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import cores, gmsh_fault, machine_description, need_packages, on_terminal, package_versions
+from rollbench.compare.running import cores, gmsh_fault, machine, need_packages, on_terminal, package_versions
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
 from rollbench.meshes import kept
@@ -43,7 +43,7 @@ def provenance() -> dict[str, str]:
     return {
         "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "machine": f"{machine_description()}, {platform.system()}",
+        "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": package_versions(packages),
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "

@@ -9,7 +9,7 @@ from typing import Any
 
 from rollbench.compare.gate import verdict as gate
 from rollbench.compare.gate.user import GateRequest, check_scenes
-from rollbench.compare.gate.verdict import CODES, LARGEST, Word, quantities_not_judged, worst_verdict
+from rollbench.compare.gate.verdict import CODES, LARGEST, Word, not_judged, worst_verdict
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.results.base import JSON, Record, with_schema
@@ -96,7 +96,7 @@ class Verdict(Record):
     """Every judged quantity, in the order of scenes, load cases and sets."""
     warnings: tuple[str, ...]
     """Warnings, such as unknown columns of a file."""
-    quantities_not_judged: tuple[str, ...]
+    not_judged: tuple[str, ...]
     """Quantities that are not judged: not given, or not in the reference."""
     judged: tuple[gate.Verdict, ...]
     """Records of the gate with further details, one for each row."""
@@ -132,7 +132,7 @@ class Verdict(Record):
         dict
             JSON values by key.
         """
-        rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.quantities_not_judged)}
+        rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
         return with_schema(verdicts_json(self.described, self.judged) | rest)
 
     headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
@@ -223,7 +223,7 @@ def verdict_of(
     """
     warnings: list[str] = []
     judged = judged_cases(described, names, request, engine, step, warnings.append)
-    left = quantities_not_judged(judged) if request.loads or request.values else []
+    left = not_judged(judged) if request.loads or request.values else []
     return Verdict(tuple(map(_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
 
 

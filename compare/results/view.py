@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.quantities import count_of
-from rollbench.compare.reference.estimate import Reference, best_reference
+from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -68,7 +68,7 @@ def view_of(
 def _case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
     """Return the data of a load case for the 3D view."""
     if isinstance(one, Solved):
-        known = given or best_reference(one.scene, stores)
+        known = given or reference(one.scene, stores)
         expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
         mean = mean_load(one.result.load, nominal_contacts(one.scene, one.result)) if one.answers else 0.0
         share = None if expected is None else expected * mean

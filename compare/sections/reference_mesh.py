@@ -11,7 +11,7 @@ from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, varied
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import SHARED, uncertainty_near_face
+from rollbench.compare.models.uncertainty import SHARED, beside_face
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
 from rollbench.compare.reference.store import Measured, Run, load_run, most_of
@@ -99,9 +99,7 @@ def convergence_table(found: References) -> Table:
                 Quantity("sockets", "coarse sockets", "% of mean", ".3f"): p.sockets,
                 Quantity("common", "common to all contacts", "% of mean", ".3f"): p.common,
                 Quantity("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.bar,
-                Quantity("beside", "beside a free face of the nut, largest", "% of mean", ".3f"): uncertainty_near_face(
-                    ref
-                )[0],
+                Quantity("beside", "beside a free face of the nut, largest", "% of mean", ".3f"): beside_face(ref)[0],
                 Quantity("largest", "largest", "% of mean", ".3f"): uncertainty_percent(ref),
                 Quantity("from", "taken from", "", "s"): "other scenes"
                 if p.by_experience

@@ -29,8 +29,8 @@ from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     Scatter,
     Validated,
-    bias_and_scatter,
     bound_shares,
+    scatter,
     validated_error,
 )
 from rollbench.compare.reference.grid_parts import (
@@ -39,8 +39,8 @@ from rollbench.compare.reference.grid_parts import (
     derive_experience,
     error_near_faces,
     excess_near_faces,
-    grid_parts_of,
     loaded_on_any_level,
+    parts,
 )
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_run, shipped_store
@@ -198,7 +198,7 @@ def _held(
     loads, judge = scenes[name], max(scenes[name])
     on, mean = loaded_on_any_level(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
-    grid, off = grid_parts_of(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
     beside_faces = error_near_faces if grid.by_experience else excess_near_faces
     bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
     return Held(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
@@ -328,7 +328,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         return Section("u-val", title, (Text(("No run of the 3D reference was found.",)),))
     step("grid, choices and input tolerances of every scene")
     rows = rows_of(study, rungs)
-    found = bias_and_scatter(rows)
+    found = scatter(rows)
     of_loads = {s.model: s for s in found if s.quantity == CONTACTS}
     words = [
         f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them "

@@ -16,7 +16,7 @@ from rollbench.compare.models.comparison import Referenced, stored_references
 from rollbench.compare.models.modelling import base_run
 from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
 from rollbench.compare.reference.estimate import FITTED, Reference, reference_from_runs
-from rollbench.compare.reference.grid_parts import grid_parts_of, read_experience
+from rollbench.compare.reference.grid_parts import parts, read_experience
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.reference.store import Run, load_run, measuring_conditions, shipped_store
@@ -116,7 +116,7 @@ def enough(reference: Reference, k: int) -> float:
     RMS over the contacts; that of the first run alone is from experience with other scenes.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
-    return grid_parts_of(loads, read_experience(shipped_store())).bar
+    return parts(loads, read_experience(shipped_store())).bar
 
 
 def closing(reference: Reference) -> str:

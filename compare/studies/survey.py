@@ -26,7 +26,7 @@ from rollbench.compare.models.model_form import (
     Point,
     estimate,
     loaded_section,
-    measure_errors,
+    point,
     rigidity_between,
     shipped_points,
 )
@@ -365,7 +365,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         answers[name] = answer, run_model(raised, name, Options(discretisation=False))
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
-        name: measure_errors(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
+        name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
@@ -388,15 +388,15 @@ def _rounded(value: float | None, factor: float = 1.0) -> float | None:
     return None if value is None else round(factor * value, 5)
 
 
-def _model(scene: Scene, result: StaticResult, run: Run, measure_errors: Point) -> Record:
+def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
     """Return a model's errors [%] on a drawn screw, and the errors expected from the other compared scenes."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != measure_errors.scene])
+    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
     return {
         "status": result.status,
-        "largest_percent": measure_errors.percent,
+        "largest_percent": point.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(measure_errors, name) for name in ("gate_percent", *QUANTITIES[1:])},
+        **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
         **{name.replace("percent", "expected_percent"): _rounded(getattr(expected, name)) for name in QUANTITIES},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }

@@ -84,7 +84,7 @@ def validation():
         answer = from_result(STUDY().solve(name, "lin"))
         rows += [uncertainty.validated_error(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
     rows = [row for row in rows if row is not None]
-    return {"rows": rows, "scatter": uncertainty.bias_and_scatter(rows)}
+    return {"rows": rows, "scatter": uncertainty.scatter(rows)}
 
 
 def expectations():
@@ -94,7 +94,7 @@ def expectations():
         "left out": model_form.leave_one_out(points, "lin")[:12],
         "places": [applicability.descriptors_in_range(STUDY().scene(name)) for name in NAMES],
         "points": [
-            model_form.measure_errors(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
+            model_form.point(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
             for name in REFERENCED
         ],
     }

@@ -126,7 +126,7 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
         Contact loads (n, 4) [N] by level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
-    bars = 0.01 * mean * grid_parts.grid_parts_of(loads, grid_parts.read_experience(shipped_store())).bars(loads)
+    bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read_experience(shipped_store())).bars(loads)
     return float(error_percent((bars + error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 

@@ -127,10 +127,8 @@ def cycle_outputs(
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
     if "torque_Nmm" in wanted:
         torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
-        known = all(total_friction_torque is not None for _, total_friction_torque in torques)
-        found["torque_Nmm"] = (
-            sum(share * total_friction_torque for share, total_friction_torque in torques) if known else None
-        )
+        known = all(torque is not None for _, torque in torques)
+        found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
     if "life_million_revolutions" in wanted:
         lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
         rated = [x.revolutions for x in lives if x is not None]
@@ -267,9 +265,9 @@ def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
     """Return the friction torque of all sets [N mm]; None if it does not converge or a set is not covered."""
-    from rollbench.compare.models.friction_sums import total_friction_torque
+    from rollbench.compare.models.friction_sums import torque
 
-    return total_friction_torque(sets, friction, motion, options)
+    return torque(sets, friction, motion, options)
 
 
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"

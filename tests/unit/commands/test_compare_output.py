@@ -14,7 +14,7 @@ from rollbench.compare.models.model_form import estimate, shipped_points
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.uncertainty import ChoiceEffects, LoadUncertainty
 from rollbench.compare.reference import grid_parts, store
-from rollbench.compare.reference.estimate import Reference, best_reference
+from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
@@ -70,7 +70,7 @@ def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
     scene = catalogue.scene("unseen-short-nut")
-    found = best_reference(scene, (tmp_path, store.shipped_store()))
+    found = reference(scene, (tmp_path, store.shipped_store()))
     whole = found_by.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, store.shipped_store()))
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
@@ -87,7 +87,7 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
 
 def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:
     scene = catalogue.scene("unseen-four-point")
-    found = best_reference(scene)
+    found = reference(scene)
     assert found is not None
     with pytest.raises(InputError, match="condensed bodies of its 3D reference, level 4"):
         options_for(MODELS["condensed"], scene, found, (tmp_path,))

@@ -18,7 +18,7 @@ from rollbench.compare.models.answers import all_answers, tangent_stiffness_at
 from rollbench.compare.models.load_cases import Solved
 from rollbench.compare.models.loading import lift_off, preload, solve_scaled
 from rollbench.compare.models.registry import MODELS, Options, run_model
-from rollbench.compare.reference.estimate import best_reference
+from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compared
 from rollbench.compare.results.scene_json import answers_json
@@ -270,7 +270,7 @@ def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, com
 def test_compare_counts_displacements_from_where_solve_does() -> None:
     scene = catalogue.scene("lin-case3")
     stores = (shipped_store(),)
-    found = best_reference(scene, stores)
+    found = reference(scene, stores)
     whole = compared(scene, [MODELS["lin"]], found, stores)
     solved = all_answers(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
     (row,) = (b for b in whole.models if b.label == "lin")

@@ -9,7 +9,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
 from rollbench.compare.gate.given_files import GivenValue, read_values
 from rollbench.compare.gate.user import check_scenes, gate_request
-from rollbench.compare.gate.verdict import LARGEST, Verdict, quantities_not_judged
+from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
 from rollbench.compare.models import loading, uncertainty
 from rollbench.compare.models.comparison import stored_references
 from rollbench.compare.models.loads_file import column, read_loads
@@ -117,7 +117,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
     assert "this project's formula on the reference's loads" in life.detail
-    assert quantities_not_judged([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
+    assert not_judged([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
 
 def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
@@ -127,7 +127,7 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
         loads.append(sets[0][1].load)
         return float(sets[0][1].load.sum())
 
-    monkeypatch.setattr("rollbench.compare.models.friction_sums.total_friction_torque", torque)
+    monkeypatch.setattr("rollbench.compare.models.friction_sums.torque", torque)
     (found,) = judged(values=values(tmp_path / "v.csv", "torque,15,N m,"))
     reference = stored()
     assert found.pair == ("torque_Nmm", pytest.approx(15e3), pytest.approx(reference.load.sum()))

@@ -20,7 +20,7 @@ GIVEN = catalogue.scene(SCENE)
 
 def written(path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0):
     """The stored reference's own loads, that of ball 2 SR times a factor."""
-    load = estimate.best_reference(GIVEN).load.copy()
+    load = estimate.reference(GIVEN).load.copy()
     load[1, 1] *= factor
     heads = "ball,flank,newton" + (f",{column}" if column else "")
     rows = [f"{b + 1},{s},{load[b, k]:.9g}{f',{each}' if column else ''}" for b in range(2) for k, s in enumerate(SIDES)]
@@ -48,7 +48,7 @@ def test_ones_own_reference_flips_a_verdict(command, tmp_path) -> None:
 
 
 def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
-    mean = estimate.best_reference(GIVEN).mean
+    mean = estimate.reference(GIVEN).mean
     file = tmp_path / "a.csv"
     for notes, column, each, expected in (
         ((), "", 0.0, 0.0),
@@ -125,5 +125,5 @@ def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
     bench = series[1]
-    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * estimate.best_reference(GIVEN).mean, rel=0.2)
+    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * estimate.reference(GIVEN).mean, rel=0.2)
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

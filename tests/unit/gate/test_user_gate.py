@@ -28,7 +28,7 @@ def check(scenes: list, what: GateRequest):
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
 def test_loads_of_another_program(command, tmp_path, factor: float, code: int, word: str) -> None:
     """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
-    load, file = estimate.best_reference(TWO).load.copy(), tmp_path / "mesys.csv"
+    load, file = estimate.reference(TWO).load.copy(), tmp_path / "mesys.csv"
     load[1, 1] *= factor
     lines = [f"{b + 1},{s},{load[b, k]:.6g}" for b in range(2) for k, s in enumerate(SIDES)]
     file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")

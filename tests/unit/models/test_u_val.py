@@ -12,7 +12,7 @@ from rollbench.compare.models.applicability import (
     compared_scenes,
     descriptors_in_range,
     descriptors_of_shipped_scenes,
-    descriptors_outside_range,
+    outside,
 )
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import estimate
@@ -73,20 +73,20 @@ def row(ratio: tuple[float, ...], grid: float, within: float) -> uncertainty.Val
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
-    (exact,) = uncertainty.bias_and_scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
+    (exact,) = uncertainty.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
     assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
     spread = tuple(np.exp([-0.03, 0.0, 0.03]))
-    (noisy,) = uncertainty.bias_and_scatter([row(spread, 0.0, 0.5)])
+    (noisy,) = uncertainty.scatter([row(spread, 0.0, 0.5)])
     assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
-    (less,) = uncertainty.bias_and_scatter([row(spread, 2.0, 0.5)])
+    (less,) = uncertainty.scatter([row(spread, 2.0, 0.5)])
     assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
-    (none,) = uncertainty.bias_and_scatter([row(spread, 20.0, 0.5)])
+    (none,) = uncertainty.scatter([row(spread, 20.0, 0.5)])
     assert none.scatter == 0.0
 
 
 def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
-        assert all(descriptors_outside_range(scene) == () for scene in compared_scenes(ring=ring))
+        assert all(outside(scene) == () for scene in compared_scenes(ring=ring))
     assert len(compared_scenes(ring=False)) + len(compared_scenes(ring=True)) == 15
 
 
@@ -113,7 +113,7 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     base = STUDY.scene(SCENE)
     result = run_model(base, "lin", Options(discretisation=False))
     changed = change(base)
-    beyond = descriptors_outside_range(changed)
+    beyond = outside(changed)
     form = estimate(changed, result)
     if name:
         assert any(text.startswith(name) for text in beyond)
@@ -137,13 +137,13 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
         return left
 
     text_of, scene = files.text, STUDY.scene(name)
-    assert descriptors_outside_range(scene) == ()
+    assert outside(scene) == ()
     result = run_model(scene, "lin", Options(discretisation=False))
     monkeypatch.setattr(files, "text", text)
     descriptors_of_shipped_scenes.cache_clear()
     try:
         assert estimate(scene, result).percent is None
-        assert "places.json is absent or damaged" in " ".join(descriptors_outside_range(scene))
+        assert "places.json is absent or damaged" in " ".join(outside(scene))
     finally:
         descriptors_of_shipped_scenes.cache_clear()
 
@@ -151,7 +151,7 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
 def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:
     """Liu's screw has its last balls 1.5 radii from the face, drawn ones from 1; closer ones were never compared."""
     scene = STUDY.scene("liu-screw")
-    assert not descriptors_outside_range(scene)
+    assert not outside(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
     beyond = [place.descriptor.name for place in descriptors_in_range(shorter) if place.outside]
     assert beyond == ["nut beyond the last balls over the ball's radius"]

@@ -17,7 +17,7 @@ from rollbench.compare.models.uncertainty import (
     input_uncertainty,
     read_choices,
     save_choices,
-    second_order_reduction,
+    second_order,
     total,
 )
 from rollbench.compare.quantities import as_json
@@ -76,12 +76,10 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
     worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
     mean = found.load[found.load > 0.0].mean()
-    assert second_order_reduction(scene, found) == pytest.approx(
-        3.0 * worst.a / scene.balls.radius * found.load.max() / mean
-    )
+    assert second_order(scene, found) == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
     eight = replace(found, load=8.0 * found.load)
-    assert second_order_reduction(scene, eight) == pytest.approx(2.0 * second_order_reduction(scene, found), rel=1e-6)
-    assert second_order_reduction(scene, replace(found, load=0.0 * found.load)) == 0.0
+    assert second_order(scene, eight) == pytest.approx(2.0 * second_order(scene, found), rel=1e-6)
+    assert second_order(scene, replace(found, load=0.0 * found.load)) == 0.0
 
 
 def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import total, uncertainty_near_face
+from rollbench.compare.models.uncertainty import beside_face, total
 from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.grid_parts import AWAY, LIP_FILE, error_near_faces, excess_near_faces, read_lip
 from rollbench.compare.reference.store import shipped_store
@@ -109,7 +109,7 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
 def test_it_is_said_by_name() -> None:
     study = Study()
     scene, found = study.scene("liu-screw"), study.reference("liu-screw")
-    largest, place = uncertainty_near_face(found)
+    largest, place = beside_face(found)
     last = int(ball_layout(scene).z.argmax())
     assert place == f"ball {last + 1} SL"
     assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
@@ -117,5 +117,5 @@ def test_it_is_said_by_name() -> None:
     assert f"of it {largest:.2f} % at {place}" in words.text
     assert as_json(words)["beside_free_face_at"] == place
     far = study.reference("unseen-25x5")
-    assert uncertainty_near_face(far) == (0.0, "")
+    assert beside_face(far) == (0.0, "")
     assert "free face" not in total(study.scene("unseen-25x5"), far, inputs=False).text

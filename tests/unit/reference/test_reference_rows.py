@@ -11,7 +11,7 @@ from rollbench.compare.models import comparison
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import grid_parts, store
-from rollbench.compare.reference.estimate import Reference, best_reference, reference_from_runs
+from rollbench.compare.reference.estimate import Reference, reference, reference_from_runs
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.mesh_study import SCATTERS, closing, study_table
@@ -70,7 +70,7 @@ def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.Monkey
 
 
 def _found(name: str) -> Reference:
-    return best_reference(catalogue.scene(name))
+    return reference(catalogue.scene(name))
 
 
 def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -172,7 +172,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     finer = coarse.copy()
     finer[0, 0] += 8.0
     store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one, known = best_reference(scene, (tmp_path,)), grid_parts.read_experience(store.shipped_store())
+    one, known = reference(scene, (tmp_path,)), grid_parts.read_experience(store.shipped_store())
     assert one.parts.by_experience
     assert one.uncertainty[0, 0] == pytest.approx(
         known.single[0] + grid_parts.error_near_faces(scene, coarse, 1)[0, 0]
@@ -180,7 +180,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     assert one.uncertainty[0, 1] == 0.0
     assert closing(one).startswith("Enough: level 1 for ")
     store.save(tmp_path, scene, run_of("lin-case1", 2, finer))
-    two = best_reference(scene, (tmp_path,))
+    two = reference(scene, (tmp_path,))
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
     cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
     fixed = 2.0 * known.sockets**2

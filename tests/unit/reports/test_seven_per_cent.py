@@ -4,7 +4,7 @@ import pytest
 
 from rollbench.compare.cases.makers import page
 from rollbench.compare.models import modelling
-from rollbench.compare.models.model_form import measure_errors
+from rollbench.compare.models.model_form import point
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.report import overview
@@ -20,7 +20,7 @@ def found():
 
 
 def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict(found) -> None:
-    lin = measure_errors(CASE, STUDY.scene(CASE), STUDY.solve(CASE, "lin"), found.best)
+    lin = point(CASE, STUDY.scene(CASE), STUDY.solve(CASE, "lin"), found.best)
     fits = {one.key: one for one in fit.fits([lin])}
     for key in ("percent", "rms_percent"):
         assert (fits[key].within, fits[key].table_row["verdict"]) == (None, None)

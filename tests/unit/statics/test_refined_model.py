@@ -12,7 +12,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models import model_form, modelling
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import best_reference
+from rollbench.compare.reference.estimate import reference
 from rollbench.compare.reference.store import bodies_path, load_run, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Scene
@@ -75,7 +75,7 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
 
 
 def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
-    found = best_reference(scene)
+    found = reference(scene)
     assert found is not None
     return {r.model: r for r in modelling.solve_ladder(scene, found, None)}
 

@@ -91,7 +91,7 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     known = grid_parts.read_experience(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
     both = {x["level"]: holding.loads_of(x) for x in stored if x["held"] == holding.WHOLE}
-    bar = grid_parts.grid_parts_of(both, known).bars(both).max()
+    bar = grid_parts.parts(both, known).bars(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
     words = holding.mesh_words(rows)
