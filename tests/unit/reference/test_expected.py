@@ -83,11 +83,11 @@ def test_progress_says_stage_share_and_time_left() -> None:
 def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     said = []
     monkeypatch.setattr(jobs, "compute_with_bodies", Mock(side_effect=KeyboardInterrupt))
-    monkeypatch.setattr(jobs, "reader_gone", lambda: False)
+    monkeypatch.setattr(jobs, "output_closed", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
     assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
-    monkeypatch.setattr(jobs, "reader_gone", lambda: True)
+    monkeypatch.setattr(jobs, "output_closed", lambda: True)
     with pytest.raises(BrokenPipeError):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), said.append)
 
