@@ -20,7 +20,7 @@ from cyclopts import App, CycloptsError, Group
 
 from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.running import clear
+from rollbench.compare.running import clear_progress_line
 from rollbench.compare.text.printing import OutputLost, guard_standard_output
 from rollbench.meshes import kept
 from rollbench.meshes.processes import one_thread
@@ -155,7 +155,7 @@ def _terminable() -> Iterator[None]:
 
 def _say(lines: Iterable[str]) -> None:
     """Print lines on standard error; errors of a closed output are ignored, because the exit code counts."""
-    clear()
+    clear_progress_line()
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
         sys.stderr.flush()

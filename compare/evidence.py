@@ -97,7 +97,7 @@ class Evidence:
     def reason(self) -> str:
         """Reason for the verdict; empty if it needs none."""
         why = self.printed.contradicted
-        return sentences(why[:1].upper() + why[1:], sentences(self.printed.remark, self.words))
+        return joined_remarks(why[:1].upper() + why[1:], joined_remarks(self.printed.remark, self.words))
 
     @property
     def change(self) -> str:
@@ -192,7 +192,7 @@ class Findings:
         return tuple(self._entries.values())
 
 
-def sentences(*texts: str) -> str:
+def joined_remarks(*texts: str) -> str:
     """Return the remarks that are not empty, joined by ". "."""
     given = [text for text in texts if text]
     return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
@@ -280,7 +280,7 @@ def computations() -> dict[str, Computation]:
 
 
 @cache
-def by_table() -> dict[str, Computation]:
+def computations_by_table() -> dict[str, Computation]:
     """Return the computations by printed table, without tables for which nothing is computed."""
     return {name: one for name, one in computations().items() if one.computed_by}
 
@@ -306,7 +306,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
         If a table is unknown.
     """
     found: list[Evidence] = []
-    for name in names or by_table():
+    for name in names or computations_by_table():
         if name not in computations():
             load_table(name)  # which names the tables that there are
         computation = computations()[name]
@@ -318,7 +318,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
 
 
 @dataclass(frozen=True)
-class Trace:
+class EntryOrigin:
     """Origin of a printed entry: its scenes or why there are none, its computation (``module:function``), its test."""
 
     table: str
@@ -331,14 +331,14 @@ class Trace:
     test: str
 
 
-def traces(table: str = "") -> Iterator[Trace]:
+def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
     """Yield the origin of every printed entry of one table, or of all; InputError for an unknown table."""
     for name in [table] if table else tables():
         rows, computation = load_table(name), computations()[name]
         for row in rows:
             printed = row.claim or f"{row.printed} {row.unit}".rstrip()
             test = f"{computation.test}::test_entry[{row.name}]" if computation.computed_by else ""
-            yield Trace(name, row.key, printed, row.cls, *computation.origin(row), computation.function, test)
+            yield EntryOrigin(name, row.key, printed, row.cls, *computation.origin(row), computation.function, test)
 
 
 #: Verdicts that are counted apart: they say nothing of a model.
@@ -357,13 +357,13 @@ def misprints() -> list[dict[str, str]]:
     return out
 
 
-def left_out() -> list[dict[str, Any]]:
+def numbers_left_out() -> list[dict[str, Any]]:
     """Return a row for each group of printed numbers left out of the tables: place, quantity, count, reason."""
     rows: list[dict[str, Any]] = files.shipped_table("cases/left-out.toml")["row"]
     return rows
 
 
-def sources() -> list[str]:
+def publication_titles() -> list[str]:
     """Return the titles of the sources with printed tables."""
     return [case.title for case in every_case() if case.title]
 
@@ -387,7 +387,7 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     Rows have the verdicts, ``judged`` (without inputs and identities) and ``all``.
     """
     out = []
-    for title in (*sources(), "all"):
+    for title in (*publication_titles(), "all"):
         by_verdict = Counter(row.verdict for row in rows if title in (source(row.printed), "all"))
         if by_verdict:
             judged = sum(n for verdict, n in by_verdict.items() if verdict not in APART)

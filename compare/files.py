@@ -50,7 +50,7 @@ _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BO
 _LAYOUT = b"\t\n\r\f\v"
 
 
-class NoText(ValueError):
+class NotTextError(ValueError):
     """Error for bytes that cannot be read as text; value: what they are, advice: what to do."""
 
     def __init__(self, value: str, advice: str) -> None:
@@ -71,31 +71,31 @@ def text_of(data: bytes) -> str:
     try:
         text = data.decode(encoding)
     except UnicodeDecodeError as error:
-        raise _no_text(data, error.start) from None
+        raise _not_text_error(data, error.start) from None
     if "\0" in text:
-        raise _no_text(data, data.find(b"\0"))
+        raise _not_text_error(data, data.find(b"\0"))
     return text
 
 
-def _no_text(data: bytes, at: int) -> NoText:
+def _not_text_error(data: bytes, at: int) -> NotTextError:
     """Return the error for bytes that cannot be decoded at a position, with a guess of the cause."""
     line = data.count(b"\n", 0, at) + 1
     place = f"line {line}, byte 0x{data[at]:02X}"
     if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
-        return NoText("text in UTF-16 without a mark that says so", "save it as UTF-8")
+        return NotTextError("text in UTF-16 without a mark that says so", "save it as UTF-8")
     if any(byte < 32 and byte not in _LAYOUT for byte in data) or sum(byte > 127 for byte in data) > len(data) // 2:
-        return NoText("a binary file", f"{place}: name a file of text, in UTF-8")
+        return NotTextError("a binary file", f"{place}: name a file of text, in UTF-8")
     advice = f"{place}, is no UTF-8; Latin-1 and Windows-1252 have such bytes for letters like ä and µ: save it as UTF-8"
-    return NoText("text in another encoding than UTF-8", advice)
+    return NotTextError("text in another encoding than UTF-8", advice)
 
 
-def question(found: Iterable[str]) -> str:
+def did_you_mean(found: Iterable[str]) -> str:
     """Return ``did you mean A or B?``, with names quoted for a shell; empty without any."""
     words = " or ".join(map(shlex.quote, found))
     return f"did you mean {words}?" if words else ""
 
 
-def alike(name: str, names: Iterable[str]) -> list[str]:
+def similar_names(name: str, names: Iterable[str]) -> list[str]:
     """Return up to three names that are similar to the given one; endings and capitals do not count.
 
     Examples
@@ -114,17 +114,19 @@ def alike(name: str, names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(spelt[near] for near in close))[:3]
 
 
-def like_path(path: Path, others: Iterable[str] = ()) -> str:
-    """Return a `question` with names similar to a missing file: from its folder, else from ``others``."""
+def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
+    """Return a `did_you_mean` with names similar to a missing file: from its folder, else from ``others``."""
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
     except (OSError, ValueError):
         files = []
-    return question([str(path.parent / name) for name in alike(path.name, files)] or alike(path.name, others))
+    return did_you_mean(
+        [str(path.parent / name) for name in similar_names(path.name, files)] or similar_names(path.name, others)
+    )
 
 
 @contextmanager
-def written(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
+def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
     """Convert an OSError inside the block, on writing the file ``path``, to InputError."""
     try:
         yield
@@ -139,11 +141,11 @@ def write_new(path: Path, text: str) -> None:
     """
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
-    with written(path):
+    with os_errors_as_input_errors(path):
         name = temporary(path)
         file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
     try:
-        with written(path, "a file that can be written"):
+        with os_errors_as_input_errors(path, "a file that can be written"):
             with file:
                 file.write(text)
             os.link(name, path)
@@ -153,7 +155,7 @@ def write_new(path: Path, text: str) -> None:
 
 def replace_file(path: Path, text: str) -> None:
     """Write ``text`` to a file, completely or not at all, replacing an earlier one; InputError if it cannot be written."""
-    with written(path):
+    with os_errors_as_input_errors(path):
         folder_for_group(path.parent)
         name = temporary(path)
         try:
@@ -178,7 +180,7 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     replace_file(path, text.getvalue())
 
 
-def no_figure() -> str:
+def why_no_figure() -> str:
     """Return why no figure can be drawn on this machine, and advice; empty if figures can be drawn."""
     reason = fault("matplotlib")
     return f"no figure ({reason}: {pip('matplotlib')})" if reason else ""
@@ -186,7 +188,7 @@ def no_figure() -> str:
 
 def write_figure(path: Path, figure: Figure) -> str:
     """Write a figure as SVG; return the name of the file, or why there is none. InputError if it cannot be written."""
-    if reason := no_figure():
+    if reason := why_no_figure():
         return reason
     from rollbench.reports.figures import draw_figure
 
@@ -198,7 +200,7 @@ def need_writable(path: Path) -> None:
     """Raise InputError unless a file can be written at ``path``, before anything is computed for it."""
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
-    with written(path):
+    with os_errors_as_input_errors(path):
         folder_for_group(path.parent)
         probe = temporary(path)
         probe.touch(exist_ok=False)

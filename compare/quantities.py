@@ -82,10 +82,10 @@ def split_unit(key: str) -> tuple[str, str]:
 @cache
 def quantities(kind: type) -> dict[str, Quantity]:
     """Return the quantities that the fields of a record class state, by their JSON keys."""
-    return {x.key: _column(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
+    return {x.key: _quantity_of_field(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
-def _unit(key: str) -> tuple[str, Unit | None]:
+def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
     """Return the last part of a dotted key without unit, and its unit, or else the unit of an outer part."""
     *tables, last = map(unit_of, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
@@ -93,17 +93,17 @@ def _unit(key: str) -> tuple[str, Unit | None]:
 
 def heading_of(x: Stated) -> tuple[str, str]:
     """Return heading and unit of a quantity in tables."""
-    words, unit = _unit(x.key)
+    words, unit = _unit_of_dotted_key(x.key)
     return x.heading or words.replace("_", " "), "" if unit is None else unit.text
 
 
-def _column(name: str, x: Stated) -> Quantity:
+def _quantity_of_field(name: str, x: Stated) -> Quantity:
     """Return the quantity of a record's field: key, heading, unit, format and the function that takes its value."""
-    unit = _unit(x.key)[1]
+    unit = _unit_of_dotted_key(x.key)[1]
     factor = 1.0 if unit is None else unit.factor
 
     def value(holder: Any) -> Any:
-        return _ready(x.shown(getattr(holder, name)), factor)
+        return _in_key_unit(x.shown(getattr(holder, name)), factor)
 
     return Quantity(x.key, *heading_of(x), x.form, value)
 
@@ -130,8 +130,8 @@ def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
             value: Any = data
             for key in one.key.split("."):
                 value = value.get(key) if isinstance(value, Mapping) else None
-            unit = _unit(one.key)[1]
-            out[field.name] = _ready(value, 1.0 if unit is None else 1.0 / unit.factor)
+            unit = _unit_of_dotted_key(one.key)[1]
+            out[field.name] = _in_key_unit(value, 1.0 if unit is None else 1.0 / unit.factor)
     return out
 
 
@@ -192,7 +192,7 @@ def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _ready(value: Any, factor: float) -> Any:
+def _in_key_unit(value: Any, factor: float) -> Any:
     """Return a value for JSON in the unit of its key: numbers times ``factor``, also inside mappings and lists.
 
     A record becomes a dictionary.
@@ -200,7 +200,7 @@ def _ready(value: Any, factor: float) -> Any:
     if is_dataclass(value):
         return as_json(value)
     if isinstance(value, Mapping):
-        return {key: _ready(inner, factor) for key, inner in value.items()}
+        return {key: _in_key_unit(inner, factor) for key, inner in value.items()}
     if isinstance(value, tuple | list) or getattr(value, "ndim", False):
-        return [_ready(inner, factor) for inner in value]
+        return [_in_key_unit(inner, factor) for inner in value]
     return value if value is None or isinstance(value, str | int) else number(factor * value)

@@ -54,7 +54,7 @@ def need_reference() -> None:
     need_packages(*REFERENCE)
 
 
-def libraries(packages: Sequence[str]) -> str:
+def package_versions(packages: Sequence[str]) -> str:
     """Return the names of packages with their versions as text."""
     return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
 
@@ -117,7 +117,7 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
     free): only for work that writes no file.
     """
     done = threading.Event()
-    watcher = threading.Thread(target=_watch, args=(label, limit, done), daemon=True)
+    watcher = threading.Thread(target=_show_running_time, args=(label, limit, done), daemon=True)
     watcher.start()
     try:
         yield
@@ -127,7 +127,7 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 
 @contextmanager
-def bar(label: str) -> Iterator[Callable[[str, float], None]]:
+def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
     """Show a progress bar on a terminal's standard error; yields a function of a text and the share of work done.
 
     Nothing is shown if standard error is no terminal, or in the first seconds.
@@ -136,12 +136,12 @@ def bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
     def show(what: str, share: float) -> None:
         if monotonic() - begin >= FIRST and sys.stderr.isatty():
-            _draw(f"{label}: {what}{_left(monotonic() - begin, share)}", share)
+            _draw_progress_line(f"{label}: {what}{_remaining_time_text(monotonic() - begin, share)}", share)
 
     try:
         yield show
     finally:
-        clear()
+        clear_progress_line()
 
 
 def on_terminal(text: str) -> None:
@@ -160,19 +160,19 @@ def on_terminal(text: str) -> None:
     if not sys.stderr.isatty() and not text.startswith("WARNING"):
         return
     if found is None:  # above the line of progress, which another process may have drawn
-        _say(f"{ERASE * sys.stderr.isatty()}rollbench: {text}\n")
+        _write_to_stderr(f"{ERASE * sys.stderr.isatty()}rollbench: {text}\n")
         _drawn = False
         return
     done, of, percent = (int(x or 0) for x in found.groups())
     share = done / of if of else percent / 100.0
-    _draw(text + ("" if " left" in text else _left(monotonic() - START, share)), share)
+    _draw_progress_line(text + ("" if " left" in text else _remaining_time_text(monotonic() - START, share)), share)
 
 
-def clear() -> None:
+def clear_progress_line() -> None:
     """Erase the line of progress on the terminal, before anything else is printed."""
     global _drawn
     if _drawn and sys.stderr.isatty():
-        _say(ERASE)
+        _write_to_stderr(ERASE)
     _drawn = False
 
 
@@ -199,21 +199,21 @@ def duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
 
 
-def _left(spent: float, share: float) -> str:
+def _remaining_time_text(spent: float, share: float) -> str:
     """Return the remaining time as text, from seconds spent and share of work done (0 to 1); empty if not known."""
     return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
 
 
-def _draw(text: str, share: float | None = None) -> None:
+def _draw_progress_line(text: str, share: float | None = None) -> None:
     """Draw the line of progress on standard error, with a bar if the share of work done is given."""
     global _drawn
     full = round(BAR * (share or 0.0))
     line = text if share is None else f"[{'#' * full}{'.' * (BAR - full)}] {text}"
-    _say(ERASE + line[: shutil.get_terminal_size((80, 24)).columns - 1])
+    _write_to_stderr(ERASE + line[: shutil.get_terminal_size((80, 24)).columns - 1])
     _drawn = True
 
 
-def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
+def output_closed(outputs: Sequence[int] = (1, 2)) -> bool:
     """Return whether one of the outputs (file numbers) is a pipe that its reader has closed, as in ``| head``."""
     if not hasattr(select, "poll"):
         return False
@@ -223,25 +223,25 @@ def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
     return any(event & select.POLLERR for _, event in poll.poll(0))
 
 
-def _watch(label: str, limit: float | None, done: threading.Event) -> None:
+def _show_running_time(label: str, limit: float | None, done: threading.Event) -> None:
     """Show the running time on a terminal until ``done`` is set; end the process at the time limit [s]."""
     begin = monotonic()
     while True:
         spent = monotonic() - begin
         if limit is not None and spent >= limit:
-            clear()
-            _say(f"rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
+            clear_progress_line()
+            _write_to_stderr(f"rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
             sys.stdout.flush()
             os._exit(ENDED)
         pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
         if done.wait(pause if limit is None else min(pause, limit - spent)):
             break
         if monotonic() - begin >= FIRST and sys.stderr.isatty():
-            _draw(f"rollbench: {label}: at work for {monotonic() - begin:.0f} s")
-    clear()
+            _draw_progress_line(f"rollbench: {label}: at work for {monotonic() - begin:.0f} s")
+    clear_progress_line()
 
 
-def _say(text: str) -> None:
+def _write_to_stderr(text: str) -> None:
     """Write a text to standard error; errors of a closed output are ignored."""
     try:
         sys.stderr.write(text)

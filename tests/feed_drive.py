@@ -9,7 +9,7 @@ MINE = own_text("feed-drive")
 
 
 def mine(*changes):
-    return scene_file.loads(changed("feed-drive", *changes), "my.toml")
+    return scene_file.scene_of_text(changed("feed-drive", *changes), "my.toml")
 
 
 def answer(scene, model="lin", **choices):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.models.applicability import SURVEY
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
@@ -53,7 +53,7 @@ def main() -> None:
         loads["scene"] = text
         for level in LEVELS:
             if str(level) not in loads:
-                (run,) = compute(Task((scene_file.loads(text, f"{name}.toml"),), level))
+                (run,) = compute_runs(Task((scene_file.scene_of_text(text, f"{name}.toml"),), level))
                 loads[str(level)] = [[float(f"{x:.6g}") for x in row] for row in run.load.tolist()]
                 print(f"{name}, level {level}: {run.status}", flush=True)
                 write(path, data)

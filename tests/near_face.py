@@ -49,7 +49,7 @@ def scene_of(number: int | None) -> Scene:
     """Scene of a case."""
     if number is None:
         return catalogue.scene("lin-case1")
-    return scene_file.loads(scene_text(SEED, number), f"survey-{SEED}-{number}.toml")
+    return scene_file.scene_of_text(scene_text(SEED, number), f"survey-{SEED}-{number}.toml")
 
 
 def settings(scene: Scene, level: int | None) -> Settings:

@@ -61,7 +61,7 @@ BETWEEN = (0.95, 1.05)
 def scene_of(name: str) -> Scene:
     """The new screw is case 1 with another nut."""
     if name == "flanged":
-        return scene_file.loads(scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
+        return scene_file.scene_of_text(scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
     if name != "new screw":
         return catalogue.scene(name)
     scene = catalogue.scene("lin-case1")

@@ -18,7 +18,7 @@ def main() -> None:
     found = survey.shipped_survey()
     for row in found["scenes"]:
         name = f"survey-{found['seed']}-{row['number']}.toml"
-        scene = scene_file.loads(scene_text(found["seed"], row["number"]), name)
+        scene = scene_file.scene_of_text(scene_text(found["seed"], row["number"]), name)
         if "points" in row:
             row["places"] = {d.name: round(d.value(scene), 4) for d in DESCRIPTORS}
         for point in row.get("points", ()):

@@ -27,7 +27,7 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import each_case, solvable
+from rollbench.compare.scenes.scene_file import each_case, scene_or_assembly
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import held_to_one_thread
@@ -199,7 +199,7 @@ def solve_described(
     rollbench.InputError
         If the model does not cover the scene.
     """
-    from rollbench.compare.models.answers import Answers, tangent_at_nut, tangent_of
+    from rollbench.compare.models.answers import Answers, tangent_stiffness_at, tangent_stiffness_at_nut
     from rollbench.compare.models.load_cases import solve_any, together
     from rollbench.compare.models.registry import default_model
     from rollbench.compare.results.solved import make_result
@@ -212,10 +212,10 @@ def solve_described(
                 scene = replace(scene, stiffness_at=stiffness_at)
             one = solve_any(scene, chosen, options)
             if isinstance(scene, Scene) and stiffness_at is not None and one.answers is not None:
-                tangent = tangent_of(scene, stiffness_at, chosen, options)
+                tangent = tangent_stiffness_at(scene, stiffness_at, chosen, options)
             K = one.answers.at_nut if isinstance(one.answers, Answers) else None
             if K is None and stiffness and isinstance(scene, Scene) and one.answers is not None:
-                K, _ = tangent_at_nut(scene, chosen, options)
+                K, _ = tangent_stiffness_at_nut(scene, chosen, options)
             solved.append(one)
             tangents.append(tangent)
             at_nut.append(K)
@@ -656,7 +656,8 @@ def mesh_study(
     described = _described(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
         return mesh_study_of(*roller.roller_study_for_library(described, levels, LOG.info, Path(store)))
-    found = mesh_study_for_library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+    target = scene_or_assembly(described, described.name)
+    found = mesh_study_for_library(target, levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from rollbench.compare.gate.gate import GateRow
     from rollbench.compare.gate.publish import Change, Outcome
-    from rollbench.compare.gate.user import Asked
+    from rollbench.compare.gate.user import GateRequest
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.jobs import Engine
 
@@ -45,9 +45,9 @@ class Files:
 
     def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
         """Return what changed since the verdicts of the baseline. Raises InputError."""
-        from rollbench.compare.gate.publish import changes
+        from rollbench.compare.gate.publish import changes_against_file
 
-        return [] if self.baseline is None else changes(self.baseline, outcomes)
+        return [] if self.baseline is None else changes_against_file(self.baseline, outcomes)
 
     def since(self, changed: Sequence[Change]) -> list[str]:
         """Return the changes as sentences; none without a baseline."""
@@ -65,9 +65,9 @@ class Files:
         return [f"{path} written" for path in written]
 
 
-def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files) -> Answer:
+def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files: Files) -> Answer:
     """Judge scenes, one row per quantity or per load case; the exit code is that of the worst verdict."""
-    from rollbench.compare.gate.publish import of_verdict
+    from rollbench.compare.gate.publish import outcome_of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import as_text
     from rollbench.compare.results.verdict import judge_request
@@ -84,7 +84,7 @@ def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files
             taken[scene.name] = name
     found = judge_request(described, names, request, engine, on_terminal)
     verdicts, left = found.judged, found.not_judged
-    outcomes = [of_verdict(v) for v in verdicts]
+    outcomes = [outcome_of_verdict(v) for v in verdicts]
     changed = files.changed(outcomes)
     above = [f"WARNING: {warning}" for warning in found.warnings]
     below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
@@ -123,8 +123,8 @@ def run_gate(study: Study, max_error: float) -> list[GateRow]:
 
 def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False) -> Answer:
     """Check the shipped data: counts, and the rows that do not pass (or all); exit code 1 where a row fails."""
-    from rollbench.compare.gate.publish import of_row
-    from rollbench.compare.gate.user import as_shares
+    from rollbench.compare.gate.publish import outcome_of_check
+    from rollbench.compare.gate.user import fraction_warnings
     from rollbench.compare.gate.verdict import LIMIT, Limits
     from rollbench.compare.models.study import Study
     from rollbench.compare.results.base import with_schema
@@ -132,10 +132,10 @@ def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False)
     limit = LIMIT if max_error is None else max_error
     rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated
     bad = [row for row in rows if not row.passed]
-    outcomes = [of_row(row) for row in rows]
+    outcomes = [outcome_of_check(row) for row in rows]
     changed = files.changed(outcomes)
     written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
-    warnings = [*as_shares(Limits(limit))]
+    warnings = [*fraction_warnings(Limits(limit))]
     data = with_schema(
         {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
     )

@@ -210,7 +210,7 @@ def _check_shipped_runs() -> Iterator[Check]:
     from rollbench.compare.reference.store import PROGRAMS
     from rollbench.compare.scenes import catalogue
 
-    names = catalogue.with_role("referenced")
+    names = catalogue.names_with_role("referenced")
     held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]
     programs = ", ".join(
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"

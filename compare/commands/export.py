@@ -114,7 +114,7 @@ def export(
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
             raise ArgumentError("format", "step", "no `part`, `level` or `ball` with it", "leave them out")
-        return print_answer(run_step(scene_file.solvable(catalogue.any_scene(scene), scene), out))
+        return print_answer(run_step(scene_file.scene_or_assembly(catalogue.any_scene(scene), scene), out))
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
 
 
@@ -289,16 +289,16 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
 
     Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
-    from rollbench.compare.files import need_writable, written
+    from rollbench.compare.files import need_writable, os_errors_as_input_errors
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.tasks import settings_of
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case, whole
+    from rollbench.compare.scenes.scene_file import each_case, single_set_or_raise
 
     if level not in LEVELS:
         raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
     described = catalogue.any_scene(typed)
-    scenes = [whole(x, typed) for x in each_case(described, typed)]
+    scenes = [single_set_or_raise(x, typed) for x in each_case(described, typed)]
     scene = scenes[0]
     out = out or Path(f"{described.name}-condensed.npz")
     need_writable(out)
@@ -313,7 +313,7 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
         raise out_of_memory(error) from error
     except ValueError as error:
         raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
-    with written(out):
+    with os_errors_as_input_errors(out):
         condensed_bodies(setup, level).save(out)
     command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
     return Answer(parts=[f"wrote {out}; use it with: {command}"])

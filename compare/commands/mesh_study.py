@@ -88,7 +88,7 @@ def run_mesh_study(
     count: as for `chosen_levels`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
     """
     from rollbench.compare.commands.compare import exit_code
-    from rollbench.compare.files import no_figure, write_csv, write_figure
+    from rollbench.compare.files import why_no_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
@@ -124,7 +124,7 @@ def run_mesh_study(
             "",
         ]
         parts += [closing_lines(one.found), *filter(None, [one.found.unsettled])]
-        parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
+        parts.append(f"every contact: {stem}.csv and {why_no_figure() or '.svg'}")
     return Answer(tables, parts, exit_code(one.found for one in references))
 
 

@@ -52,23 +52,25 @@ def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str
 
 def _check_known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
     """Raise ArgumentError for the first given name that is not known."""
-    from rollbench.compare.files import alike, question
+    from rollbench.compare.files import did_you_mean, similar_names
 
     for word in given:
         if word not in names:
             allowed = ", ".join(name for name in names if ":" not in name)
-            raise ArgumentError(argument, f'"{word}"', allowed, question(alike(word, names)) or "see: rollbench list")
+            raise ArgumentError(
+                argument, f'"{word}"', allowed, did_you_mean(similar_names(word, names)) or "see: rollbench list"
+            )
 
 
 def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
     """Return JSON values of all entries."""
-    from rollbench.compare.evidence import counts, left_out, misprints
+    from rollbench.compare.evidence import counts, misprints, numbers_left_out
 
     return {
         "counts": counts(rows),
         "entries": [entry_json(row) for row in rows],
         "misprints": misprints(),
-        "left_out": left_out(),
+        "left_out": numbers_left_out(),
         "changed_verdicts": list(changed),
     }
 
@@ -101,7 +103,7 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
     """Return all entries for the terminal; misprints and excluded groups as counts."""
     from rich.table import Table
 
-    from rollbench.compare.evidence import APART, counts, left_out, misprints, trust
+    from rollbench.compare.evidence import APART, counts, misprints, numbers_left_out, trust
     from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
@@ -114,7 +116,9 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
         numbers = (cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
         entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
     lines = [trust(row) for row in counts(rows)]
-    lines.append(f"{len(misprints())} misprints with a command and a test each, {len(left_out())} groups left out: --json")
+    lines.append(
+        f"{len(misprints())} misprints with a command and a test each, {len(numbers_left_out())} groups left out: --json"
+    )
     return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
 
 
@@ -126,9 +130,9 @@ def trace_table(table: str = "") -> Answer:
     """
     from rich.table import Table
 
-    from rollbench.compare.evidence import traces
+    from rollbench.compare.evidence import origins_of_entries
 
-    entries = list(traces(table))
+    entries = list(origins_of_entries(table))
     shown = Table(title="every printed number: scenes, computation, test", title_justify="left")
     for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
         shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
@@ -162,14 +166,16 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     """Return scenes by kind and models with their titles, printed tables with their number of rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-    from rollbench.compare.models.user_models import installed, origin
+    from rollbench.compare.models.user_models import installed_models, origin_of_model
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
-    titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
-    of_users = {name: origin(name) for name in installed() if name not in MODELS}
+    titles = {name: catalogue.top_level_keys(name)["title"] for name in catalogue.scene_names()}
+    of_users = {name: origin_of_model(name) for name in installed_models() if name not in MODELS}
     return {
-        "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *KINDS)},
+        "scenes": {
+            k: {n: t for n, t in titles.items() if catalogue.kind_of_shipped(n) == k} for k in (*WHOLE, AXIS, *KINDS)
+        },
         "models": {model.name: model.about for model in MODELS.values()},
         **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},

@@ -72,11 +72,11 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
 
     Raises InputError as `run_samples`.
     """
-    from rollbench.compare.files import no_figure
+    from rollbench.compare.files import why_no_figure
     from rollbench.compare.studies.sweep.summary import solve_sweep
 
     found = solve_sweep(sweep, out, engine, on_terminal)
-    written = f"{out}: written: samples.csv, summary.json and {no_figure() or 'figures (SVG)'}"
+    written = f"{out}: written: samples.csv, summary.json and {why_no_figure() or 'figures (SVG)'}"
     return Answer(found, [*sweep_tables(sweep.keys, found), written], 0 if found["converged"] else 1)
 
 

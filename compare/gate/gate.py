@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.evidence import Evidence, by_table, evidence
+from rollbench.compare.evidence import Evidence, computations_by_table, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, gate_points, known_exceedances
 from rollbench.compare.models.modelling import UNSEEN
@@ -238,7 +238,7 @@ def band_rows(study: Study) -> list[GateRow]:
 
     The limit is the distance of the printed number from the end of the band on the computed value's side.
     """
-    tables = [name for name, one in by_table().items() if one.case.name == "external"]
+    tables = [name for name, one in computations_by_table().items() if one.case.name == "external"]
     return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
@@ -274,7 +274,7 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
     """Check the equilibrium of every shipped scene, and the agreement of both solvers of the beam model."""
     rows = []
     limit = min(EXACT, max_error)
-    for name in catalogue.whole_names():
+    for name in catalogue.single_set_names():
         result = study.solve(name)
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
-from rollbench.compare.models.loads_file import Rows, comma_or
+from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, JudgedQuantity
+from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
 from rollbench.meshes.units import UnitError, expected, parse
 
 VALUE_COLUMNS = ("quantity", "value", "unit")
@@ -27,7 +27,7 @@ class GivenValue:
     """One value of the whole screw from a user's file."""
 
     #: The quantity.
-    quantity: Quantity
+    quantity: JudgedQuantity
     #: Value in SI; a life in million revolutions.
     value: float
     #: Axial load at which it applies [N]; None: the loads of the scene.
@@ -69,12 +69,12 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
     """
     needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
     optional = (WHERE, "set")
-    table = Rows.from_csv(path, needed, VALUE_EXAMPLE, optional)
+    table = CsvTable.from_csv(path, needed, VALUE_EXAMPLE, optional)
     out: dict[tuple[str, ...], GivenValue] = {}
     for number, cells in table.rows:
         if case is not None and cells.get("case") != case:
             continue
-        given = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
+        given = _value_in_row(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
         key = (given.name, given.set)
         if key in out:
             raise InputError(str(path), f"line {number}", f"{given.name} again", "each once", "keep one of the rows")
@@ -84,7 +84,7 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
     return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in (*needed, *optional))
 
 
-def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
+def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
     """Return the value in a row of a file; InputError if quantity, number, unit or place is not valid."""
     name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
     quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
@@ -93,23 +93,23 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
         raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to `loads`")
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
-        value = _life(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])
+        value = _life_in_revolutions(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])
     except UnitError as error:
-        allowed, advice = expected(DIMENSIONS[quantity]), comma_or(error.advice, f"{number},{unit}")
+        allowed, advice = expected(DIMENSIONS[quantity]), decimal_comma_advice(error.advice, f"{number},{unit}")
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     except ValueError:
-        allowed, advice = f"a number and one of: {', '.join(LIVES)}", comma_or(VALUE_EXAMPLE, text)
+        allowed, advice = f"a number and one of: {', '.join(LIVES)}", decimal_comma_advice(VALUE_EXAMPLE, text)
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     where = cells.get(WHERE, "")
-    force, station = (_size(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
+    force, station = (_number_in_si(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
-        advice = comma_or("leave it empty for the loads of the scene", where)
+        advice = decimal_comma_advice("leave it empty for the loads of the scene", where)
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 
 
-def _life(number: str, unit: str) -> float:
+def _life_in_revolutions(number: str, unit: str) -> float:
     """Return a life in million revolutions; ValueError for a number or unit that is not valid."""
     value = float(number) * LIVES.get(unit.lower(), float("nan"))
     if not 0.0 < value < float("inf"):
@@ -117,7 +117,7 @@ def _life(number: str, unit: str) -> float:
     return value
 
 
-def _size(where: str, dimension: str) -> float | None:
+def _number_in_si(where: str, dimension: str) -> float | None:
     """Return a text such as ``5 kN`` as a number in SI; None if its unit is not of the dimension."""
     try:
         value = parse(where, dimension)

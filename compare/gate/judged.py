@@ -13,13 +13,13 @@ from functools import cached_property
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.models.answers import load_answers, unloaded_place
+from rollbench.compare.models.answers import axial_place_without_loads, load_answers
 from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
-from rollbench.compare.reference.convergence import observe
+from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
@@ -36,7 +36,7 @@ BY_FORMULA = "this project's formula on the reference's loads"
 
 
 @dataclass(frozen=True)
-class Quantity:
+class JudgedQuantity:
     """Quantity, other than contact loads, that the gate judges."""
 
     #: Key, which ends with the unit.
@@ -60,13 +60,13 @@ class Quantity:
         return 1.0 if unit is None else unit.factor
 
 
-ANGLE = Quantity("contact_angle_deg", "contact angle", limit=1.0)
-APPROACH = Quantity("approach_um", "approach", 2.0 / 3.0)
-PRESSURE = Quantity("pressure_MPa", "pressure", 1.0 / 3.0)
-DISPLACEMENT = Quantity("displacement_um", "displacement")
-RIGIDITY = Quantity("rigidity_N_per_um", "rigidity")
-TORQUE = Quantity("torque_Nmm", "torque")
-LIFE = Quantity("life_million_revolutions", "life", 3.0)
+ANGLE = JudgedQuantity("contact_angle_deg", "contact angle", limit=1.0)
+APPROACH = JudgedQuantity("approach_um", "approach", 2.0 / 3.0)
+PRESSURE = JudgedQuantity("pressure_MPa", "pressure", 1.0 / 3.0)
+DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
+RIGIDITY = JudgedQuantity("rigidity_N_per_um", "rigidity")
+TORQUE = JudgedQuantity("torque_Nmm", "torque")
+LIFE = JudgedQuantity("life_million_revolutions", "life", 3.0)
 #: Quantities of every contact, by their columns, and of the whole screw.
 OF_CONTACTS = {"angle": ANGLE, "approach": APPROACH, "pressure": PRESSURE}
 OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
@@ -108,18 +108,18 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
     return out
 
 
-def limit_of(quantity: Quantity, given: Mapping[str, float], of_loads: float) -> float:
+def error_limit_of(quantity: JudgedQuantity, given: Mapping[str, float], of_loads: float) -> float:
     """Return a quantity's limit [%; deg for angles]: the given one, else derived from the limit of the loads [%]."""
     return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
 
 
-def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
+def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
     """Return the contacts' approach [m] or largest pressure [Pa], (n, 4), by Hertz from loads (n, 4) [N]."""
     h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 
-def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
+def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
     """Return a quantity's uncertainty due to the loads', by raising or lowering all loads together.
 
     Parameters
@@ -143,18 +143,20 @@ def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Arra
     return np.max([np.abs(end - value) for end in ends], axis=0)  # type: ignore[operator, no-any-return]
 
 
-def of_contacts(scene: Scene, reference: Reference, quantity: Quantity) -> tuple[Array, Array]:
+def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
     """Return a reference's values of a contact quantity, (n, 4) in SI, and their uncertainty (nan: not known)."""
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
         bars = np.zeros_like(reference.load) if reference.stated else uncertainties_of(reference, lambda run: run.angle)
         return np.radians(reference.best.angle), np.radians(bars)
-    bar = by_loads(lambda load: hertz_of(scene, quantity, load), reference.load, reference.uncertainty)
-    return hertz_of(scene, quantity, reference.load) if given is None else given, np.asarray(bar)
+    bar = uncertainty_from_loads(
+        lambda load: hertz_approach_or_pressure(scene, quantity, load), reference.load, reference.uncertainty
+    )
+    return hertz_approach_or_pressure(scene, quantity, reference.load) if given is None else given, np.asarray(bar)
 
 
 @dataclass(frozen=True)
-class Whole:
+class WholeScrewQuantities:
     """Computes quantities of the whole screw (displacement, rigidity, torque, life) for a scene."""
 
     scene: Scene
@@ -162,9 +164,9 @@ class Whole:
     @cached_property
     def start(self) -> float:
         """Axial displacement of the unloaded screw by the default model [m]; no run of the reference gives it."""
-        return unloaded_place(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
+        return axial_place_without_loads(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
-    def value_of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:
+    def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
         """Return a quantity in SI from an answer's loads and displacements at ``station`` [m]; None if undefined."""
         angle = np.radians(answer.angle)
         if quantity is LIFE:
@@ -182,20 +184,22 @@ class Whole:
         return force / moved if moved * force > 0.0 else None
 
     def reference(
-        self, quantity: Quantity, ref: Reference, station: float | None = None
+        self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
         """Return a reference's value of a quantity and its uncertainty, in SI; None if not known."""
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
-            bar = by_loads(lambda load: self.value_of(quantity, replace(best, load=load)), ref.load, ref.uncertainty)
+            bar = uncertainty_from_loads(
+                lambda load: self.value_of(quantity, replace(best, load=load)), ref.load, ref.uncertainty
+            )
             return self.value_of(quantity, best), None if bar is None else float(bar)
         values = [value for answer in answers if (value := self.value_of(quantity, answer, station)) is not None]
         if len(values) < len(answers):
             return None, None
-        return values[-1], observe(values, ref.sizes).uncertainty
+        return values[-1], grid_convergence(values, ref.sizes).uncertainty
 
-    def why_not(self, quantity: Quantity, ref: Reference) -> str:
+    def why_not(self, quantity: JudgedQuantity, ref: Reference) -> str:
         """Return the reason why a reference has no value of a quantity."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "friction finds none"
@@ -203,7 +207,7 @@ class Whole:
             return load_answers(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
         return f"{ref.label} holds none" if ref.stated else "the screw does not move with its load"
 
-    def note_on(self, quantity: Quantity) -> str:
+    def note_on(self, quantity: JudgedQuantity) -> str:
         """Return a note on how a quantity of the reference is obtained; may be empty."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA

@@ -14,33 +14,33 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.gate.given_files import GivenValue, read_values
-from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, limit_of, parse_limits
+from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, error_limit_of, parse_limits
 from rollbench.compare.gate.verdict import (
     LARGEST,
     LIMIT,
-    Contacts,
+    ContactValues,
     Limits,
     Verdict,
+    contact_values_by_model,
     contact_verdicts,
-    contacts_by,
     judge,
+    screw_values_by_model,
     suspected_causes,
     value_verdict,
-    values_by,
 )
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import (
     Referenced,
-    SetOf,
-    answered,
+    SetOfAssembly,
     compared_models,
     from_result,
     gate_points,
     options_for,
-    referenced,
+    solution_of_set,
+    stored_references,
 )
 from rollbench.compare.models.loading import scaled
-from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, comma_or, read_loads
+from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, decimal_comma_advice, read_loads
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
 from rollbench.compare.reference.estimate import Reference
@@ -99,19 +99,19 @@ def read_reference(
     if not given.load.any():
         raise InputError(str(path), "file", "no loads but zero", "a load", "is this the scene's reference?")
     contacts = nominal_contacts(scene) if contacts is None else contacts
-    bars, words = _uncertainty(path, given, mean_load(given.load, contacts))
+    bars, words = _stated_uncertainty(path, given, mean_load(given.load, contacts))
     source = given.notes.get(PROVENANCE, "")
     stated = f"against {path.name}{f' ({source})' if source else ''}, {words}"
     angle = np.degrees(given.further.get("angle", np.full(given.load.shape, np.nan)))
     further = {q.name: given.further[name] for name, q in OF_CONTACTS.items() if name in given.further}
     share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
     parts = GridParts(share)
-    run = as_run(scene, given.load, angle)
+    run = run_of_loads(scene, given.load, angle)
     label = re.sub(r"\s+", " ", path.name)
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
 
 
-def exceeding(ref: Reference, limit: float) -> str:
+def uncertainty_warning(ref: Reference, limit: float) -> str:
     """Return a warning if the uncertainty of a reference exceeds the limit [%] by which it judges; else empty."""
     worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
@@ -122,7 +122,7 @@ def exceeding(ref: Reference, limit: float) -> str:
     )
 
 
-def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
+def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
     """Return the uncertainty (n, 4) [N] stated in a reference file, and a description; InputError if not valid."""
     on = given.load > 0.0
     stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
@@ -146,12 +146,12 @@ def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str
         size = float("nan")
     if not 0.0 <= size < float("inf"):
         allowed = "0.5 % (of the mean load), or a force such as 2 N"
-        advice = comma_or("or write a column uncertainty_N", note)
+        advice = decimal_comma_advice("or write a column uncertainty_N", note)
         raise InputError(str(path), f"note {UNCERTAINTY}", note or "nothing", allowed, advice)
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
-def as_run(scene: Scene, load: Array, angle: Array) -> Run:
+def run_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
     """Return contact loads [N] and angles [deg], (n, 4), as a run of the 3D reference without mesh."""
     return Run(
         scene=scene.name,
@@ -198,7 +198,7 @@ NO_CASES: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True)
-class Asked:
+class GateRequest:
     """Request for verdicts: what is judged, by which limits and references."""
 
     #: Folders of runs; the first takes those that are computed.
@@ -236,13 +236,13 @@ def gate_request(
     store: Path = Path("rollbench-reference"),
     stored: Path | None = None,
     compute: bool = True,
-) -> Asked:
+) -> GateRequest:
     """Validate arguments and make a request for verdicts.
 
     Parameters
     ----------
     model, loads, values, max_error, reference, strict, levels, compute
-        As in `Asked`; ``model`` may be empty for the default.
+        As in `GateRequest`; ``model`` may be empty for the default.
     limits
         Limits of other quantities, ``NAME=NUMBER``.
     store
@@ -276,7 +276,7 @@ def gate_request(
     if stored is not None and not stored.is_dir():
         raise ArgumentError("stored", str(stored), "a folder of stored runs", "check the path")
     compared_models((model,) if model else (), "model")
-    return Asked(
+    return GateRequest(
         (store if stored is None else stored, shipped_store()),
         model or DEFAULT,
         loads,
@@ -291,7 +291,7 @@ def gate_request(
 
 
 @dataclass(frozen=True)
-class Files:
+class UserFiles:
     """Contents of a user's files (loads, values, reference) for a scene or load case."""
 
     #: Loads of another program, for each set.
@@ -306,7 +306,7 @@ class Files:
 
 def check_scenes(
     scenes: Sequence[Solvable],
-    request: Asked,
+    request: GateRequest,
     engine: Engine,
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
@@ -342,47 +342,60 @@ def check_scenes(
     """
     warned: dict[str, None] = {}
     for scene in scenes:
-        for words in as_shares(limits_of(scene, request.max_error, request.limits)):
+        for words in fraction_warnings(limits_for_scene(scene, request.max_error, request.limits)):
             warned.setdefault(words)
-    read = [_files(scene, request, warned.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, request, cases)]
+    read = [
+        _read_user_files(scene, request, warned.setdefault, cases.get(scene.name))
+        for scene in _scenes_of_files(scenes, request, cases)
+    ]
     for words in warned:
         warn(words)
-    each_files = read or [Files()] * len(scenes)
-    why = _computed([*scenes, *(s for f in read for s in f.at.values())], request, engine, step) if request.compute else {}
+    each_files = read or [UserFiles()] * len(scenes)
+    why = (
+        _compute_missing_runs([*scenes, *(s for f in read for s in f.at.values())], request, engine, step)
+        if request.compute
+        else {}
+    )
     out: list[Verdict] = []
     for scene, files in zip(scenes, each_files, strict=True):
-        limits = limits_of(scene, request.max_error, request.limits)
-        each: Sequence[Referenced] = files.reference or referenced(scene, request.stores)
+        limits = limits_for_scene(scene, request.max_error, request.limits)
+        each: Sequence[Referenced] = files.reference or stored_references(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
-            out += [v for one in each for v in _verdicts(one, files, limits, request)]
+            out += [v for one in each for v in _contact_verdicts_of_set(one, files, limits, request)]
             judged = title_of(request.model) if request.loads is None else request.loads.name
-            out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
+            out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
-            beside = each if value.force is None else referenced(files.at[value.force], request.stores)
-            out.append(_value(value, [x for x in beside if of_set(x, value.set)], scene, limits, request, reason))
+            beside = each if value.force is None else stored_references(files.at[value.force], request.stores)
+            out.append(
+                _verdict_on_value(
+                    value, [x for x in beside if names_this_set(x, value.set)], scene, limits, request, reason
+                )
+            )
     return out
 
 
-def _verdicts(one: Referenced, files: Files, limits: Limits, request: Asked) -> list[Verdict]:
+def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
     """Return the verdicts on the contacts of a set, whose loads are those of a user's file or of a model."""
     if request.loads is None:
-        return _named(_model(one, request.model, limits, request.stores), one)
+        return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
-    detail = "; ".join(filter(None, _said(given, one.found, limits)))
+    detail = "; ".join(filter(None, _notes_on_loads(given, one.found, limits)))
     verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
-    further = contact_verdicts(judged, Contacts(given.load, given.further, given.flanks), one.scene, one.found, limits)
-    return _named(_beside(verdicts, given, one, limits, request) + further, one)
+    further = contact_verdicts(judged, ContactValues(given.load, given.further, given.flanks), one.scene, one.found, limits)
+    return _with_set_name(_with_stored_verdict(verdicts, given, one, limits, request) + further, one)
 
 
-def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
+def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
     """Return the verdicts with the names of assembly and set filled in; unchanged for a scene with one set."""
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
-def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: Asked) -> list[Verdict]:
+def _with_stored_verdict(
+    verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
+) -> list[Verdict]:
     """Return the verdicts; with a user's reference, the first also states the verdict by the stored 3D reference."""
-    ours = stored_beside(one, request.stores) if one.found.stated else None
+    ours = stored_reference(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
     other = judge("", given.load, ours, limits, given.flanks)[0]
@@ -390,35 +403,35 @@ def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits:
     return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
 
-def _value(
-    value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: Asked, reason: str
+def _verdict_on_value(
+    value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: GateRequest, reason: str
 ) -> Verdict:
     """Return the verdict on a user's value of the whole screw; with several sets only the life of a set is judged."""
     assert request.values is not None
     one = next(iter(each), None)
     if one is None or (one.of is not None and value.quantity is not LIFE):
-        limit = limit_of(value.quantity, limits.others, limits.largest)
+        limit = error_limit_of(value.quantity, limits.others, limits.largest)
         reason = reason if one is None else "of several sets on one shaft only the life of each is judged"
-        return _not_covered(scene, request.values.name, value.name, limit, reason)
-    return _named([value_verdict(request.values.name, value, one.scene, one.found, limits)], one)[0]
+        return _not_covered_verdict(scene, request.values.name, value.name, limit, reason)
+    return _with_set_name([value_verdict(request.values.name, value, one.scene, one.found, limits)], one)[0]
 
 
-def of_set(one: Referenced, word: str) -> bool:
+def names_this_set(one: Referenced, word: str) -> bool:
     """Return whether a text is the number (from 1) or name of a set; always true for a scene with one set."""
-    return one.of is None or word in _words(one.of.assembly, one.of.number)
+    return one.of is None or word in _names_of_set(one.of.assembly, one.of.number)
 
 
-def _words(assembly: Assembly, k: int) -> tuple[str, str]:
+def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
     """Return the texts that name a set in files: its number from 1, and its name."""
     return str(k + 1), assembly.sets[k].name
 
 
-def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
+def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
     """Return the verdict "not covered" on a quantity of a scene without reference."""
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
-def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
+def _scenes_of_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
     """Return the scenes to which files apply, none without files; InputError for scenes that are not cases of one."""
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
@@ -428,27 +441,27 @@ def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, st
     return scenes if any(named.values()) else ()
 
 
-def _files(scene: Solvable, request: Asked, warn: Callable[[str], None], case: str | None) -> Files:
+def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:
     """Read the user's files for a scene or load case; InputError if they do not fit."""
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
     if request.reference is not None:
-        limit = limits_of(scene, request.max_error).largest
-        reference = judged_by(request.reference, scene, warn, limit, strict=request.strict, case=case)
+        limit = limits_for_scene(scene, request.max_error).largest
+        reference = references_from_file(request.reference, scene, warn, limit, strict=request.strict, case=case)
     if request.loads is not None:
-        for of, only in parts_of(scene, case):
+        for of, only in sets_with_row_filter(scene, case):
             loads.append(read_loads(request.loads, of.ball_count, of, only))
-            _unknown(request.loads, loads[-1].unknown, warn, strict=request.strict)
+            _check_unknown_columns(request.loads, loads[-1].unknown, warn, strict=request.strict)
     if request.values is not None:
         values, unknown = read_values(request.values, case)
-        _unknown(request.values, unknown, warn, strict=request.strict)
+        _check_unknown_columns(request.values, unknown, warn, strict=request.strict)
         _check_sets(scene, values, request.values)
-        at = {value.force: _loaded(scene, value, request.values) for value in values if value.force is not None}
-    return Files(tuple(loads), tuple(values), at, tuple(reference))
+        at = {value.force: _scaled_to_load(scene, value, request.values) for value in values if value.force is not None}
+    return UserFiles(tuple(loads), tuple(values), at, tuple(reference))
 
 
-def parts_of(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
+def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
     """Return each set of a scene with the filter for its rows in a file; InputError for rollers."""
     of_case: Only = {} if case is None else {"case": (case,)}
     if isinstance(scene, Scene):
@@ -457,11 +470,11 @@ def parts_of(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
     for k, s in enumerate(scene.sets):
         if not isinstance(s.parts, Scene):
             raise InputError(scene.name, "sets", s.name, "sets of balls", "rollers have no flanks: judge a model instead")
-        out.append((SetOf(scene, k).scene, {**of_case, "set": _words(scene, k)}))
+        out.append((SetOfAssembly(scene, k).scene, {**of_case, "set": _names_of_set(scene, k)}))
     return out
 
 
-def judged_by(
+def references_from_file(
     path: Path,
     scene: Solvable,
     warn: Callable[[str], None],
@@ -498,20 +511,20 @@ def judged_by(
         If the file cannot be read or does not fit the scene.
     """
     out = []
-    for k, (parts, only) in enumerate(parts_of(scene, case)):
-        of = None if isinstance(scene, Scene) else SetOf(scene, k)
+    for k, (parts, only) in enumerate(sets_with_row_filter(scene, case)):
+        of = None if isinstance(scene, Scene) else SetOfAssembly(scene, k)
         reference, unknown = read_reference(path, parts, only, None if of is None else of.contacts)
         reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
-        _unknown(path, unknown, warn, strict=strict)
-        if words := exceeding(reference, limits_of(scene, limit).largest):
+        _check_unknown_columns(path, unknown, warn, strict=strict)
+        if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest):
             warn(words)
         out.append(Referenced(parts, reference, of))
     return out
 
 
-def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
+def stored_reference(one: Referenced, stores: Sequence[Path]) -> Reference | None:
     """Return the stored 3D reference of a set, shown next to a user's reference; None if there is none."""
-    references = referenced(one.scene if one.of is None else one.of.assembly, stores)
+    references = stored_references(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 
 
@@ -519,14 +532,14 @@ def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> No
     """Raise InputError for a value whose set is missing or unknown; a scene with one set needs none."""
     if isinstance(scene, Scene):
         return
-    known = [word for k in range(len(scene.sets)) for word in _words(scene, k)]
+    known = [word for k in range(len(scene.sets)) for word in _names_of_set(scene, k)]
     for value in values:
         if value.set not in known:
             advice = "name the set of every value in a column set"
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
-def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
+def _scaled_to_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to a value's axial load; InputError if the scene has no axial load."""
     assert value.force is not None
     if isinstance(scene, Assembly):
@@ -538,7 +551,7 @@ def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     return scaled(scene, value.force / axial)
 
 
-def _unknown(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
+def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
     """Warn about unknown columns of a file; InputError if ``strict``."""
     if not headings:
         return
@@ -547,7 +560,7 @@ def _unknown(path: Path, headings: Sequence[str], warn: Callable[[str], None], *
     warn(f"{path.name}: not judged, because the columns are not known: {', '.join(headings)}; known are {KNOWN}")
 
 
-def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
+def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
     """Yield notes on a user's loads: flanks not given, renumbered balls, suspected causes of large errors."""
     left = [side for side in SIDES if side not in given.flanks]
     yield f"not judged, because not given: {', '.join(left)}" if left else ""
@@ -556,7 +569,7 @@ def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[s
     yield suspected_causes(given.load, reference.load, given.flanks, limits.largest)
 
 
-def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
+def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
     """Return the limits for a scene: from the request, else from the scene, else `LIMIT`.
 
     Parameters
@@ -579,18 +592,18 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
     return Limits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
-def as_shares(limits: Limits) -> Iterator[str]:
+def fraction_warnings(limits: Limits) -> Iterator[str]:
     """Yield a warning for each limit that looks like a fraction, such as 0.07 where 7 % may be meant."""
     for name, limit in {"loads": limits.largest, **limits.others}.items():
         if limit < SHARE and name != ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: are {100.0 * limit:g} % meant? limits are in per cent"
 
 
-def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
+def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Return the verdicts on a model's answers for a set; without equilibrium a single one, "fail"."""
     scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
-        answer = answered(one.of, name)
+        answer = solution_of_set(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
     else:
         model = known_model(name)
@@ -604,18 +617,22 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
         return [Verdict(scene.name, title, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
     loads = from_result(result)
     verdicts = judge(title, result.load, ref, limits) + contact_verdicts(
-        title, contacts_by(scene, loads, limits.others), scene, ref, limits
+        title, contact_values_by_model(scene, loads, limits.others), scene, ref, limits
     )
     if one.of is not None:
         return verdicts
-    return verdicts + [value_verdict(title, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
+    return verdicts + [
+        value_verdict(title, v, scene, ref, limits) for v in screw_values_by_model(scene, loads, limits.others)
+    ]
 
 
-def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
+def _compute_missing_runs(
+    scenes: Sequence[Solvable], request: GateRequest, engine: Engine, step: Callable[[str], None]
+) -> dict[str, str]:
     """Compute missing runs; return, by scene, why a run failed. A refusal does not stop other geometries."""
     why: dict[str, str] = {}
     for group in groups(scenes):
-        for levels, lacking in _missing(group, request).items():
+        for levels, lacking in _missing_levels(group, request).items():
             try:
                 failed = ensure(plan(lacking, levels), request.stores[0], engine, step, request.stores[1:])
             except Refusal as error:
@@ -625,7 +642,7 @@ def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: 
     return why
 
 
-def _missing(scenes: Sequence[Solvable], request: Asked) -> dict[tuple[int, ...], list[Solvable]]:
+def _missing_levels(scenes: Sequence[Solvable], request: GateRequest) -> dict[tuple[int, ...], list[Solvable]]:
     """Return scenes by the mesh levels that have to be computed for them."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:

@@ -9,7 +9,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from rollbench.compare.gate.given_files import GivenValue
-from rollbench.compare.gate.judged import ANGLE, OF_CONTACTS, QUANTITIES, Whole, hertz_of, limit_of, of_contacts
+from rollbench.compare.gate.judged import (
+    ANGLE,
+    OF_CONTACTS,
+    QUANTITIES,
+    WholeScrewQuantities,
+    contact_quantity_of_reference,
+    error_limit_of,
+    hertz_approach_or_pressure,
+)
 from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import RULE, Loads, gate_points
 from rollbench.compare.quantities import split_unit
@@ -57,7 +65,7 @@ class Limits:
     others: Mapping[str, float] = field(default_factory=dict)
 
 
-def of_whom(scene: str, case: str | None, set_: str | None) -> str:
+def judged_subject(scene: str, case: str | None, set_: str | None) -> str:
     """Return scene, load case and set as text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
@@ -136,7 +144,7 @@ class Verdict:
     @property
     def subject(self) -> str:
         """Text with scene, load case and set that are judged."""
-        return of_whom(self.scene, self.case and f"case {self.case}", self.set)
+        return judged_subject(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
         """Return JSON values; keys of numbers end with the unit, and keys in per cent are null for another unit."""
@@ -221,7 +229,7 @@ def decide(error: float, uncertainty: float | None, limit: float) -> Word:
     return "fail" if abs(error) - uncertainty > limit else "undecided"
 
 
-class At(NamedTuple):
+class ContactError(NamedTuple):
     """Error of one judged contact, with the uncertainty of the reference."""
 
     #: Error [%].
@@ -234,10 +242,10 @@ class At(NamedTuple):
     side: str
 
 
-def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
+def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
     """Return the worst verdict on contacts, and the decisive contact: furthest beyond, or nearest to, the limit."""
     each = [decide(p.error, p.bar, limit) for p in points]
-    worst = worst_of(each)
+    worst = worst_verdict(each)
     sign = -1.0 if worst == "fail" else 1.0
     gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
     return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
@@ -280,7 +288,9 @@ def judge(
     """
     chosen = np.array([side in flanks for side in SIDES])
     points = [
-        At(p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side)
+        ContactError(
+            p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side
+        )
         for p in gate_points(reference.scene, reference, limits.largest, load)
         if p.side in flanks
     ]
@@ -293,18 +303,18 @@ def judge(
     reached = bearing(reference.load)
     contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
-    kind, at = decisive(points, limits.largest)
+    kind, at = decisive_contact(points, limits.largest)
     words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
     first = Verdict(reference.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
-    out = [replace(first, of_mean=of_mean, near=_near(load, reference, at))]
+    out = [replace(first, of_mean=of_mean, near=_balls_near(load, reference, at))]
     if limits.rms is not None:
         error, bar = of_mean.rms_percent, reference.parts.bar
         out.append(Verdict(reference.scene, judged, RMS, decide(error, bar, limits.rms), error, bar, limits.rms, **shared))
     return out
 
 
-def _near(load: Array, reference: Reference, at: At) -> tuple[tuple[int, float, float, float], ...]:
+def _balls_near(load: Array, reference: Reference, at: ContactError) -> tuple[tuple[int, float, float, float], ...]:
     """Return number, load, reference load and uncertainty of the balls around a contact, as in `Verdict.near`."""
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
@@ -316,7 +326,7 @@ def reference_notes(reference: Reference) -> str:
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
 
-def worst_of(words: Sequence[Word]) -> Word:
+def worst_verdict(words: Sequence[Word]) -> Word:
     """Return the worst of several verdicts, in the order of `CODES`."""
     return next((w for w in CODES if w in words), "pass")
 
@@ -343,25 +353,25 @@ def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit
     sides = [SIDES.index(side) for side in flanks]
     given, right = load[:, sides], reference[:, sides]
     mean = mean_load(right)
-    if mean == 0.0 or not given.any() or _largest(given, right, mean) <= limit:
+    if mean == 0.0 or not given.any() or _largest_error(given, right, mean) <= limit:
         return ""
     for name, newton in UNITS.items():
         if abs(float(given.sum()) * newton / float(right.sum()) - 1.0) < ALIKE:
             return f"the loads look like {name}: in newtons they are {newton:g} times as large"
-    if _largest(np.sort(given, axis=0), np.sort(right, axis=0), mean) <= limit:
-        reverse = "the other way round" if _largest(given[::-1], right, mean) <= limit else "otherwise"
+    if _largest_error(np.sort(given, axis=0), np.sort(right, axis=0), mean) <= limit:
+        reverse = "the other way round" if _largest_error(given[::-1], right, mean) <= limit else "otherwise"
         return (
             f"the same loads stand on other balls, which look numbered {reverse}: add the columns azimuth_deg and z_mm, by "
             "which balls are matched"
         )
     swapped = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
     other = reference[:, [SIDES.index(swapped[side]) for side in flanks]]
-    if other.any() and _largest(given, other, mean_load(other)) <= limit:
+    if other.any() and _largest_error(given, other, mean_load(other)) <= limit:
         return "the loads look like those of the other flanks: left and right are seen along +z"
     return ""
 
 
-def _largest(given: Array, right: Array, mean: float) -> float:
+def _largest_error(given: Array, right: Array, mean: float) -> float:
     """Return the largest absolute error of loads, in per cent of the mean load."""
     return float(np.abs(error_percent(given, right, mean)).max())
 
@@ -370,7 +380,7 @@ def _largest(given: Array, right: Array, mean: float) -> float:
 BY_HERTZ = "the reference's by Hertz from its loads, each contact's own radii"
 
 
-class Contacts(NamedTuple):
+class ContactValues(NamedTuple):
     """Judged values of every contact: loads and other quantities."""
 
     #: Contact loads, (n, 4) [N].
@@ -381,38 +391,46 @@ class Contacts(NamedTuple):
     flanks: Sequence[str] = SIDES
 
 
-def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
+def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> ContactValues:
     """Return a model's loads, and those of its other contact quantities that have a limit."""
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
-    further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
+    further = {
+        k: np.radians(answer.angle) if q is ANGLE else hertz_approach_or_pressure(scene, q, answer.load)
+        for k, q in limited.items()
+    }
     if "pressure" in further and answer.pressure is not None:
         further["pressure"] = answer.pressure
-    return Contacts(answer.load, further)
+    return ContactValues(answer.load, further)
 
 
-def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
+def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
     """Return a model's values for those quantities of the whole screw that have a limit."""
-    whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
+    whole, limited = (
+        WholeScrewQuantities(scene),
+        [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()],
+    )
     values = ((q, whole.value_of(q, answer)) for q in limited)
     return [GivenValue(q, value) for q, value in values if value is not None]
 
 
-def contact_verdicts(judged: str, given: Contacts, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
+def contact_verdicts(judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
     """Judge each given contact quantity other than the loads that the reference has, by its decisive contact."""
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
     names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
-    return [_of_contacts(judged, given, name, scene, ref, limits) for name in names]
+    return [_contact_quantity_verdict(judged, given, name, scene, ref, limits) for name in names]
 
 
-def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
+def _contact_quantity_verdict(
+    judged: str, given: ContactValues, name: str, scene: Scene, ref: Reference, limits: Limits
+) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
 
     Errors are in per cent of the contact's value, or of that at the mean load for contacts below a tenth of it; of angles
     in degrees, for contacts that bear load in both.
     """
     q, value = OF_CONTACTS[name], given.further[name]
-    limit, unit = limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
-    reference, bars = of_contacts(scene, ref, q)
+    limit, unit = error_limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
+    reference, bars = contact_quantity_of_reference(scene, ref, q)
     chosen = np.array([side in given.flanks for side in SIDES])
     if q is ANGLE:
         judge = bearing(ref.load) & bearing(given.load) & chosen & np.isfinite(reference)
@@ -420,7 +438,7 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
     else:
         judge = ((ref.load > 0.0) | (value > 0.0)) & chosen
         value = np.where(np.isnan(value) & (given.load == 0.0), 0.0, value)  # of a contact that is lost
-        mean = hertz_of(scene, q, np.full(value.shape, ref.mean))
+        mean = hertz_approach_or_pressure(scene, q, np.full(value.shape, ref.mean))
         scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
         errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
     if not judge.any():
@@ -428,10 +446,10 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
             ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit
         )
     points = [
-        At(float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]])
+        ContactError(float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]])
         for k in zip(*np.nonzero(judge), strict=True)
     ]
-    kind, at = decisive(points, limit)
+    kind, at = decisive_contact(points, limit)
     k = at.ball - 1, SIDES.index(at.side)
     pair = (q.key, q.factor * float(value[k]), q.factor * float(reference[k]))
     detail = (
@@ -445,8 +463,8 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
 
 def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
     """Judge a value of the whole screw against the reference's value, in per cent of the latter."""
-    whole, q = Whole(scene), given.quantity
-    limit = limit_of(q, limits.others, limits.largest)
+    whole, q = WholeScrewQuantities(scene), given.quantity
+    limit = error_limit_of(q, limits.others, limits.largest)
     reference, bar = whole.reference(q, ref, given.station)
     if not reference:
         return verdict_without_reference(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")

@@ -19,13 +19,13 @@ from rollbench.compare.models.loading import (
     LiftOff,
     LoadPath,
     Preload,
+    load_path_of_assembly,
+    load_path_of_set,
+    load_path_warnings,
     loaded_bodies,
-    path_of_set,
-    path_of_sets,
-    path_warnings,
     preload,
 )
-from rollbench.compare.models.registry import MODELS, Options, blamed, read_condensed, run_model
+from rollbench.compare.models.registry import MODELS, Options, key_of_error, read_condensed, run_model
 from rollbench.lowfi.bearings.rib import RibContact, rib_contact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque, roller_torque
 from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
@@ -64,7 +64,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 AT_END = 0.9
 
 
-def clearance_in(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
+def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
     """Return the clearance of a row of balls with one arc per groove that carries thrust in both directions.
 
     None for other rows and for rows without play.
@@ -75,21 +75,21 @@ def clearance_in(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
 
 def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
     """Yield a warning for each deep-groove row whose rings are fixed axially near one end of their play."""
-    shaft = _held(scene.supports)
+    shaft = _prescribed_axial_place(scene.supports)
     if shaft is None:
         return
     if isinstance(scene, Scene):
-        yield from _of_row(scene, shaft)
+        yield from _play_warning_of_row(scene, shaft)
         return
     for row in scene.sets:
-        outer = _outer(scene, row)
+        outer = _outer_ring_place(scene, row)
         if isinstance(row.parts, Scene) and row.carrier is None and row.thrust == "deep groove" and outer is not None:
-            yield from (w.prefixed(row.name) for w in _of_row(row.parts, shaft - outer))
+            yield from (w.prefixed(row.name) for w in _play_warning_of_row(row.parts, shaft - outer))
 
 
-def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
+def _play_warning_of_row(parts: Scene, place: float) -> Iterator[Warned]:
     """Yield the warning for a row whose inner ring is fixed at ``place`` [m] relative to its outer ring."""
-    clearance = clearance_in(parts)
+    clearance = clearance_of_deep_groove(parts)
     if clearance is None:
         return
     middle = -distance_of_centres(parts) * sin(parts.track.contact_angle)
@@ -103,12 +103,12 @@ def _of_row(parts: Scene, place: float) -> Iterator[Warned]:
     )
 
 
-def _held(supports: tuple[Support, ...]) -> float | None:
+def _prescribed_axial_place(supports: tuple[Support, ...]) -> float | None:
     """Return the axial displacement [m] that supports prescribe for the shaft; None if it is axially free."""
     return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
 
 
-def _outer(assembly: Assembly, row: RollingSet) -> float | None:
+def _outer_ring_place(assembly: Assembly, row: RollingSet) -> float | None:
     """Return the axial displacement [m] of a row's outer ring; None if its housing can move axially."""
     if row.housing is None:
         return row.offset
@@ -246,7 +246,7 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
 
 
-def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
+def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Options) -> Tangent:
     """Compute the tangent stiffness at a station of the screw.
 
     Parameters
@@ -282,10 +282,10 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
         )
     except ValueError as error:
         advice = "the loads are solved without it: leave the stiffness out"
-        raise Refusal(scene.name, blamed(error), str(error), advice) from error
+        raise Refusal(scene.name, key_of_error(error), str(error), advice) from error
 
 
-def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
+def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
     """Compute the tangent stiffness at the nut's centre.
 
     Parameters
@@ -314,13 +314,13 @@ def tangent_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent 
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
-        tangent = tangent_of(scene, scene.nut.position, model, options)
+        tangent = tangent_stiffness_at(scene, scene.nut.position, model, options)
     except Refusal as refused:
         return None, refused.value.partition(";")[0]  # what to do instead is of other answers
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
-def unloaded_place(scene: Scene, bare: StaticResult) -> float:
+def axial_place_without_loads(scene: Scene, bare: StaticResult) -> float:
     """Return the screw's axial displacement at the nut's centre without loads [m], where displacements are zero.
 
     Parameters
@@ -335,20 +335,20 @@ def unloaded_place(scene: Scene, bare: StaticResult) -> float:
     float
         Displacement; zero (the nominal position) if no contact fixes the unloaded screw.
     """
-    return float(unloaded_motion(scene, bare)[2])
+    return float(displacement_without_loads(scene, bare)[2])
 
 
-def unloaded_motion(scene: Scene, bare: StaticResult) -> Array:
-    """Return the displacement of the screw at the nut's centre without loads, (6,) [m, rad]; see `unloaded_place`."""
-    return motion_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
+def displacement_without_loads(scene: Scene, bare: StaticResult) -> Array:
+    """Return the displacement of the screw at the nut's centre without loads, (6,) [m, rad]."""
+    return displacement_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
 
 
-def motion_at_nut(scene: Scene, result: StaticResult) -> Array:
+def displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
     """Return the displacement of the screw at the nut's centre from its nominal position, (6,) [m, rad]."""
     return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
 
 
-def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
+def all_answers(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
     """Compute all answers of a converged result; preload and lift-off take further solutions.
 
     Parameters
@@ -369,16 +369,16 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     """
     bare = loading.solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
-    force, moved = axial_force(result), motion_at_nut(scene, result) - unloaded_motion(scene, bare)
+    force, moved = axial_force(result), displacement_at_nut(scene, result) - displacement_without_loads(scene, bare)
     try:
         three = rigidities(scene, force, float(moved[2]))
     except ValueError:
         three = None
     lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
     friction, words = quick_friction(scene, result, options)
-    tangent, why = tangent_at_nut(scene, model, options) if force != 0.0 else (None, "")
+    tangent, why = tangent_stiffness_at_nut(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle, result.member, result.pressure)
-    path = path_of_set(scene, result, bare)
+    path = load_path_of_set(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
         from rollbench.lowfi.statics.liu import row_of  # loads the chain
@@ -457,9 +457,9 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     """
     if scene.friction is None:
         return None, "no coefficient given; rollbench friction takes mu = 0.1"
-    from rollbench.compare.models.friction_sums import kept_sums
+    from rollbench.compare.models.friction_sums import cached_friction_sums
 
-    return kept_sums(scene, result, options)
+    return cached_friction_sums(scene, result, options)
 
 
 def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
@@ -493,7 +493,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
     )
 
 
-def _wide_grooves(scene: Scene) -> Iterator[Warned]:
+def _conformity_warnings(scene: Scene) -> Iterator[Warned]:
     """Yield a warning for conformities too large for a groove radius over the ball diameter."""
     grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
     wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
@@ -503,7 +503,7 @@ def _wide_grooves(scene: Scene) -> Iterator[Warned]:
         yield Warned("conformity", f"{brief}: {words}", f"{brief}: {words}")
 
 
-def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preload: float) -> Iterator[Warned]:
+def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preload: float) -> Iterator[Warned]:
     """Yield warnings for answers outside the range of validity of the models.
 
     Parameters
@@ -521,7 +521,7 @@ def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preloa
         For wide grooves, static safety below one, and preload above the dynamic load rating.
     """
     if isinstance(parts, Scene):
-        yield from _wide_grooves(parts)
+        yield from _conformity_warnings(parts)
     if loads.safety is not None and loads.safety.factor < 1.0:
         factor = f"{loads.safety.factor:.3g}"
         words = "hardened steel keeps a permanent dent, which life and friction do not take into account"
@@ -592,7 +592,7 @@ class AxisAnswers:
         return None if self.motion is None else float(self.motion[2])
 
 
-def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
+def all_axis_answers(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Compute all answers of a converged result of several sets; takes a further solution without loads.
 
     Parameters
@@ -609,19 +609,23 @@ def gather_axis(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
     unloaded = bare.sets if bare.converged else [None] * len(result.sets)
-    sets = tuple(_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
-    moved = loading.motion_asked(assembly, result) - loading.motion_asked(assembly, bare) if bare.converged else None
-    path = path_of_sets(assembly, result, bare)
-    return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _paths(assembly, result, path))
+    sets = tuple(_answers_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
+    moved = (
+        loading.displacement_of_interest(assembly, result) - loading.displacement_of_interest(assembly, bare)
+        if bare.converged
+        else None
+    )
+    path = load_path_of_assembly(assembly, result, bare)
+    return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _load_paths_by_body(assembly, result, path))
 
 
-def _paths(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
+def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
     """Return the load path of each loaded body (what changes without its loads); ``path`` if only one is loaded."""
     bodies, options = loaded_bodies(assembly), Options(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
     without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
-    found = (path_of_sets(alone, result, without[name], name) for name, (alone, _) in bodies.items())
+    found = (load_path_of_assembly(alone, result, without[name], name) for name, (alone, _) in bodies.items())
     return tuple(x for x in found if x is not None)
 
 
@@ -652,14 +656,18 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     result = run_model(assembly, model, Options(member=member))
     if not result.converged:
         return result, None
-    answers = gather_axis(assembly, result)
-    warned = (w.prefixed(x.name) for x in answers.sets for w in outside(x.parts, x.loads, loading.axial_of(x.preload)))
-    held = (w for path in answers.paths for w in path_warnings(path))
+    answers = all_axis_answers(assembly, result)
+    warned = (
+        w.prefixed(x.name)
+        for x in answers.sets
+        for w in validity_warnings(x.parts, x.loads, loading.absolute_axial_preload(x.preload))
+    )
+    held = (w for path in answers.paths for w in load_path_warnings(path))
     further = (*warned, *held, *play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+def _answers_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
     """Return the answers of one set; ``bare``: its result without the scene's loads, None without equilibrium."""
     parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):

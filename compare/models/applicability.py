@@ -37,7 +37,7 @@ class Descriptor:
     value: Callable[[Scene], float]
 
 
-def _misalignment(scene: Scene) -> float:
+def _largest_lateral_displacement(scene: Scene) -> float:
     """Return the largest lateral displacement prescribed between supports [um]."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
     across, up = (max(v) - min(v) for v in given.values())
@@ -49,7 +49,7 @@ def _preload(scene: Scene) -> float:
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
 
-def _beyond_balls(scene: Scene) -> float:
+def _nut_length_beyond_balls(scene: Scene) -> float:
     """Return the smallest length of nut or outer ring beyond the outermost ball centres, over the ball radius; at most 4.
 
     Where balls run up to the face, only a thin lip supports their flanks (`lowfi.compliance.faces`); few such scenes were
@@ -87,8 +87,8 @@ DESCRIPTORS = (
         0.02,
         lambda s: min(s.screw.groove_radius, s.nut.groove_radius) / (2.0 * s.balls.radius),
     ),
-    Descriptor("misalignment of the supports", "um", 300.0, _misalignment),
-    Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _beyond_balls),
+    Descriptor("misalignment of the supports", "um", 300.0, _largest_lateral_displacement),
+    Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _nut_length_beyond_balls),
     Descriptor(
         "Young's modulus of the nut over the screw's",
         "",
@@ -106,7 +106,7 @@ DESCRIPTORS = (
 
 
 @dataclass(frozen=True)
-class Place:
+class DescriptorInRange:
     """Value of one descriptor of a scene, and the range of the compared scenes."""
 
     #: The descriptor.
@@ -132,9 +132,9 @@ class Place:
 
 
 @cache
-def compared(*, ring: bool) -> tuple[Scene, ...]:
+def compared_scenes(*, ring: bool) -> tuple[Scene, ...]:
     """Return the shipped scenes that were compared with the 3D reference: rings if ``ring``, else screws."""
-    names = (*catalogue.with_role("referenced"), *catalogue.with_role("unseen"))
+    names = (*catalogue.names_with_role("referenced"), *catalogue.names_with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
 
@@ -147,7 +147,7 @@ KNOWN_SCREWS = 240
 
 
 @cache
-def survey() -> tuple[dict[str, Any], ...]:
+def survey_records() -> tuple[dict[str, Any], ...]:
     """Return the survey's records of the first `KNOWN_SCREWS` drawn screws; empty if its file cannot be used."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
@@ -157,28 +157,28 @@ def survey() -> tuple[dict[str, Any], ...]:
 
 
 @cache
-def surveyed() -> tuple[dict[str, float], ...]:
+def descriptors_of_drawn_screws() -> tuple[dict[str, float], ...]:
     """Return, for each of the first `KNOWN_SCREWS` drawn screws, its descriptors by name."""
-    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey())
+    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey_records())
 
 
 #: File with the descriptors of the compared shipped scenes, in a store of runs: reading all scenes would be slower.
 PLACES = "places.json"
 
 
-def save_places(store: Path) -> None:
+def save_descriptors(store: Path) -> None:
     """Write the descriptors of all compared shipped screws and rings to `PLACES` in a store."""
     from rollbench.compare.files import replace_file
 
     by_kind = {
-        kind: {s.name: {d.name: d.value(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}
+        kind: {s.name: {d.name: d.value(s) for d in DESCRIPTORS} for s in compared_scenes(ring=kind == "rings")}
         for kind in ("rings", "screws")
     }
     replace_file(store / PLACES, json.dumps(by_kind, indent=1) + "\n")
 
 
 @cache
-def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
+def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]:
     """Return the descriptors of each compared shipped ring, or screw; empty if `PLACES` is missing or damaged."""
     try:
         rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
@@ -189,10 +189,13 @@ def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
     """Return a descriptor's values for all compared rings if ``ring``, else for all screws, shipped and drawn."""
-    return [place[descriptor.name] for place in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
+    return [
+        place[descriptor.name]
+        for place in (*descriptors_of_shipped_scenes(ring=ring), *(() if ring else descriptors_of_drawn_screws()))
+    ]
 
 
-def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:
+def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[DescriptorInRange, ...]:
     """Compare the descriptors of a scene with those of the compared scenes of its kind (screws or rings).
 
     Parameters
@@ -217,7 +220,7 @@ def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, .
     for d in DESCRIPTORS:
         values = compared_values(d, ring=ring) if among is None else [d.value(s) for s in among]
         if values:
-            out.append(Place(d, d.value(scene), min(values), max(values)))
+            out.append(DescriptorInRange(d, d.value(scene), min(values), max(values)))
     return tuple(out)
 
 
@@ -239,6 +242,6 @@ def outside(scene: Scene) -> tuple[str, ...]:
     ValueError
         If the scene has no solid dimensions (`meshes.solid.dimensions`).
     """
-    if not shipped_places(ring=scene.track.lead == 0.0):
+    if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
         return (f"what was compared is not known, because references/{PLACES} is absent or damaged: reinstall rollbench",)
-    return tuple(place.text for place in places(scene) if place.outside)
+    return tuple(place.text for place in descriptors_in_range(scene) if place.outside)

@@ -21,12 +21,12 @@ from rollbench.compare.measure import error_percent, gate_scale, load_error
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.registry import MODELS, Model, Options, known_model, run_model
 from rollbench.compare.printed import entry
-from rollbench.compare.reference.convergence import pool
-from rollbench.compare.reference.estimate import FITTED, Reference, reference_of, uncertainty_percent
+from rollbench.compare.reference.convergence import pooled_grid_uncertainty
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_from_runs, uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, bodies_path, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, balls_of
-from rollbench.compare.scenes.catalogue import with_role
+from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -34,7 +34,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Load, Scene
 
 #: Scenes whose runs of the 3D reference are shipped.
-REFERENCED = with_role("referenced")
+REFERENCED = names_with_role("referenced")
 
 #: Definition of the gate's error (`measure.gate_scale`) in words.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
@@ -209,7 +209,9 @@ def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
     return Loads(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
 
 
-def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
+def solve_and_time(
+    model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None
+) -> tuple[StaticResult, float]:
     """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the run time.
 
     Elastic bodies of a geometry that was solved before are cached.
@@ -328,11 +330,11 @@ def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Arra
     bars = np.full(values.shape[1:], np.nan)
     known = np.isfinite(values).all(axis=0)
     if known.any():
-        bars[known] = pool(values[:, known], reference.sizes)
+        bars[known] = pooled_grid_uncertainty(values[:, known], reference.sizes)
     return bars
 
 
-def _bar(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     """Return an uncertainty as a number; None for nan."""
     return float(value) if np.isfinite(value) else None
 
@@ -349,7 +351,7 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
         yield row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
         if value > 0.0 and ref > 0.0:
             angle, ref_angle = float(answer.angle[i, s]), float(best.angle[i, s])
-            error, off = _bar(float(turns[i, s])), float(error_percent(angle, ref_angle))
+            error, off = _finite_or_none(float(turns[i, s])), float(error_percent(angle, ref_angle))
             yield row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
 
 
@@ -367,7 +369,7 @@ def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[Comp
         bars = uncertainties_of(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             name, off = f"centreline u{axis} at {1e3 * z:.4g} mm", float(error_percent(value, ref, largest))
-            yield row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _bar(bar), off)
+            yield row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _finite_or_none(bar), off)
 
 
 def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
@@ -480,7 +482,7 @@ def gate_points(name: str, reference: Reference, max_error: float, load: Array) 
 
 
 @dataclass(frozen=True)
-class SetOf:
+class SetOfAssembly:
     """One of several sets on a shaft."""
 
     #: Shaft with all sets.
@@ -504,7 +506,7 @@ class SetOf:
     @property
     def contacts(self) -> int:
         """Number of contacts that are loaded in the nominal set."""
-        return _contacts(self.assembly)[self.number]
+        return _loaded_contact_counts(self.assembly)[self.number]
 
 
 @dataclass(frozen=True)
@@ -516,7 +518,7 @@ class Referenced:
     #: Reference of the scene or set.
     found: Reference
     #: Set on the shaft; None of a scene with one set.
-    of: SetOf | None = None
+    of: SetOfAssembly | None = None
 
     @property
     def described(self) -> str:
@@ -530,7 +532,7 @@ class Referenced:
 
 
 @dataclass(frozen=True)
-class Answered:
+class SetSolution:
     """Solution of a low-order model for one of several sets on a shaft."""
 
     #: Contacts under the loads of the assembly.
@@ -543,7 +545,7 @@ class Answered:
     scene: Scene
 
 
-def referenced(
+def stored_references(
     described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
 ) -> list[Referenced]:
     """Return the best stored reference of each set of a scene.
@@ -565,38 +567,42 @@ def referenced(
         One for each set; empty if no run is stored.
     """
     runs = tuple(run for level in levels if (run := load_run(described, level, stores=stores)) is not None)
-    return referenced_by(described, runs[-fitted:]) if runs else []
+    return references_from_runs(described, runs[-fitted:]) if runs else []
 
 
-def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
+def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
     """Return the reference of each set of a scene from its runs, coarse to fine."""
     if isinstance(described, Scene):
-        return [Referenced(described, reference_of(described.name, described, runs, contacts=nominal_contacts(described)))]
+        return [
+            Referenced(
+                described, reference_from_runs(described.name, described, runs, contacts=nominal_contacts(described))
+            )
+        ]
     out = []
     for k, rows in enumerate(balls_of(described)):
-        of = SetOf(described, k)
+        of = SetOfAssembly(described, k)
         of_set = tuple(replace(r, load=r.load[rows], angle=r.angle[rows], frozen=r.frozen[rows]) for r in runs)
-        reference = reference_of(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
+        reference = reference_from_runs(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
         out.append(Referenced(of.scene, reference, of))
     return out
 
 
 @lru_cache(maxsize=64)
-def _contacts(assembly: Assembly) -> tuple[int, ...]:
+def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
     """Return the number of loaded contacts of each set by the model lin, all errors but preload removed."""
     sets = tuple(replace(s, parts=nominal(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
-    return tuple(_loaded(result, k) for k in range(len(sets)))
+    return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
 
 
-def _loaded(result: AxisResult, k: int) -> int:
+def _loaded_contact_count(result: AxisResult, k: int) -> int:
     """Return the number of loaded contacts of the k-th set; 0 for rollers, or without equilibrium."""
     balls = result.sets[k].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
 
 @lru_cache(maxsize=16)
-def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
+def _solved_assembly(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
     """Return the results of an assembly with and without its loads, and the run time of the first [s]; cached."""
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
@@ -604,7 +610,7 @@ def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, flo
     return result, run_model(scaled(assembly, 0.0), model, Options(engine="interpreted")), seconds
 
 
-def answered(of: SetOf, model: str) -> Answered | str:
+def solution_of_set(of: SetOfAssembly, model: str) -> SetSolution | str:
     """Return a model's solution for one of several sets on a shaft, with and without the loads of the assembly.
 
     Parameters
@@ -624,7 +630,7 @@ def answered(of: SetOf, model: str) -> Answered | str:
     InputError
         If the model covers only scenes with one set.
     """
-    result, bare, seconds = _solved(of.assembly, model)
+    result, bare, seconds = _solved_assembly(of.assembly, model)
     if not result.converged:
         return result.status
     loaded, idle = result.sets[of.number], bare.sets[of.number] if bare.converged else None
@@ -633,4 +639,4 @@ def answered(of: SetOf, model: str) -> Answered | str:
     balls = replace(loaded.balls, model=model)
     carried = Load(loaded.of.position, tuple(-x for x in loaded.force), tuple(-x for x in loaded.moment))
     without = balls.without_answers() if idle is None or idle.balls is None else idle.balls
-    return Answered(balls, replace(without, model=model), seconds, replace(loaded.of.parts, loads=(carried,)))
+    return SetSolution(balls, replace(without, model=model), seconds, replace(loaded.of.parts, loads=(carried,)))

@@ -95,7 +95,7 @@ def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
     dict
         Sums of friction by the number of the set, or None and the reason.
     """
-    from rollbench.compare.models.friction_sums import kept_sums
+    from rollbench.compare.models.friction_sums import cached_friction_sums
 
     out: dict[int, tuple[dict[str, Any] | None, str]] = {}
     for i, s in enumerate(result.sets):
@@ -104,7 +104,7 @@ def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
                 out[i] = None, "no coefficient in [friction]"
             else:
                 parts = replace(s.of.parts, friction=assembly.friction, motion=assembly.motion)
-                out[i] = kept_sums(parts, s.balls, Options(member=result.member))
+                out[i] = cached_friction_sums(parts, s.balls, Options(member=result.member))
     return out
 
 
@@ -135,14 +135,14 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
     turning = [i for i, s in enumerate(result.sets) if s.of.carrier is None]
     found = (
-        _of_nut(result.sets[i].of.name, *nuts[i], sign)
+        _torque_of_nut(result.sets[i].of.name, *nuts[i], sign)
         if i in nuts
-        else _of_bearing(assembly, result.sets[i], answers.sets[i].torque)
+        else _torque_of_bearing(assembly, result.sets[i], answers.sets[i].torque)
         for i in turning
     )
     sets = tuple(replace(x, seals=result.sets[i].of.seals) for x, i in zip(found, turning, strict=True))
     seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of(assembly)
-    running = _budget(drive.torque, [s.running for s in sets], seals)
+    running = _sum_of_torques(drive.torque, [s.running for s in sets], seals)
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
     accelerating = None
     if running is not None and motion is not None and drive.time is not None:
@@ -156,7 +156,7 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
         seals,
         drive.torque,
         running,
-        _budget(drive.torque, [s.starting for s in sets], seals),
+        _sum_of_torques(drive.torque, [s.starting for s in sets], seals),
         accelerating,
         inertias[0],
         carried,
@@ -169,7 +169,7 @@ def lead_of(assembly: Assembly) -> float:
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
-def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
+def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band | None:
     """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10); None if a set's is not known."""
     known = [x for x in sets if x is not None]
     if len(known) < len(sets):
@@ -178,7 +178,7 @@ def _budget(other: float, sets: list[Band | None], seals: float) -> Band | None:
     return low, high
 
 
-def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
+def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
     """Return the torque that drives a nut, positive in the shaft's direction of rotation (``sign``)."""
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, words=why or "no balance of friction found")
@@ -186,7 +186,7 @@ def _of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> Se
     return SetDrive(name, (torque, torque), (torque, torque))
 
 
-def _of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
+def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
     """Return the friction torque of a bearing, running and from rest; zero if it carries no load."""
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:

@@ -15,7 +15,7 @@ from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
 
 
-def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
+def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
     """Return torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values; None where undefined."""
     screw, ideal = t.translating, t.ratio != 0.0
     forward, backward = t.efficiency
@@ -27,7 +27,7 @@ def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
         "axial_load_N": number(t.load) if screw or not ideal else 0.0,
         "driving_torque_on_screw_Nmm": number(1e3 * t.on_screw),
         "driving_torque_on_nut_Nmm": number(-1e3 * t.on_screw),
-        "load_moves": moves(t),
+        "load_moves": motion_against_load(t),
         "forward_torque_Nmm": number(1e3 * t.forward) if screw else None,
         "backward_torque_Nmm": number(1e3 * t.backward) if screw else None,
         "efficiency_forward_percent": percent(forward),
@@ -36,7 +36,7 @@ def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
     }
 
 
-def moves(torque: ScrewTorque) -> str | None:
+def motion_against_load(torque: ScrewTorque) -> str | None:
     """Return whether the motion is ``with the load`` or ``against the load`` (axial); None if nothing translates."""
     if not torque.translating:
         return None
@@ -49,7 +49,7 @@ def percent(share: float) -> float | None:
 
 
 @kept(ScrewTorque)
-def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
+def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
     """Return the torque record of `lowfi.friction.whole.state.friction_state`, from the cache if solved before.
 
     Raises ValueError as that function does, and if a kernel would have to be compiled first.
@@ -61,7 +61,7 @@ def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: 
     return friction_state(scene, result, friction, drive, member).torque
 
 
-def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
+def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
     """Return friction torques and efficiencies of a scene that has [friction], if no kernel must be compiled.
 
     Results are cached on disk by scene and loads, as loading machine code would take longer than the rest of the
@@ -86,7 +86,9 @@ def kept_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dic
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     try:
-        return sums(_kept_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member), None), ""
+        return friction_sums_json(
+            _cached_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member), None
+        ), ""
     except ValueError as error:
         return None, str(error)
 

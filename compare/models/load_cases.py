@@ -13,13 +13,13 @@ from rollbench.compare.models.answers import (
     AxisAnswers,
     LoadAnswers,
     RollerAnswers,
-    gather,
-    outside,
+    all_answers,
     play_warnings,
     solve_sets,
+    validity_warnings,
 )
 from rollbench.compare.models.drive import AxisDrive, axis_drive, axis_life, lead_of, nut_sums
-from rollbench.compare.models.loading import axial_of, path_warnings
+from rollbench.compare.models.loading import absolute_axial_preload, load_path_warnings
 from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
@@ -44,7 +44,7 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 
 @dataclass(frozen=True)
-class OfSet:
+class SolvedSet:
     """Data of one solved set that the life over a duty cycle needs."""
 
     #: Parts of the set; a ball set has the loads and supports of the scene.
@@ -76,13 +76,13 @@ class Solved:
         return () if self.answers is None else (self.answers.loads,)
 
     @property
-    def sets(self) -> dict[str, OfSet]:
+    def sets(self) -> dict[str, SolvedSet]:
         """Data of the only set, under an empty name; empty without equilibrium."""
         if self.answers is None or self.result.equilibrium is None:
             return {}
-        preload = axial_of(self.answers.preload) if self.scene.errors.lead_offset else 0.0
+        preload = absolute_axial_preload(self.answers.preload) if self.scene.errors.lead_offset else 0.0
         force = -self.result.equilibrium.contact_force
-        return {"": OfSet(self.scene, self.result.load, force, preload)}
+        return {"": SolvedSet(self.scene, self.result.load, force, preload)}
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class SolvedAxis:
         return () if self.answers is None else tuple(x.loads for x in self.answers.sets)
 
     @property
-    def sets(self) -> dict[str, OfSet]:
+    def sets(self) -> dict[str, SolvedSet]:
         """Data of each set by name; empty without equilibrium."""
         if self.answers is None:
             return {}
@@ -117,9 +117,9 @@ class SolvedAxis:
         for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
             if isinstance(answers.parts, Scene) and isinstance(answers.loads, LoadAnswers) and s.balls is not None:
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
-                out[s.of.name] = OfSet(parts, s.balls.load, -s.force)
+                out[s.of.name] = SolvedSet(parts, s.balls.load, -s.force)
             elif s.line_loads is not None:
-                out[s.of.name] = OfSet(answers.parts, s.line_loads, -s.force)
+                out[s.of.name] = SolvedSet(answers.parts, s.line_loads, -s.force)
         return out
 
 
@@ -162,11 +162,11 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
-    answers = gather(scene, result, model, options)
-    warned = [*outside(scene, answers.loads, axial_of(answers.preload))]
+    answers = all_answers(scene, result, model, options)
+    warned = [*validity_warnings(scene, answers.loads, absolute_axial_preload(answers.preload))]
     if scene.friction is not None:
         warned += overall_warnings(scene.track, scene.friction)
-    warned += [*path_warnings(answers.path), *play_warnings(scene)]
+    warned += [*load_path_warnings(answers.path), *play_warnings(scene)]
     warned += [] if answers.shaft is None else answers.shaft.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, answers, estimate(scene, result))
@@ -289,12 +289,12 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
     answers = [(case, x) for case, one in pairs for x in one.contacts]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
     return Together(
-        _extreme(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
-        _extreme(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
-        _extreme(max, errors),
+        _extreme_over_cases(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
+        _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
+        _extreme_over_cases(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
         {case.name: one.result.status for case, one in pairs if one.answers is None},
-        lives := tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
+        lives := tuple(_lives_of_set(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
         cycle.speed,
         _axis_life(cycle, lives),
     )
@@ -366,7 +366,7 @@ def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
     return {name: load for name, load in found if load is not None}
 
 
-def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
+def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
     """Return the lives of a set from its data in every load case (None: no equilibrium)."""
     rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
@@ -386,7 +386,9 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
     return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified, basic)
 
 
-def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:
+def _extreme_over_cases(
+    pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]
+) -> Extreme | None:
     """Return the largest or smallest known value (by ``pick``), with its load case; None if no value is known."""
     known = [(value, case.name) for case, value in values if value is not None]
     return Extreme(*pick(known, key=lambda one: one[0])) if known else None

@@ -163,7 +163,7 @@ def axial_preload(scene: Scene, bare: StaticResult) -> float:
     return min(float(bare.load[:, s].sum()) for s in (0, 1)) * slope_of(scene)
 
 
-def axial_of(held: Preload | None) -> float:
+def absolute_axial_preload(held: Preload | None) -> float:
     """Return the absolute axial preload [N]; zero if not known."""
     return 0.0 if held is None else abs(held.axial)
 
@@ -210,7 +210,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         high, contact = 1.0, nearest
     before = np.nan
     for solves in range(MOST):
-        root = _root(known)
+        root = _secant_root(known)
         if root > FURTHEST and high == np.inf and len(known) > 1:
             return LiftOff(None, solves=solves, words=f"none up to {FURTHEST:g} times the loads")
         low = known[-1][0]
@@ -232,7 +232,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
     return LiftOff(None, solves=MOST, words=f"not found in {MOST} solutions")
 
 
-def _root(known: Sequence[tuple[float, float]]) -> float:
+def _secant_root(known: Sequence[tuple[float, float]]) -> float:
     """Return the zero of the line through the last two points (x, y); infinite if there is one point or no fall."""
     if len(known) < 2:
         return float("inf")
@@ -245,7 +245,7 @@ def axial_load(assembly: Assembly) -> float:
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
-def motion_asked(assembly: Assembly, result: AxisResult) -> Array:
+def displacement_of_interest(assembly: Assembly, result: AxisResult) -> Array:
     """Return the displacement of the station or housing of interest (``stiffness_at``), (6,) [m, rad]."""
     from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
 
@@ -266,7 +266,7 @@ COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xy
 
 
 @record
-class Taker:
+class LoadTaker:
     """Support or frame of a housing, with its share of the loads."""
 
     #: Name: station of the support, or housing.
@@ -305,7 +305,7 @@ class LoadPath:
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
     on_shaft: Array
     #: Shares of supports and frames.
-    takers: tuple[Taker, ...] = quantity("supports")
+    takers: tuple[LoadTaker, ...] = quantity("supports")
     #: Force and moment of the contacts about their nut or ring, (6,) [N, N m]; of several sets the sum of the absolute
     #: values.
     contacts: Array = quantity(
@@ -327,7 +327,7 @@ class LoadPath:
     where: str = ""
 
 
-def path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadPath | None:
+def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadPath | None:
     """Return the load path of a scene with one set.
 
     Parameters
@@ -344,14 +344,14 @@ def path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadP
     LoadPath or None
         The path; None without loads.
     """
-    applied = sum_of(scene.loads)
+    applied = sum_of_loads(scene.loads)
     if not applied.any():
         return None
-    contacts = _at(scene.nut.position, _on_screw(result) - _on_screw(bare))
-    return LoadPath(applied, applied, _supports(scene, result, bare), -contacts, scene.track.pitch_radius)
+    contacts = _wrench_at(scene.nut.position, _contact_wrench_on_screw(result) - _contact_wrench_on_screw(bare))
+    return LoadPath(applied, applied, _support_shares(scene, result, bare), -contacts, scene.track.pitch_radius)
 
 
-def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where: str = "") -> LoadPath | None:
+def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResult, where: str = "") -> LoadPath | None:
     """Return the load path of several sets on one shaft.
 
     Parameters
@@ -370,18 +370,18 @@ def path_of_sets(assembly: Assembly, result: AxisResult, bare: AxisResult, where
     LoadPath or None
         The path; None without loads.
     """
-    on_shaft = sum_of(assembly.loads)
-    applied = on_shaft + sum_of([Load(h.at, h.force, h.moment) for h in assembly.housings])
+    on_shaft = sum_of_loads(assembly.loads)
+    applied = on_shaft + sum_of_loads([Load(h.at, h.force, h.moment) for h in assembly.housings])
     if not applied.any():
         return None
     pairs = zip(result.housings, bare.housings, strict=True) if bare.converged else ((h, None) for h in result.housings)
-    frames = (Taker(f"the frame of {a.name}", -(a.wrench - (0.0 if b is None else b.wrench))) for a, b in pairs)
+    frames = (LoadTaker(f"the frame of {a.name}", -(a.wrench - (0.0 if b is None else b.wrench))) for a, b in pairs)
     each = [np.concatenate([s.force, s.moment]) for s in result.sets]
     idle = [np.concatenate([s.force, s.moment]) for s in bare.sets] if bare.converged else [np.zeros(6)] * len(each)
     contacts = np.abs(np.array(each) - np.array(idle)).sum(axis=0)
     radii = [s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)]
     arm = max(radii, default=assembly.screw.outer_diameter / 2.0)
-    return LoadPath(applied, on_shaft, (*_supports(assembly, result, bare), *frames), contacts, arm, where)
+    return LoadPath(applied, on_shaft, (*_support_shares(assembly, result, bare), *frames), contacts, arm, where)
 
 
 def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
@@ -389,7 +389,7 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
     none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
     bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
     off = tuple(replace(x, force=none, moment=none) for x in assembly.loads)
-    if sum_of(assembly.loads).any():
+    if sum_of_loads(assembly.loads).any():
         out["the shaft"] = replace(assembly, housings=bare), replace(assembly, loads=off)
     for i, h in enumerate(assembly.housings):
         if any((*h.force, *h.moment)):
@@ -398,32 +398,32 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
     return out
 
 
-def sum_of(loads: Sequence[Load]) -> Array:
+def sum_of_loads(loads: Sequence[Load]) -> Array:
     """Return the sums of forces and of given moments, (6,) [N, N m]; lever arms of the forces do not count."""
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
-def _supports(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[Taker, ...]:
+def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[LoadTaker, ...]:
     """Return what each support takes of the loads; empty if the model has no reactions by support."""
     if not len(result.reactions):  # the axial models of Mei know no single support
         return ()
     idle = bare.reactions if bare.converged else np.zeros(result.reactions.shape)
     parts = zip(scene.supports, -(result.reactions - idle), strict=True)
-    return tuple(Taker(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
+    return tuple(LoadTaker(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
 
 
-def _on_screw(result: StaticResult) -> Array:
+def _contact_wrench_on_screw(result: StaticResult) -> Array:
     """Return force and moment (6,) of the contacts on the screw about the origin; zero without equilibrium."""
     e = result.equilibrium
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
-def _at(station: float, wrench: Array) -> Array:
+def _wrench_at(station: float, wrench: Array) -> Array:
     """Move a wrench (6,) from the origin to a station [m] of the axis."""
     return about_origin(np.array([-station]), wrench[None])
 
 
-def path_words(path: LoadPath) -> str:
+def load_path_text(path: LoadPath) -> str:
     """Return a text on how much of each load component each support takes; empty if supports take nothing."""
     out = []
     for k in np.flatnonzero(path.applied):
@@ -437,7 +437,7 @@ def path_words(path: LoadPath) -> str:
     return "; ".join(out)
 
 
-def path_warnings(path: LoadPath | None) -> Iterator[Warned]:
+def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
     """Yield a warning if little of the axial force, or of all loads on the shaft, reaches the contacts.
 
     The contact loads then do not represent the applied load. Loads on several bodies are judged body by body.
@@ -455,7 +455,7 @@ def path_warnings(path: LoadPath | None) -> Iterator[Warned]:
         what, share = "the loads on the shaft", reached / load
     else:
         return
-    words = path_words(path)
+    words = load_path_text(path)
     text = (
         f"of {what} only {100.0 * share:.2g} % reaches the contacts, and what is computed of them holds for that: {words}; "
         "free the freedom that holds it, unless that is meant"

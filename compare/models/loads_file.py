@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import ENCODING, NoText, like_path, text_of
+from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
@@ -101,11 +101,11 @@ def column(head: str) -> Column:
         return Column(plain)
     for start, (name, dimension) in NAMES.items():
         if plain.startswith(start):
-            return _with_unit(name, text[len(start) :], dimension)
-    return _with_unit("load", text, "force")
+            return _column_in_unit(name, text[len(start) :], dimension)
+    return _column_in_unit("load", text, "force")
 
 
-def _with_unit(name: str, text: str, dimension: str) -> Column:
+def _column_in_unit(name: str, text: str, dimension: str) -> Column:
     """Return the column of a quantity with the unit in a text; an empty column if the unit does not fit."""
     unit = tidy(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
@@ -165,7 +165,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 
 
 @dataclass(frozen=True)
-class Rows:
+class CsvTable:
     """Table of a CSV file."""
 
     #: Headings as written.
@@ -180,7 +180,7 @@ class Rows:
     notes: Mapping[str, str]
 
     @classmethod
-    def from_csv(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> Rows:
+    def from_csv(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> CsvTable:
         """Read a CSV file that has at least the columns named, in any order.
 
         Separators are commas, semicolons, tabs, or what a first line ``sep=;`` names; unless commas separate, a decimal
@@ -215,7 +215,7 @@ class Rows:
         if not title.strip():
             raise InputError(str(path), first, "nothing", ", ".join(columns), example)
         separator = next((c for c in ";\t" if c in title), ",") if says is None else says[1]
-        rows = _cells(path, lines[above:], above, separator)
+        rows = _cells_by_line(path, lines[above:], above, separator)
         titles = tuple(next(rows)[1])
         heads = [head.lower() for head in titles]
         for name in columns:
@@ -234,11 +234,11 @@ class Rows:
                     value, allowed = f"nothing after {separator.join(row)}", "a cell for every heading that is read"
                     raise InputError(str(path), f"line {number}: {short}", value, allowed, "was the file cut off?")
                 kept.append((number, cells))
-        notes = dict(_note(line) for line in lines[begin:above])
+        notes = dict(_note_above_table(line) for line in lines[begin:above])
         return cls(titles, above + 1, separator != ",", tuple(kept), notes)
 
 
-def _cells(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
     """Yield the cells of every row with the number of its line; InputError for unmatched quotes."""
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
@@ -287,14 +287,14 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
     InputError
         If the file cannot be read or does not fit the scene.
     """
-    table = Rows.from_csv(path, COLUMNS[:2], EXAMPLE)
+    table = CsvTable.from_csv(path, COLUMNS[:2], EXAMPLE)
     columns = _columns(path, table)
-    find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _Places(scene)
+    find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _BallFinder(scene)
     values = {name: np.full((balls, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
     for number, row in table.rows:
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in columns.items()}
-        cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
+        cells = _LoadsRow(path, f"line {number}", named, decimal_comma=table.decimal_comma)
         if any(cells.word(name) not in words for name, words in only.items()):
             if empty := [name for name in only if name in named and not cells.word(name)]:
                 raise cells.fault(empty[0], "", "the word that the row is of", "fill the cell, or delete the row")
@@ -316,7 +316,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
-    loads = _whole(path, values["load"])
+    loads = _complete_loads(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
         gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
         if gaps.size:
@@ -325,13 +325,13 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
     return replace(loads, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
 
 
-def _note(line: str) -> tuple[str, str]:
+def _note_above_table(line: str) -> tuple[str, str]:
     """Return name and text of a line ``# name: text``, without separators that a spreadsheet appended."""
     name, _, text = line.strip("#;, \t").partition(":")
     return name.strip().lower(), text.strip()
 
 
-def _columns(path: Path, table: Rows) -> dict[str, Column]:
+def _columns(path: Path, table: CsvTable) -> dict[str, Column]:
     """Return the column of each heading; InputError if the load is missing or a quantity is named twice."""
     columns = {head: column(head) for head in table.titles}
     where, names = f"line {table.line}", [column(head).name for head in table.titles]
@@ -343,11 +343,11 @@ def _columns(path: Path, table: Rows) -> dict[str, Column]:
     return columns
 
 
-class _Row:
+class _LoadsRow:
     """Row of a file of loads, with access to its cells by quantity."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
-        self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
+        self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
         """Return an InputError that names file, line and column of a cell."""
@@ -355,7 +355,7 @@ class _Row:
 
     def word(self, name: str) -> str:
         """Return the text of a cell; empty if there is none."""
-        return self._cells.get(name, ("", 1.0, ""))[2]
+        return self._cells_by_line.get(name, ("", 1.0, ""))[2]
 
     def ball(self, balls: int) -> int:
         """Return the index of the ball with the number in the row."""
@@ -378,7 +378,9 @@ class _Row:
         """Return an azimuth [rad] or an axial position [m] of the row."""
         value, factor, text = self._number(name)
         if not np.isfinite(value):
-            raise self.fault(self._cells[name][0], text, "a number", comma_or("or leave the column out", text))
+            raise self.fault(
+                self._cells_by_line[name][0], text, "a number", decimal_comma_advice("or leave the column out", text)
+            )
         return value * factor
 
     def amount(self, name: str) -> float:
@@ -388,16 +390,16 @@ class _Row:
             return float("nan")
         if not 0.0 <= value < float("inf"):
             advice = "write the size without unit, which the heading says, and 0 where contact is lost"
-            raise self.fault(self._cells[name][0], text, "a number from 0", comma_or(advice, text))
+            raise self.fault(self._cells_by_line[name][0], text, "a number from 0", decimal_comma_advice(advice, text))
         return value * factor
 
     def _number(self, name: str) -> tuple[float, float, str]:
         """Return the number of a cell (nan if it is none), the factor to SI and the text."""
-        _, factor, text = self._cells.get(name, ("", 1.0, ""))
+        _, factor, text = self._cells_by_line.get(name, ("", 1.0, ""))
         return number_of(text, decimal_comma=self._comma), factor, text
 
 
-class _Places:
+class _BallFinder:
     """Finds the balls of a scene by azimuth and axial position."""
 
     def __init__(self, scene: Scene) -> None:
@@ -405,7 +407,7 @@ class _Places:
         self._azimuth, self._z = layout.azimuth, layout.z
         self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
 
-    def number(self, row: _Row) -> int:
+    def number(self, row: _LoadsRow) -> int:
         """Return the index of the ball at the position of a row; InputError if none is within a ball radius."""
         azimuth, z = row.place("azimuth"), row.place("z")
         turn = np.angle(np.exp(1j * (self._azimuth - azimuth)))
@@ -435,7 +437,7 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
         return float("nan")
 
 
-def comma_or(advice: str, text: str) -> str:
+def decimal_comma_advice(advice: str, text: str) -> str:
     """Return advice for a cell that is no number: about decimal commas if it has a comma, else the general advice.
 
     Parameters
@@ -458,7 +460,7 @@ def read_table(path: Path) -> str:
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():
-            value, near = ("no regular file", "") if path.exists() else ("no such file", like_path(path))
+            value, near = ("no regular file", "") if path.exists() else ("no such file", similar_paths(path))
             raise InputError(str(path), "file", value, allowed, near or advice)
         if path.stat().st_size > MAX_BYTES:
             most = f"up to {MAX_BYTES // 1_000_000} MB"
@@ -466,13 +468,13 @@ def read_table(path: Path) -> str:
         return text_of(path.read_bytes())
     except OSError as error:
         raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
-    except NoText as error:
+    except NotTextError as error:
         raise InputError(str(path), "file", error.value, f"a CSV file, {ENCODING}", error.advice) from None
     except ValueError as error:
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _whole(path: Path, load: Array) -> GivenLoads:
+def _complete_loads(path: Path, load: Array) -> GivenLoads:
     """Return loads as a record; InputError if a ball has no load on a flank that the file names."""
     given = ~np.isnan(load)
     if not given.any():

@@ -7,7 +7,7 @@ each judged by a fit without that scene.
 
 This is plain leave-one-out (jackknife), for which no theorem states how often a new scene lies within (Barber, Candes,
 Ramdas and Tibshirani 2021: for an unstable fit it may be none), and a user's scene is not drawn as the compared ones were.
-So it is counted: `left_out` estimates every compared scene from the others, and at least nine of ten were within the
+So it is counted: `leave_one_out` estimates every compared scene from the others, and at least nine of ten were within the
 estimate in each quantity of lin and refined (the report's table ladder-estimate; tests/unit/models/test_covered.py). A
 scene beyond the compared ones in any feature is "not covered".
 
@@ -32,7 +32,7 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.applicability import outside, survey
+from rollbench.compare.models.applicability import outside, survey_records
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.lowfi.statics.contacts import error_free_hertz
@@ -155,7 +155,7 @@ class Point:
     gate_percent: float | None = None
 
 
-def carried_across(scene: Scene, result: StaticResult) -> tuple[float, float]:
+def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tuple[float, float]:
     """Return the lateral force [N] and the tilting moment about the nut's centre [N m] that the contacts carry.
 
     They include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. Some
@@ -195,7 +195,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
     touching = load > 0.0
     size = float(error_free_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
     z, half, radius = layout.z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
-    across, tilting = carried_across(scene, result)
+    across, tilting = lateral_force_and_tilting_moment(scene, result)
     return {
         "wall": (scene.nut.outer_diameter / 2.0 - dims.land) / R,
         "length": scene.nut.length / (2.0 * R),
@@ -215,13 +215,13 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
         "angle": float(np.degrees(scene.track.contact_angle)),
         "screw": scene.screw.groove_radius / (2.0 * radius),
         "nut": scene.nut.groove_radius / (2.0 * radius),
-        "turn": _middle(np.diff(np.sort(layout.azimuth))) if scene.ball_count > 1 else 2.0 * np.pi,
+        "turn": _median(np.diff(np.sort(layout.azimuth))) if scene.ball_count > 1 else 2.0 * np.pi,
         "few": 1.0 / scene.ball_count,
         **({FLANGE: 1.0} if held_by_flange(scene) else {}),
     }
 
 
-def _middle(values: Array) -> float:
+def _median(values: Array) -> float:
     """Return the median; numpy's function would import masked arrays, which takes longer."""
     ordered = np.sort(values)
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
@@ -243,13 +243,13 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 @cache
 def shipped_points() -> tuple[Point, ...]:
     """Return the comparison points of shipped scenes and drawn screws, without a file that cannot be used."""
-    return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *surveyed_points())
+    return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *points_of_drawn_screws())
 
 
 @cache
-def surveyed_points() -> tuple[Point, ...]:
+def points_of_drawn_screws() -> tuple[Point, ...]:
     """Return the comparison points of all drawn screws of the survey; empty if its file is missing or damaged."""
-    return _points(lambda: [point for scene in survey() for point in scene["points"]])
+    return _points(lambda: [point for scene in survey_records() for point in scene["points"]])
 
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
@@ -261,7 +261,7 @@ def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
         return ()
 
 
-def unlike_kind(scene: Scene) -> str:
+def why_kind_not_compared(scene: Scene) -> str:
     """Return why a scene is of a kind that was never compared with the 3D reference; empty if it was."""
     if scene.solid.nut == "rigid":
         return "its nut is rigid, that of every compared scene is elastic"
@@ -277,7 +277,7 @@ def held_by_flange(scene: Scene) -> bool:
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
-def bound(known: Array, errors: Array, here: Array, least: float) -> float:
+def error_bound(known: Array, errors: Array, here: Array, least: float) -> float:
     """Return the error [%] within which ``SHARE`` of similar scenes lie, at given features.
 
     It is the fit of the logarithms of the errors, plus the quantile ``SHARE`` of the fit's residuals. Each
@@ -343,7 +343,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
         return uncovered(f"not comparable: {error}")
     if not compared:
         return uncovered("no scene was compared with the 3D reference")
-    other = unlike_kind(scene)
+    other = why_kind_not_compared(scene)
     if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
         what = "rings" if ring else "nuts held by a flange" if flanged else "screws"
         other = f"too few {what} were compared with the 3D reference"
@@ -352,33 +352,33 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     known = np.array([_scaled(p.features, scales) for p in like])
     away = np.hypot.reduce(known - place, axis=1)  # of any size: a moment without loads lies far away
     nearest = like[int(away.argmin())].scene
-    unlike = [*outside(scene), *_beyond(known, place)]
+    unlike = [*outside(scene), *_features_beyond_compared(known, place)]
     if unlike:
         return uncovered(f"beyond what was compared: {'; '.join(unlike)}", float(away.min()), nearest)
     return ModelForm(
-        distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected(like, known, place)
+        distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected_errors(like, known, place)
     )
 
 
-def _beyond(known: Array, here: Array) -> list[str]:
+def _features_beyond_compared(known: Array, here: Array) -> list[str]:
     """Return the texts of the features in which a scene (k,) lies beyond the compared scenes (n, k), all scaled."""
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
-def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
+def _expected_errors(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
     """Return the expected errors [%] by quantity at scaled features (k,), from the points of similar scenes."""
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
         errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
         finite = np.isfinite(errors)
         enough = finite.sum() >= FEWEST
-        out[name] = bound(known[finite], errors[finite], here, LEAST[name]) if enough else None
+        out[name] = error_bound(known[finite], errors[finite], here, LEAST[name]) if enough else None
     return out
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class LeftOutScene:
     """Compared scene, with its measured errors and those estimated from all other compared scenes."""
 
     #: Measured errors of the scene.
@@ -387,7 +387,7 @@ class LeftOut:
     expected: dict[str, float | None] | None
 
 
-def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
+def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     """Estimate the error of every compared screw of a model from all other screws (leave one out).
 
     Screws without a flange are estimated from screws without one only.
@@ -399,7 +399,12 @@ def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
         for k, point in enumerate(like):
             if (FLANGE in point.features) == flange:
                 others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
-                out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
+                out.append(
+                    LeftOutScene(
+                        point,
+                        None if _features_beyond_compared(rest, known[k]) else _expected_errors(others, rest, known[k]),
+                    )
+                )
     return out
 
 
@@ -439,7 +444,7 @@ def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
     return SectionAnswer(moved, axial_contact_force(scene, answer.load, np.radians(answer.angle)))
 
 
-def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
+def rigidity_between(answers: Sequence[SectionAnswer]) -> float | None:
     """Return the tangent axial rigidity [N/m] between two states; None if nothing moves."""
     first, second = answers
     step = second.moved - first.moved
@@ -481,8 +486,8 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
     if raised is not None:
         heavier, modelled, computed = raised
         stiff = (
-            rigidity((answer, loaded_section(heavier, from_result(modelled)))),
-            rigidity((reference, loaded_section(heavier, from_run(computed, "")))),
+            rigidity_between((answer, loaded_section(heavier, from_result(modelled)))),
+            rigidity_between((reference, loaded_section(heavier, from_run(computed, "")))),
         )
     heaviest = run.load.max()
     return Point(

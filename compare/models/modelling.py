@@ -21,13 +21,13 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, finest_bodies
-from rollbench.compare.models.model_form import Point, left_out, point, surveyed_points
+from rollbench.compare.models.model_form import Point, leave_one_out, point, points_of_drawn_screws
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import Run, load_run
 from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
-from rollbench.compare.scenes.catalogue import with_role
+from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import forget
@@ -131,7 +131,7 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
     return Effect(scene, variant, label, choice, kind, change, load_error(changed, base), ratio)
 
 
-def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
+def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     """Return a scene's modelling uncertainty: root sum of squares over all choices; None if none was varied."""
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
@@ -164,7 +164,7 @@ def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | 
 
 
 #: Screws and a bearing that were not used while the refined model was developed.
-UNSEEN = with_role("unseen")
+UNSEEN = names_with_role("unseen")
 
 #: Scenes with an uncertainty above 0.3 % on four mesh levels, due to lightly loaded contacts next to heavily loaded ones.
 DEEP = ("two-balls", "unseen-25x5")
@@ -223,7 +223,7 @@ def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | No
 
 
 @dataclass(frozen=True)
-class Share:
+class BodyShareErrors:
     """Errors of the refined model on one scene when the bodies of the finest 3D run replace some of its bodies."""
 
     #: Name of the scene.
@@ -234,7 +234,7 @@ class Share:
     bias: dict[tuple[str, ...], float]
 
 
-def shares(study: Study) -> list[Share]:
+def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
     """Compute, by scene, the refined model's errors with neither body, the screw, the nut or both taken from 3D."""
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
@@ -250,7 +250,7 @@ def shares(study: Study) -> list[Share]:
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
             errors[parts] = load_error(result.load, reference.load, reference.contacts)
             bias[parts] = float(error_percent(result.load.sum(), reference.load.sum()))
-        out.append(Share(name, errors, bias))
+        out.append(BodyShareErrors(name, errors, bias))
     return out
 
 
@@ -278,7 +278,7 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
     list of dict
         Measured and expected errors of the loads [% of the mean load]; None if the others do not cover the screw.
     """
-    everything = [*points(study, rungs), *surveyed_points()]
+    everything = [*points(study, rungs), *points_of_drawn_screws()]
     return [
         {
             "scene": one.point.scene,
@@ -289,5 +289,5 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
             "expected_rms": None if one.expected is None else one.expected["rms_percent"],
         }
         for model in RUNGS
-        for one in left_out(everything, model.name)
+        for one in leave_one_out(everything, model.name)
     ]

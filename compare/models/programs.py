@@ -85,7 +85,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
     'awk -f share.awk {scene.json} {loads.csv} {seconds=600}'
     """
     name = command if seconds == SECONDS else f"{command} {{seconds={seconds:g}}}"
-    program(name)
+    parse_command(name)
     return name
 
 
@@ -107,11 +107,11 @@ def title_of(name: str) -> str:
     >>> title_of("awk -f /home/me/share.awk {scene.json} {loads.csv}"), title_of("lin")
     ('awk -f share.awk', 'lin')
     """
-    return program(name).label if is_command(name) else name
+    return parse_command(name).label if is_command(name) else name
 
 
 @cache
-def program(name: str) -> Program:
+def parse_command(name: str) -> Program:
     """Split a command into a program and its time limit.
 
     Parameters
@@ -230,7 +230,7 @@ class Program:
             except subprocess.TimeoutExpired:
                 return f"was ended after {self.seconds:g} s, its limit of time"
             finally:
-                _end(process)
+                _kill_process(process)
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
@@ -260,7 +260,7 @@ class Program:
         return given, moved
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def _kill_process(process: subprocess.Popen[bytes]) -> None:
     """Kill a program that is still running, with all processes that it started."""
     if process.poll() is None:
         with suppress(OSError):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.files import like_path
+from rollbench.compare.files import similar_paths
 from rollbench.compare.models import programs, user_models
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
@@ -37,7 +37,7 @@ class Options:
     condensed: Path | None = None
 
 
-def _lin(scene: Scene, options: Options) -> StaticResult:
+def _solve_lin(scene: Scene, options: Options) -> StaticResult:
     """Solve a scene by the source's model (lin)."""
     from rollbench.lowfi.statics.static import solve_static
 
@@ -78,7 +78,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
     try:
         return Condensed.read(options.condensed, scene)
     except OSError as error:
-        near = like_path(options.condensed) if isinstance(error, FileNotFoundError) else ""
+        near = similar_paths(options.condensed) if isinstance(error, FileNotFoundError) else ""
         words = error.strerror or str(error), "a file of condensed bodies", near or "check the path"
     except ValueError as error:
         allowed = "a file that rollbench condense made of this scene's parts"
@@ -86,7 +86,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
     raise InputError(str(options.condensed), "file", *words)
 
 
-def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
+def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     """Solve a scene by a model with elastic bodies, given by name; "condensed" takes the bodies from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
@@ -107,7 +107,7 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     return with_discretisation(scene, result, solve) if wanted else result
 
 
-def _source(scene: Scene, options: Options) -> StaticResult:
+def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
     """Solve a scene by the equations and the iteration of the source; InputError for a rigid screw."""
     from rollbench.lowfi.as_source import solve_source_result
 
@@ -117,28 +117,28 @@ def _source(scene: Scene, options: Options) -> StaticResult:
     return solve_source_result(scene, everything=options.everything, member=options.member)
 
 
-def _mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
+def _solve_mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
     """Solve a scene by the model of Mei et al., with a rigid nut or an elastic one."""
     from rollbench.lowfi.statics.mei import solve_mei
 
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
-def _liu(scene: Scene, options: Options) -> StaticResult:
+def _solve_liu(scene: Scene, options: Options) -> StaticResult:
     """Solve a scene by the model of Liu et al."""
     from rollbench.lowfi.statics.liu import solve_liu
 
     return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
 
 
-def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
+def _solve_axis_lin(assembly: Assembly, options: Options) -> AxisResult:
     """Solve several sets on one shaft by the source's model (lin)."""
     from rollbench.lowfi.statics.axis.solve import solve_assembly
 
     return solve_assembly(assembly, engine=options.engine, member=options.member)  # type: ignore[arg-type]
 
 
-def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
+def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
     """Solve several sets on one shaft by a model with elastic bodies, given by name."""
     from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.elastic import solve_refined
@@ -152,7 +152,7 @@ def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.su
     return True
 
 
-def with_beam(scene: Scene) -> bool:
+def has_beam(scene: Scene) -> bool:
     """Return whether the scene has a screw that the equations of a beam describe."""
     return scene.ingredients.screw == "beam"
 
@@ -160,7 +160,7 @@ def with_beam(scene: Scene) -> bool:
 def axial_only(scene: Scene) -> bool:
     """Return whether Mei's model covers a scene: axial loads on a beam, no preload and no further support."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
-    return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and with_beam(scene)
+    return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam(scene)
 
 
 def loaded_at_one_end(scene: Scene) -> bool:
@@ -219,8 +219,8 @@ _ALL = (
         "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
         "refined model",
         "screw, nut and balls elastic, by kernels",
-        partial(_elastic, name="refined"),
-        partial(_axis_elastic, name="refined"),
+        partial(_solve_elastic, name="refined"),
+        partial(_solve_axis_elastic, name="refined"),
         compared=True,
         extremes=True,
         ladder_step=(4, "+ kernels, flanks and balls (the default)"),
@@ -230,8 +230,8 @@ _ALL = (
         "beam screw, rigid nut, Hertz contacts; convex energy (Lin chapter 2, misprints mended)",
         "the source's low-order model",
         C_8,
-        _lin,
-        _axis_lin,
+        _solve_lin,
+        _solve_axis_lin,
         compared=True,
         ladder_step=(1, "the source's model: beam by C.8, rigid nut"),
     ),
@@ -240,8 +240,8 @@ _ALL = (
         "lin with the source's beam partition of 15 mm in the nut",
         "the source's model on its 15 mm partition",
         C_8,
-        _lin,
-        _axis_lin,
+        _solve_lin,
+        _solve_axis_lin,
         compared=True,
         ingredients=(("partition", "source"),),
     ),
@@ -250,7 +250,7 @@ _ALL = (
         "lin with the Hertz constants as printed (faults of Table B.1)",
         "the source's model, Hertz constants as printed",
         C_8,
-        _lin,
+        _solve_lin,
         'write hertz = "as printed" under [ingredients], and take the model lin',
         compared=True,
         ingredients=(("hertz", "as printed"),),
@@ -260,8 +260,8 @@ _ALL = (
         "the same with the section of the grooved shaft",
         "the source's model, section of the grooved cell",
         f"screw a beam of the grooved cell's section, nut rigid, {HALF_SPACES}",
-        partial(_elastic, name="lin-cell"),
-        partial(_axis_elastic, name="lin-cell"),
+        partial(_solve_elastic, name="lin-cell"),
+        partial(_solve_axis_elastic, name="lin-cell"),
         ladder_step=(2, "+ section of the grooved cell"),
     ),
     Model(
@@ -269,8 +269,8 @@ _ALL = (
         "the same with the nut as a beam too",
         "the source's model, nut as a beam",
         f"screw and nut beams of the grooved cells' sections, {HALF_SPACES}",
-        partial(_elastic, name="lin-nut"),
-        partial(_axis_elastic, name="lin-nut"),
+        partial(_solve_elastic, name="lin-nut"),
+        partial(_solve_axis_elastic, name="lin-nut"),
         extremes=True,
         ladder_step=(3, "+ nut as a beam"),
     ),
@@ -279,7 +279,7 @@ _ALL = (
         "refined, with the bodies of a condensed 3D model read from a file that rollbench condense made",
         "refined model, bodies from the condensed 3D model",
         "screw, nut and balls from a condensed 3D model",
-        partial(_elastic, name="condensed"),
+        partial(_solve_elastic, name="condensed"),
         "a file of condensed bodies holds those of one set",
         ladder_step=(5, "bodies from the condensed 3D model"),
     ),
@@ -288,9 +288,9 @@ _ALL = (
         "the same model by the equations of the source, plain Newton iteration from a designer's guess",
         "equations and iteration of the source",
         C_8,
-        _source,
+        _solve_as_source,
         "the equations of the source are those of one nut that stands",
-        suits=with_beam,
+        suits=has_beam,
         errors_of="lin",
     ),
     Model(
@@ -298,7 +298,7 @@ _ALL = (
         "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
         "Mei: axial bars, rigid nut",
         f"{BARS}, nut rigid",
-        partial(_mei, elastic_nut=False),
+        partial(_solve_mei, elastic_nut=False),
         MEI_AXIS,
         suits=axial_only,
         compared=True,
@@ -308,7 +308,7 @@ _ALL = (
         "the same with the nut as an elastic bar held at its left face",
         "Mei: axial bars, nut as a bar",
         f"{BARS}, nut a bar",
-        partial(_mei, elastic_nut=True),
+        partial(_solve_mei, elastic_nut=True),
         MEI_AXIS,
         suits=axial_only,
         compared=True,
@@ -318,7 +318,7 @@ _ALL = (
         "axial chain of balls that leave and join, contact angles that turn, elastic nut (Liu et al. 2025)",
         "Liu: axial bars, turning contact angles",
         "axial bars and springs whose direction turns, screw and nut loaded at one end",
-        _liu,
+        _solve_liu,
         "its screw and nut are loaded at one end of one row",
         suits=loaded_at_one_end,
         compared=True,
@@ -348,7 +348,7 @@ def default_model(scene: Scene | Assembly) -> str:
 
 def is_model(name: str) -> bool:
     """Return whether a name is that of a rollbench model, of a model in an installed package, or a command."""
-    return name in MODELS or programs.is_command(name) or name in user_models.installed()
+    return name in MODELS or programs.is_command(name) or name in user_models.installed_models()
 
 
 def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
@@ -374,7 +374,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
         If there is no such model, its name is in ``without``, or `user_models.load_model` cannot load it.
     """
     command = programs.is_command(name)
-    others = () if command else user_models.installed()
+    others = () if command else user_models.installed_models()
     names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in without]
     if name not in names and not command:
         import difflib
@@ -387,7 +387,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     user_models.load_model(name)
 
     def run(scene: Scene, options: Options) -> StaticResult:
-        return user_models.run(name, scene, options.member)
+        return user_models.solve_by_user_model(name, scene, options.member)
 
     return Model(name, "", programs.title_of(name), user_models.WORDS, run, "it is a function of a scene of one set")
 
@@ -399,7 +399,7 @@ def random_errors(scene: Scene | Assembly) -> bool:
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
 
 
-def blamed(error: ValueError) -> str:
+def key_of_error(error: ValueError) -> str:
     """Return the scene key that a solver's error names as its cause; ``scene`` if it names none.
 
     Examples
@@ -446,7 +446,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
             result = run(options)
     except ValueError as error:
         single = isinstance(scene, Scene)
-        where, what = (blamed(error), "geometry and the ingredients") if single else ("scene", "geometry")
+        where, what = (key_of_error(error), "geometry and the ingredients") if single else ("scene", "geometry")
         raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
 

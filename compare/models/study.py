@@ -91,7 +91,7 @@ class Study:
 
     def reference(self, name: str) -> Reference | None:
         """Return the stored 3D reference of a shipped scene, with its uncertainty; None without a converged run."""
-        return self.once(_reference, name)
+        return self.once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
         """Return the stored 3D references by scene name; scenes without one are left out."""
@@ -99,7 +99,7 @@ class Study:
         return {name: ref for name, ref in references.items() if ref is not None}
 
 
-def _reference(study: Study, name: str) -> Reference | None:
+def _stored_reference(study: Study, name: str) -> Reference | None:
     """Return the stored 3D reference of a shipped scene; None if there is none."""
     return reference(study.scene(name), study.stores)
 

@@ -41,7 +41,7 @@ from rollbench.compare.models.comparison import Loads, from_result, from_run
 from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, base_run
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.convergence import observe
+from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.grid_parts import both_flanks
 from rollbench.compare.reference.store import Run, load_run, shipped_store
@@ -84,12 +84,12 @@ class Quantity:
     of_largest: bool = False
 
 
-def _axial(scene: Scene, answer: Loads) -> Array:
+def _axial_displacement(scene: Scene, answer: Loads) -> Array:
     """Return the axial displacement of the screw at the nut's centre, (1,) [um]."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
-def _angle(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
+def _angle_at_most_loaded(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
     """Return the contact angle of the most loaded contact, (1,) [deg]."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
@@ -97,13 +97,13 @@ def _angle(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quanti
 QUANTITIES = (
     Quantity(CONTACTS, "N", lambda scene, answer: answer.load, of_mean=True),  # noqa: ARG005
     Quantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), of_largest=True),  # noqa: ARG005
-    Quantity("axial displacement", "um", _axial),
-    Quantity("contact angle of the most loaded contact", "deg", _angle),
+    Quantity("axial displacement", "um", _axial_displacement),
+    Quantity("contact angle of the most loaded contact", "deg", _angle_at_most_loaded),
 )
 
 
 @dataclass(frozen=True)
-class Input:
+class InputTolerance:
     """Tolerance of an input value, as a change of the scene."""
 
     #: Description, with the size of the tolerance.
@@ -112,19 +112,19 @@ class Input:
     change: Callable[[Scene], Scene | None]
 
 
-def _conforming(scene: Scene) -> Scene:
+def _with_wider_grooves(scene: Scene) -> Scene:
     """Return the scene with both groove radii larger by 0.005 ball diameters."""
     wider = 0.005 * 2.0 * scene.balls.radius
     screw = replace(scene.screw, groove_radius=scene.screw.groove_radius + wider)
     return replace(scene, screw=screw, nut=replace(scene.nut, groove_radius=scene.nut.groove_radius + wider))
 
 
-def _turned(scene: Scene) -> Scene:
+def _with_larger_contact_angle(scene: Scene) -> Scene:
     """Return the scene with a contact angle larger by 1 deg."""
     return replace(scene, track=replace(scene.track, contact_angle=scene.track.contact_angle + float(np.radians(1.0))))
 
 
-def _stiffer(scene: Scene) -> Scene:
+def _with_stiffer_material(scene: Scene) -> Scene:
     """Return the scene with all Young's moduli larger by 1 %."""
 
     def stiffened(material: Material) -> Material:
@@ -135,7 +135,7 @@ def _stiffer(scene: Scene) -> Scene:
     return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=stiffened(scene.balls.material)))
 
 
-def _larger(scene: Scene) -> Scene | None:
+def _with_larger_oversize(scene: Scene) -> Scene | None:
     """Return the scene with an oversize of the ball radii larger by 0.25 um; None without oversize."""
     balls = scene.errors.balls
     if balls.oversize == 0.0:
@@ -145,10 +145,10 @@ def _larger(scene: Scene) -> Scene | None:
 
 #: Assumed tolerances: makers state them for such parts or do not print them; no source of a scene gives them.
 INPUTS = (
-    Input("conformity of both grooves 0.005", _conforming),
-    Input("contact angle 1 deg", _turned),
-    Input("Young's modulus 1 %", _stiffer),
-    Input("oversize of the ball radius 0.25 um, where there is one", _larger),
+    InputTolerance("conformity of both grooves 0.005", _with_wider_grooves),
+    InputTolerance("contact angle 1 deg", _with_larger_contact_angle),
+    InputTolerance("Young's modulus 1 %", _with_stiffer_material),
+    InputTolerance("oversize of the ball radius 0.25 um, where there is one", _with_larger_oversize),
 )
 
 
@@ -197,7 +197,7 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
     if len(reference.runs) < 2:
         return np.full(base.shape, np.nan)
     values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in reference.runs]
-    bar = observe(values, reference.sizes).uncertainty or 0.0
+    bar = grid_convergence(values, reference.sizes).uncertainty or 0.0
     return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
 
 
@@ -307,7 +307,7 @@ class Validated:
         return f"u_val not known ({why})"
 
 
-def validated(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
+def validated_error(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
     """Compare a model's answer in one quantity of a scene with the reference; None without a stored reference."""
     ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
     if ref is None or parts is None:
@@ -387,7 +387,7 @@ def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Choices:
+class ChoiceEffects:
     """Effects of the modelling choices that were varied on a scene."""
 
     #: Name of the scene.
@@ -401,7 +401,7 @@ class Choices:
 
 
 @record
-class Total:
+class LoadUncertainty:
     """Uncertainty of the contact loads of a scene [% of the mean load], by part; None: not known."""
 
     #: Discretisation of the reference.
@@ -409,7 +409,7 @@ class Total:
     #: Whether it is from experience with other scenes, as with a single mesh level.
     by_experience: bool = quantity("discretisation_by_experience")
     #: Modelling choices, with the dominant one and the scene on which they were varied.
-    choices: Choices | None = quantity(
+    choices: ChoiceEffects | None = quantity(
         "modelling_percent",
         "what choices change that no mesh shows",
         Stated("modelling_dominated_by", show=lambda choices: choices and choices.choice),
@@ -485,7 +485,7 @@ class Total:
         )
 
 
-def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
+def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUncertainty:
     """Compute the uncertainty of the contact loads of a scene's reference.
 
     Parameters
@@ -503,10 +503,10 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
         The parts.
     """
     if reference.stated:
-        return Total(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
-    share, name = _inputs(scene) if inputs else (None, "")
+        return LoadUncertainty(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
+    share, name = _largest_input_effect(scene) if inputs else (None, "")
     lip, at = beside_face(reference)
-    return Total(
+    return LoadUncertainty(
         uncertainty_percent(reference),
         reference.parts.by_experience,
         choices_for(replace(scene, name=reference.best.scene), read_choices(shipped_store())),
@@ -540,7 +540,7 @@ def second_order(scene: Scene, reference: Reference) -> float:
     return float(error_percent(lost, 0.0, mean_load(reference.load)))
 
 
-def _inputs(scene: Scene) -> tuple[float | None, str]:
+def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
     """Return the largest joint effect of the input tolerances on a contact load [%], and the dominant input."""
     study = Study()
     if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
@@ -549,25 +549,27 @@ def _inputs(scene: Scene) -> tuple[float | None, str]:
     return float(parts.max()), most
 
 
-def recorded(varied: Modelling) -> Choices:
+def choice_effects_record(varied: Modelling) -> ChoiceEffects:
     """Return the record, for a store, of the effects of the modelling choices varied on a scene."""
     first = max(varied.choices, key=lambda name: varied.choices[name])
-    return Choices(varied.scene, varied.largest, first, varied.choices[first])
+    return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 
 
-def choices_for(scene: Scene, known: Mapping[str, Choices]) -> Choices | None:
+def choices_for(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
     """Return the choices' effects used for a scene: of a scene with its parts, else the largest; None if outside."""
     if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
-def save(store: Path, known: Mapping[str, Choices]) -> None:
+def save_choices(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
     """Write the effects of modelling choices by scene to a store; OSError if the file cannot be written."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 
 @cache
-def read_choices(store: Path) -> dict[str, Choices]:
+def read_choices(store: Path) -> dict[str, ChoiceEffects]:
     """Read the effects of modelling choices by scene; OSError, ValueError or TypeError if the file cannot be used."""
-    return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}
+    return {
+        name: ChoiceEffects(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()
+    }

@@ -79,7 +79,7 @@ UserModel = Callable[[Scene], Array | ModelAnswer]
 
 
 @cache
-def installed() -> dict[str, EntryPoint]:
+def installed_models() -> dict[str, EntryPoint]:
     """Return the entry points of all installed models; nothing is imported.
 
     Returns
@@ -92,7 +92,7 @@ def installed() -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
 
 
-def origin(name: str) -> str:
+def origin_of_model(name: str) -> str:
     """Describe where a user's model comes from.
 
     Parameters
@@ -106,8 +106,8 @@ def origin(name: str) -> str:
         Function, with name and version of its package; for a command, the files it names, with their digests.
     """
     if programs.is_command(name):
-        return programs.program(name).files
-    point = installed()[name]
+        return programs.parse_command(name).files
+    point = installed_models()[name]
     return point.value if point.dist is None else f"{point.value}, {point.dist.name} {point.dist.version}"
 
 
@@ -132,36 +132,36 @@ def load_model(name: str) -> UserModel:
         command is not valid.
     """
     if programs.is_command(name):
-        return partial(_answer_of, programs.program(name))
+        return partial(_answer_of_program, programs.parse_command(name))
     from importlib.metadata import entry_points
 
-    point = installed()[name]
+    point = installed_models()[name]
     if others := [other.value for other in entry_points(group=GROUP, name=name) if other.value != point.value]:
-        raise _broken(point, f"{', '.join(others)} has that name too")
+        raise _unusable_model_error(point, f"{', '.join(others)} has that name too")
     try:
         function = point.load()
     except Exception as error:  # whatever the user's package raises when it is imported
-        raise _broken(point, f"{type(error).__name__}: {error}") from error
+        raise _unusable_model_error(point, f"{type(error).__name__}: {error}") from error
     if not callable(function):
-        raise _broken(point, f"{type(function).__name__} in place of a function")
+        raise _unusable_model_error(point, f"{type(function).__name__} in place of a function")
     found: UserModel = function
     return found
 
 
-def _answer_of(program: programs.Program, scene: Scene) -> ModelAnswer:
+def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
     """Run a user's program for a scene and return its answer."""
     given, moved = program(scene)
     pressure = given.further.get("pressure")
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
-def _broken(point: EntryPoint, reason: str) -> ArgumentError:
+def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
     """Return the error for an installed model that cannot be used."""
     advice = "mend the package that adds the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
 
-def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
+def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResult:
     """Solve a scene with a user's model: contact loads at nominal contact angles, their imbalance, and the run time.
 
     Parameters
@@ -202,17 +202,17 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
         raise Refusal(scene.name, "model", f"{shown} fails with {type(error).__name__}: {error}", advice) from error
     seconds = perf_counter() - start
     answer = found if isinstance(found, ModelAnswer) else ModelAnswer(found)
-    load_of = _numbers(shown, "loads", answer.loads, (layout.z.size, 4), least=0.0)
+    load_of = _checked_numbers(shown, "loads", answer.loads, (layout.z.size, 4), least=0.0)
     pressure, moved = None, np.full(6, np.nan)
     if answer.pressure is not None:
-        pressure = _numbers(shown, "pressure", answer.pressure, load_of.shape, least=0.0)
+        pressure = _checked_numbers(shown, "pressure", answer.pressure, load_of.shape, least=0.0)
     if answer.displacement is not None:
-        moved = _numbers(shown, "displacement", answer.displacement, (6,))
+        moved = _checked_numbers(shown, "displacement", answer.displacement, (6,))
     beta = scene.track.contact_angle
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     normal = np.einsum("sa,nak->nsk", SIGNS * np.array([cos(beta), sin(beta)]), axes)
     points = layout.centre[:, None, :] + scene.balls.radius * normal
-    balance = _balance(scene, load_of, points, normal)
+    balance = _contact_balance(scene, load_of, points, normal)
     return StaticResult(
         model=name,
         status=Status("converged"),
@@ -230,19 +230,19 @@ def run(name: str, scene: Scene, member: int = 0) -> StaticResult:
         solver=SolverReport(1, 1, balance.largest, seconds, load_of.size, 0, "user", "of the model"),
         assumed=(*scene.assumed, ASSUMPTION),
         left_out=(),
-        warnings=tuple(_warnings(shown, balance)),
+        warnings=tuple(_equilibrium_warnings(shown, balance)),
         pressure=pressure,
     )
 
 
-def _warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
+def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
     """Yield a warning if a model's contact loads are not in equilibrium with the loads and supports of the scene."""
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
         yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
 
 
-def _balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
+def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
     """Return the balance of contact loads (n, 4) [N] at points (n, 4, 3) [m], with normals pointing away from the balls.
 
     Support reactions are fitted to the resultant of loads and contacts (least squares); the rest is the residual.
@@ -266,7 +266,7 @@ def _balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equi
     return balance_of(sums, size, arm, (0.0, 0.0), np.linalg.norm(force.sum(axis=1), axis=1))
 
 
-def _numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
+def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
     """Return an array of this shape with finite numbers, none below ``least``; ArgumentError otherwise."""
     advice = "mend the model"
     try:

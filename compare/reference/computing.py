@@ -46,7 +46,7 @@ ALIKE = 0.99
 GROWN = 5e-3
 
 
-def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
+def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
     """Compute the runs of a task.
 
     Parameters
@@ -86,7 +86,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     list of Run
         A run for each scene.
     CondensedBodies or None
-        The bodies; None if a run has no loads, or `with_bodies` is false for the task.
+        The bodies; None if a run has no loads, or `stores_bodies` is false for the task.
 
     Raises
     ------
@@ -102,15 +102,15 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     ups, balls = set_ups(scenes, task.level, task.variant), balls_of(scenes[0])
     ups = tuple(replace(up, settings=replace(up.settings, cell=task.cut_cells * up.settings.cell)) for up in ups)
     for attempt in range(ENLARGE + 1):
-        setups = _prepared(task, scenes, ups, step)
-        results = [_solved(scene, setups, step) for scene in scenes]
+        setups = _prepare_setups(task, scenes, ups, step)
+        results = [_solve_load_case(scene, setups, step) for scene in scenes]
         full = [(result.load, result.contact_angle) for result in results if result.status == AT_RIM]
         if not full:
             break
         larger = []
         for up in ups:
             contacts = [(load[balls[k]], angle[balls[k]]) for load, angle in full for k in up.sets]
-            settings, why = enlarged(setups[up.sets[0]], contacts, max(0, ENLARGE - 1 - attempt))
+            settings, why = with_larger_patches(setups[up.sets[0]], contacts, max(0, ENLARGE - 1 - attempt))
             larger.append(up if settings is None else replace(up, settings=settings))
         words = "a contact reaches the rim of its patch"
         if tuple(larger) == ups or attempt == ENLARGE:
@@ -118,12 +118,12 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
             break
         ups = tuple(larger)
         step(f"{words}, larger patches: {why}")
-    runs = [_run(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
-    good = with_bodies(task) and all(run.answers for run in runs)
+    runs = [_run_record(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
+    good = stores_bodies(task) and all(run.answers for run in runs)
     return runs, condensed_bodies(setups[0], task.level) if good else None
 
 
-def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
+def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
     """Return the prepared set-up for each set (equal sets share one); InputError if meshing or memory fails."""
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -143,7 +143,7 @@ def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step
     return [by_set[k] for k in sorted(by_set)]
 
 
-def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
+def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
     """Solve one load case on prepared set-ups; Refusal if they do not cover it."""
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
@@ -159,7 +159,7 @@ def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceRe
     return result
 
 
-def _run(
+def _run_record(
     task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
     """Make the record of the run of one load case, under the name of the task's scene."""
@@ -202,7 +202,7 @@ def _run(
     )
 
 
-def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
+def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
     """Return mesh settings with larger contact patches, to suit the contact loads found.
 
     Patches grow by a fixed factor. If ``left`` steps would leave them shorter than the skew contacts reach along the
@@ -268,6 +268,6 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
     return None, words + (refused or ", as much as there is room for; lower the load, or make more room around the contact")
 
 
-def with_bodies(task: Task) -> bool:
+def stores_bodies(task: Task) -> bool:
     """Return whether a task also stores its condensed bodies: one set per scene, no variant, a regular mesh level."""
     return bool(task.single) and not task.variant and task.level in LEVELS

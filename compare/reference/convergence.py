@@ -1,7 +1,7 @@
 """Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130).
 
-`observe` fits one quantity, `pool` many with a common order. Both serve for displacements, angles and friction; contact
-loads do not converge with an order (`compare.reference.grid_parts`).
+`grid_convergence` fits one quantity, `pooled_grid_uncertainty` many with a common order. Both serve for displacements,
+angles and friction; contact loads do not converge with an order (`compare.reference.grid_parts`).
 
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
 the smaller standard deviation counts. If its order p lies outside ``ORDERS``, the best of these fits replaces it:
@@ -12,7 +12,8 @@ of the finest level and Delta = (max - min) / (levels - 1), the uncertainty of p
     U = F |delta| + sigma + |r_1|                        where sigma < Delta,
     U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,
 
-with F = 1.25 for an order in the range, else 3. Deviations from the source are stated at ``observe`` and ``pool``; both are
+with F = 1.25 for an order in the range, else 3. Deviations from the publication are stated
+at `grid_convergence` and `pooled_grid_uncertainty`; both are
 tested for the share of noisy sequences whose true value lies within U.
 
 Quantities ``(levels, m)`` that are fitted together share the powers of h; limit and coefficients differ (variable
@@ -37,7 +38,7 @@ ORDERS = (0.5, 2.0)
 SAFE, CAREFUL = 1.25, 3.0
 #: Changes below this share of the largest value are rounding of stored values.
 ROUND_OFF = 1e-6
-#: Number of orders in the allowed interval that ``pool`` tries for the largest uncertainty.
+#: Number of orders in the allowed interval that ``pooled_grid_uncertainty`` tries for the largest uncertainty.
 STEPS = 16
 
 #: Range of orders that are searched, including negative ones (values that diverge).
@@ -79,10 +80,10 @@ class Convergence:
             return self.label
         if self.label == MONOTONE:
             return f"monotone, order {self.own_order:.2f}"
-        return f"order out of range (p {_shown(self.own_order)})"
+        return f"order out of range (p {_order_text(self.own_order)})"
 
 
-def _shown(p: float) -> str:
+def _order_text(p: float) -> str:
     """Return an order as text; at an end of ``SEARCH`` as "below" or "above" it."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
@@ -93,7 +94,7 @@ def representative_size(settings: Mapping[str, Any]) -> float:
     return 1.0 / float(settings["b_over_h"])
 
 
-def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
+def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     """Estimate the grid convergence of one quantity.
 
     Deviations from the source: U is at least that of first order with F = 1.25, as long as the values do not contradict
@@ -118,33 +119,33 @@ def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     ValueError
         If the sizes do not fall, or differ in number from the values.
     """
-    y, h = _checked(values, sizes)
+    y, h = _checked_levels(values, sizes)
     n, column = len(h), y[:, 0]
     given_ = tuple(float(v) for v in column)
     if n == 1:
         return Convergence(given_, TOO_FEW, None, None, None)
     if n == 2:
         return Convergence(given_, TOO_FEW, None, None, CAREFUL * abs(given_[1] - given_[0]))
-    if _still(column):
+    if _is_constant(column):
         return Convergence(given_, HELD, None, given_[-1], 0.0)
-    label, order = _label(column, h)
-    free = [searched(y, h, weighted) for weighted in (False, True)]
+    label, order = _kind_of_convergence(column, h)
+    free = [fit_searched_order(y, h, weighted) for weighted in (False, True)]
     good = [f for f in free if f.order is not None and ORDERS[0] <= f.order <= ORDERS[1]]
     best = min(free, key=lambda f: f.deviation)
-    others = fixed(y, h, both=best.order is not None and best.order < ORDERS[0])
+    others = fit_fixed_orders(y, h, both=best.order is not None and best.order < ORDERS[0])
     fit = min(good or others, key=lambda f: f.deviation)
     sigma = fit.deviation if n > 3 or not good else min(f.deviation for f in others)
     spread = float(np.ptp(column)) / (n - 1)
-    uncertainty = float(_bar(y, fit, sigma, SAFE if good else CAREFUL, spread)[0])
-    low, high = allowed(y, h, best)
+    uncertainty = float(_uncertainty_of_finest(y, fit, sigma, SAFE if good else CAREFUL, spread)[0])
+    low, high = allowed_orders(y, h, best)
     if low <= 1.0 <= high:
         first = min((f for f in others if f.form == "first order"), key=lambda f: f.deviation)
-        uncertainty = max(uncertainty, float(_bar(y, first, sigma, SAFE, spread)[0]))
+        uncertainty = max(uncertainty, float(_uncertainty_of_finest(y, first, sigma, SAFE, spread)[0]))
     limit = float(fit.limit[0]) if good and label == MONOTONE else None
     return Convergence(given_, label, order, limit, uncertainty)
 
 
-def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
+def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     """Estimate the uncertainty of many similar quantities that converge with one common order.
 
     phi_0 and alpha differ between the quantities; the common order is searched, with the interval of orders that the data
@@ -172,11 +173,11 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
     Raises
     ------
     ValueError
-        As `observe`.
+        As `grid_convergence`.
     """
-    y, h = _checked(values, sizes)
+    y, h = _checked_levels(values, sizes)
     bars = np.zeros(y.shape[1])
-    moving = np.array([not _still(column) for column in y.T], dtype=bool)
+    moving = np.array([not _is_constant(column) for column in y.T], dtype=bool)
     data = y[:, moving]
     if len(h) == 1:
         return np.full(y.shape[1], np.nan)
@@ -184,23 +185,25 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
         difference = np.abs(data[1] - data[0])
         bars[moving] = CAREFUL * np.maximum(difference, np.sqrt((difference**2).sum() / max(difference.size, 1)))
     elif moving.any():
-        bars[moving] = _pooled(data, h)
+        bars[moving] = _pooled_uncertainties(data, h)
     return bars
 
 
-def _pooled(data: Array, h: Array) -> Array:
-    """Return the uncertainties (m,) by `pool`, for three or more levels and quantities that all change."""
-    free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
-    low, high = allowed(data, h, free)
+def _pooled_uncertainties(data: Array, h: Array) -> Array:
+    """Return the uncertainties (m,) of `pooled_grid_uncertainty` for three or more levels; all quantities change."""
+    free = min((fit_searched_order(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
+    low, high = allowed_orders(data, h, free)
     if high < ORDERS[0]:
-        fits, factor = [min(fixed(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
+        fits, factor = [min(fit_fixed_orders(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
     else:
         low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in (low, high))
-        fits, factor = [given(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
-    return np.asarray(np.max([_bar(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0))
+        fits, factor = [fit_given_order(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
+    return np.asarray(
+        np.max([_uncertainty_of_finest(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0)
+    )
 
 
-def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
+def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     """Return values as (levels, m) and sizes relative to the finest; ValueError if they are not usable."""
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
@@ -211,22 +214,22 @@ def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     return y, h / h[-1]
 
 
-def _still(column: Array) -> bool:
+def _is_constant(column: Array) -> bool:
     """Return whether a quantity is equal on all levels, up to rounding of stored values."""
     return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
 
 
-def _label(column: Array, h: Array) -> tuple[str, float | None]:
+def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
     """Return the kind of convergence of a quantity on three or more levels, and its order (None if not monotone)."""
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
         return NOT_MONOTONE, None
-    p = searched(column[:, None], h).order
+    p = fit_searched_order(column[:, None], h).order
     assert p is not None
     return (MONOTONE if ORDERS[0] <= p <= ORDERS[1] else OUT_OF_RANGE), p
 
 
-def _bar(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
+def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
     """Return the uncertainty of the finest value of each quantity, (m,); ``spread`` is Delta."""
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
     if np.max(sigma) < spread:
@@ -254,27 +257,27 @@ class Fit:
     own: Array
 
 
-def searched(y: Array, h: Array, weighted: bool = False) -> Fit:
+def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
     """Fit the best common order in ``SEARCH`` to all quantities, by grids on ever smaller intervals."""
-    w = weights(h, weighted)
+    w = level_weights(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
     while step > 1e-11:
         p = np.linspace(low, high, 161)
-        at, step = float(p[_squares(y, h, w, p).argmin()]), float(p[1] - p[0])
+        at, step = float(p[_residual_squares(y, h, w, p).argmin()]), float(p[1] - p[0])
         low, high = max(SEARCH[0], at - 1.5 * step), min(SEARCH[1], at + 1.5 * step)
-    return given(y, h, at, weighted)
+    return fit_given_order(y, h, at, weighted)
 
 
-def given(y: Array, h: Array, p: float, weighted: bool) -> Fit:
+def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
     """Fit limits and slopes for a given order p, which counts as one parameter that all quantities share."""
-    x = _box(h, np.array([p]))[0]
-    finest, slope, residual = _linear(y, x[:, None], weights(h, weighted))
+    x = _box_cox(h, np.array([p]))[0]
+    finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
-    return _fit(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
+    return _fit_record(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
 
 
-def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
+def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
     """Fit order 1 and order 2, each without and with weights; if ``both``, also their sum (four levels or more)."""
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
@@ -283,12 +286,12 @@ def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
     for form, powers in forms.items():
         columns = np.stack([h**p for p in powers], axis=1)
         for weighted in (False, True):
-            limit, _, residual = _linear(y, columns, weights(h, weighted))
-            out.append(_fit(form, None, weighted, h, limit, residual, len(powers) + 1, 0))
+            limit, _, residual = _linear_least_squares(y, columns, level_weights(h, weighted))
+            out.append(_fit_record(form, None, weighted, h, limit, residual, len(powers) + 1, 0))
     return out
 
 
-def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
+def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
     """Return the interval of orders around the best one that the data allow, as the fit gets worse only by chance.
 
     An F test with ``CONFIDENCE`` on the sums of squares decides; all of ``SEARCH`` if there is no degree of freedom.
@@ -299,40 +302,40 @@ def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
     freedom = (n - 2) * m - 1
     if freedom < 1 or best.order is None:
         return SEARCH
-    w = weights(h, best.weighted)
-    least = float(_squares(y, h, w, np.array([best.order]))[0])
+    w = level_weights(h, best.weighted)
+    least = float(_residual_squares(y, h, w, np.array([best.order]))[0])
     limit = least * (1.0 + float(f_ratio.ppf(CONFIDENCE, 1, freedom)) / freedom)
     ends = []
     for end in SEARCH:
         p = np.linspace(best.order, end, 801)
-        beyond = np.flatnonzero(_squares(y, h, w, p) > limit * (1.0 + 1e-9))
+        beyond = np.flatnonzero(_residual_squares(y, h, w, p) > limit * (1.0 + 1e-9))
         ends.append(float(p[max(int(beyond[0]) - 1, 0)]) if beyond.size else end)
     return ends[0], ends[1]
 
 
-def weights(h: Array, weighted: bool) -> Array:
+def level_weights(h: Array, weighted: bool) -> Array:
     """Return the weights of the levels, with sum one: equal, or as 1 / h."""
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
 
-def _squares(y: Array, h: Array, w: Array, p: Array) -> Array:
+def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
     """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes."""
     centred = y - w @ y
-    x = _box(h, p)
+    x = _box_cox(h, p)
     x = x - (x @ w)[:, None]
     slope = np.einsum("gn,n,nm->gm", x, w, centred) / ((x * x) @ w)[:, None]
     left = centred[None] - x[:, :, None] * slope[:, None, :]
     return np.asarray(np.einsum("n,gnm->g", w, left * left))
 
 
-def _box(h: Array, p: Array) -> Array:
+def _box_cox(h: Array, p: Array) -> Array:
     """Return (h^p - 1) / p, (orders, levels), which spans the same fits as h^p and is ln h at p = 0."""
     safe = np.where(p == 0.0, 1.0, p)[:, None]
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 
 
-def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
+def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
     """Return constants (m,), coefficients (k, m) and residuals (levels, m) of weighted linear least squares."""
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])
@@ -340,12 +343,12 @@ def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
     return np.asarray(coefficients[0]), np.asarray(coefficients[1:]), np.asarray(y - basis @ coefficients)
 
 
-def _fit(
+def _fit_record(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
     """Make the record of a fit that has ``of_each`` parameters for each quantity and ``of_all`` common parameters."""
     n, m = residual.shape
-    squares = n * (weights(h, weighted) @ (residual * residual))
+    squares = n * (level_weights(h, weighted) @ (residual * residual))
     freedom = (n - of_each) * m - of_all
     deviation = float(np.sqrt(squares.sum() / freedom)) if freedom > 0 else 0.0
     single = np.sqrt(squares / (n - of_each)) if n > of_each else np.zeros(m)

@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.convergence import representative_size
-from rollbench.compare.reference.grid_parts import GridParts, left_out, parts, too_large
+from rollbench.compare.reference.grid_parts import GridParts, error_near_faces, excess_near_faces, parts
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -91,10 +91,10 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     """
     runs = tuple(run for level in LEVELS if (run := load_run(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
-    return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
+    return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
+def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
     """Make the reference of a scene from its runs.
 
     Parameters
@@ -116,8 +116,8 @@ def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int =
     loads = {run.level: run.load for run in runs}
     grid, best = parts(loads, grid_parts.read_experience(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
-    lips = too_large(scene, best.load, best.level)
-    beside = left_out(scene, best.load, best.level) if grid.by_experience else lips
+    lips = excess_near_faces(scene, best.load, best.level)
+    beside = error_near_faces(scene, best.load, best.level) if grid.by_experience else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)
 
 

@@ -33,8 +33,8 @@ approach of the bodies a missing compliance dC makes their load F too large by
 
 delta: Hertz's approaches, whose tangent is 2/3 delta / F. Fixed faces, and balls far from faces, have no such part. If one
 flank of the screw carries load, equilibrium fixes the sum of loads, and the excess of these contacts is missing on the
-others of their side, in proportion to their stiffness (`left_out`). The changes between the levels of a scene show that,
-and of a ring, all of whose contacts are near both faces, the rest as well.
+others of their side, in proportion to their stiffness (`error_near_faces`). The changes between the levels of a scene show
+that, and of a ring, all of whose contacts are near both faces, the rest as well.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ class GridParts:
 
     def bars(self, loads: Levelled) -> Array:
         """Return the uncertainty at 95 % of each contact, (n, 4) [% of the mean load]; zero where no level has load."""
-        on = moving(loads)
+        on = loaded_on_any_level(loads)
         if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
             return np.where(on, self.bar, 0.0)
         stiffness = loads[max(loads)] ** STIFFNESS
@@ -140,7 +140,7 @@ def both_flanks(load: Array) -> bool:
     return bool((load[:, :2] > 0.0).any(axis=0).all())
 
 
-def moving(loads: Levelled) -> Array:
+def loaded_on_any_level(loads: Levelled) -> Array:
     """Return a mask (n, 4) of the contacts that carry load on any mesh level."""
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
@@ -167,21 +167,21 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
     if len(levels) == 1:
         return GridParts(known.single[both])
     steps, fixed = list(pairwise(levels)), 2.0 * known.sockets**2
-    shown = np.array([float((_change(loads, a, b, finest) ** 2).mean()) for a, b in steps])
-    amounts = _variances(np.array([_added(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
-    left = (*(amounts * _added(finest, finest + 1)), fixed, 2.0 * known.common**2 if both else 0.0)
+    shown = np.array([float((_load_change(loads, a, b, finest) ** 2).mean()) for a, b in steps])
+    amounts = _fit_variances(np.array([_variance_factors(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
+    left = (*(amounts * _variance_factors(finest, finest + 1)), fixed, 2.0 * known.common**2 if both else 0.0)
     cover = COVER_OF_ONE_CHANGE if levels == [finest - 1, finest] else COVER
     contact, bodies, sockets, common = (float(np.sqrt(v)) for v in left)
     return GridParts(cover * float(np.sqrt(sum(left))), contact, bodies, sockets, common, cover)
 
 
-def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
+def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
     """Return the changes of the loaded contacts from one level to another [% of the mean load on ``finest``]."""
-    on = moving(loads)
+    on = loaded_on_any_level(loads)
     return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
 
 
-def _sizes(level: int) -> Array:
+def _cell_sizes(level: int) -> Array:
     """Return a level's relative cell sizes of contact and bodies, (2,); beyond the last level by ``NEXT``."""
     last = max(LEVELS)
     cells = LEVELS[min(level, last)]
@@ -189,12 +189,12 @@ def _sizes(level: int) -> Array:
     return np.asarray(size * np.power(NEXT, max(level - last, 0)))
 
 
-def _added(level: int, other: int) -> Array:
+def _variance_factors(level: int, other: int) -> Array:
     """Return the variances of the difference between two levels, for contact and bodies, if their amounts are one."""
-    return np.asarray(_sizes(level) ** (2 * ORDER) + _sizes(other) ** (2 * ORDER))
+    return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
 
-def _variances(columns: Array, shown: Array, fixed: float) -> Array:
+def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
     """Fit the variances of contact and bodies to the variances observed between levels, by relative least squares.
 
     ``fixed`` is a known further variance. Results are at least zero; with two levels all is attributed to the bodies,
@@ -210,7 +210,9 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
     return np.asarray(variances)
 
 
-def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
+def derive_experience(
+    scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None
+) -> Experience:
     """Derive the experience with mesh errors from scenes solved on several levels.
 
     Parameters
@@ -220,7 +222,7 @@ def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str,
     sockets
         Standard deviation by the cut of the sockets [% of the mean load], from a separate run.
     known
-        Errors of the coarsest level with a separate uncertainty (`left_out`), (n, 4) [% of the mean load] by scene.
+        Errors of the coarsest level with a separate uncertainty (`error_near_faces`), (n, 4) [% of the mean load] by scene.
 
     Returns
     -------
@@ -237,22 +239,24 @@ def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str,
         levels, finest = sorted(loads), max(loads)
         both = both_flanks(loads[finest])
         if both:
-            shifts += [float(_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
+            shifts += [float(_load_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
         if levels[0] == min(LEVELS) and finest >= PRODUCTION:
-            held = known[name][moving(loads)] if known and name in known else 0.0
-            errors[both].append(np.maximum(np.abs(_change(loads, levels[0], finest, finest)) - held, 0.0))
+            held = known[name][loaded_on_any_level(loads)] if known and name in known else 0.0
+            errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
         raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
-    return Experience(sockets, common, (_holding(errors[0], LEAST[0]), _holding(errors[1], LEAST[1])), tuple(scenes))
+    return Experience(
+        sockets, common, (_covering_bound(errors[0], LEAST[0]), _covering_bound(errors[1], LEAST[1])), tuple(scenes)
+    )
 
 
-def _holding(errors: Sequence[Array], least: float) -> float:
+def _covering_bound(errors: Sequence[Array], least: float) -> float:
     """Return the bound that covers ``SHARE`` of all errors, and the share ``least`` of each scene's errors."""
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
-def save(store: Path, known: Experience) -> None:
+def save_experience(store: Path, known: Experience) -> None:
     """Write the experience to a store; OSError if the file cannot be written."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
@@ -281,7 +285,7 @@ TOWARDS = (2, 3)
 
 
 @dataclass(frozen=True)
-class Lip:
+class LipCompliance:
     """Compliance of the nut's lip between a contact and a free face, by the distance of the contact."""
 
     #: Distances from the face [ball radii], rising.
@@ -298,7 +302,7 @@ class Lip:
 
 
 @cache
-def read_lip(store: Path) -> Lip:
+def read_lip(store: Path) -> LipCompliance:
     """Read the compliance of lips from a store.
 
     It is measured on one scene on all levels; the missing part is raised by the largest ratio of any other scene. Values
@@ -316,10 +320,12 @@ def read_lip(store: Path) -> Lip:
     missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
     spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
     places = np.array([radii[0] - CLOSER, *radii, AWAY])
-    return Lip(places, ended([row["lip"] for row in first]), {k: spread * ended(values) for k, values in missing.items()})
+    return LipCompliance(
+        places, ended([row["lip"] for row in first]), {k: spread * ended(values) for k, values in missing.items()}
+    )
 
 
-def too_large(scene: Scene, load: Array, level: int) -> Array:
+def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
     """Return the largest excess (n, 4) [N] of a level's contact loads (n, 4) [N] due to free faces of the nut."""
     from rollbench.hifi.meshing.settings import hertz_units
 
@@ -342,12 +348,12 @@ def too_large(scene: Scene, load: Array, level: int) -> Array:
     return out
 
 
-def left_out(scene: Scene, load: Array, level: int) -> Array:
+def error_near_faces(scene: Scene, load: Array, level: int) -> Array:
     """Return the largest error (n, 4) [N] of a level's contact loads (n, 4) [N] due to free faces of the nut.
 
     If equilibrium fixes the sum of loads, the other contacts of the same flank have errors too.
     """
-    excess = too_large(scene, load, level)
+    excess = excess_near_faces(scene, load, level)
     if both_flanks(load) or not excess.any():
         return excess
     stiffness = load**STIFFNESS

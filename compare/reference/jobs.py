@@ -18,12 +18,12 @@ from typing import Any
 from rollbench.compare.errors import InputError
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute_with_bodies, with_bodies
+from rollbench.compare.reference.computing import compute_with_bodies, stores_bodies
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
 from rollbench.compare.reference.variants import VARIANTS
-from rollbench.compare.running import available_GB, cores, duration, reader_gone
+from rollbench.compare.running import available_GB, cores, duration, output_closed
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak
@@ -263,7 +263,7 @@ def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
         )
         if scenes:
             left.append(replace(task, scenes=scenes))
-        elif with_bodies(task) and not all(
+        elif stores_bodies(task) and not all(
             run and any(bodies_path(store, scene, run).exists() for store in stores)
             for scene, run in zip(task.single, runs, strict=True)
         ):
@@ -397,7 +397,7 @@ def ensure(
 
     def pulse() -> None:
         while not over.wait(HEARTBEAT):
-            if reader_gone():
+            if output_closed():
                 interrupt_main()
                 return
             stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
@@ -408,7 +408,7 @@ def ensure(
         for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
             reached(number, outcome)
     except KeyboardInterrupt:
-        if reader_gone():
+        if output_closed():
             raise BrokenPipeError from None
         stages = "" if engine.cache is None else f", finished stages of the one under way in {engine.cache}"
         kept = f"{finished} of {len(left)} set-ups are kept in {store}{stages}"

@@ -11,7 +11,7 @@ from rollbench.compare.evidence import audit, computations
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import SMALL, gate_scale
 from rollbench.compare.models.comparison import REFERENCED, RULE
-from rollbench.compare.models.model_form import Point, surveyed_points
+from rollbench.compare.models.model_form import Point, points_of_drawn_screws
 from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
 from rollbench.compare.models.modelling import points as compared_points
 from rollbench.compare.models.registry import DEFAULT
@@ -426,8 +426,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
     found = study.references(tuple(points))
     bars = [uncertainty_percent(ref) for ref in found.values()]
-    compared = [*compared_points(study, study.once(ladder)), *surveyed_points()]
-    screws, drawn = screw_errors(compared), len({p.scene for p in surveyed_points()})
+    compared = [*compared_points(study, study.once(ladder)), *points_of_drawn_screws()]
+    screws, drawn = screw_errors(compared), len({p.scene for p in points_of_drawn_screws()})
     wide = first_figure(screws, points, "error-time", (11.0, 4.1))
     narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = [drawn_words(drawn), *describe_coverage({name: study.scene(name) for name in points}, found)]

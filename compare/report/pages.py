@@ -15,7 +15,7 @@ import numpy as np
 
 from rollbench.compare.case import every_case
 from rollbench.compare.measure import error_percent
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.store import load_run
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores, gmsh_fault
@@ -243,7 +243,7 @@ def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> Li
     if stored is None:
         return None
     start = perf_counter()
-    (run,) = compute(Task((scene,), LEVEL, processes=cores()), step)
+    (run,) = compute_runs(Task((scene,), LEVEL, processes=cores()), step)
     mean = mean_load(stored.load)
     percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
     return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)

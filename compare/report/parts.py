@@ -11,7 +11,7 @@ from rollbench.compare import __version__
 from rollbench.compare.provenance import SOURCES, commit, sources_hash
 from rollbench.compare.results.base import HEADINGS
 from rollbench.compare.results.base import Row as AnswerRow
-from rollbench.compare.running import libraries
+from rollbench.compare.running import package_versions
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
@@ -73,7 +73,7 @@ def page_provenance(name: str, scene: Scene | Assembly, text: str, model: str) -
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "libraries": libraries(LIBRARIES),
+        "libraries": package_versions(LIBRARIES),
         "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
         "model": f"{model}; nothing in it is fitted to a 3D solution",
     }

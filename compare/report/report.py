@@ -15,7 +15,7 @@ from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
 from rollbench.compare.case import every_case
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.evidence import by_table, evidence
+from rollbench.compare.evidence import computations_by_table, evidence
 from rollbench.compare.files import need_writable
 from rollbench.compare.models.study import Study
 from rollbench.compare.provenance import commit, inputs
@@ -35,7 +35,7 @@ from rollbench.compare.report.scene_page import writing_to_folder
 from rollbench.compare.report.verify import moved_tables, read_tables
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import cores, gmsh_fault, libraries, machine, need_packages, on_terminal
+from rollbench.compare.running import cores, gmsh_fault, machine, need_packages, on_terminal, package_versions
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
 from rollbench.meshes import kept
@@ -54,7 +54,7 @@ def report_provenance() -> dict[str, str]:
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
-        "libraries": libraries(packages),
+        "libraries": package_versions(packages),
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
         "Liu et al. (2025), Lubricants 13, 57",
     }
@@ -115,7 +115,7 @@ def keep_experience(stores: Sequence[Path]) -> None:
     choices.
     """
     from rollbench.compare.models import uncertainty
-    from rollbench.compare.models.modelling import VARIED, combined, varied
+    from rollbench.compare.models.modelling import VARIED, combine_effects, varied
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference import grid_parts
     from rollbench.compare.sections.u_val import experience
@@ -123,10 +123,12 @@ def keep_experience(stores: Sequence[Path]) -> None:
     study = Study(stores)
     known = experience(study)
     if known is not None:
-        grid_parts.save(stores[0], known)
-    modelling = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+        grid_parts.save_experience(stores[0], known)
+    modelling = [combine_effects(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
     if all(modelling):
-        uncertainty.save(stores[0], {m.scene: uncertainty.recorded(m) for m in modelling if m is not None})
+        uncertainty.save_choices(
+            stores[0], {m.scene: uncertainty.choice_effects_record(m) for m in modelling if m is not None}
+        )
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
@@ -147,14 +149,14 @@ def of_source(name: str) -> list[Listed]:
 
 def save_model_form(study: Study) -> None:
     """Write the measured model errors, from which ``rollbench solve`` estimates errors, to the first store."""
-    from rollbench.compare.models.applicability import save_places
+    from rollbench.compare.models.applicability import save_descriptors
     from rollbench.compare.models.model_form import save_points
     from rollbench.compare.models.modelling import ladder, points
 
     rungs = study.once(ladder)
     if rungs and study.stores:
         save_points(study.stores[0], points(study, rungs))
-        save_places(study.stores[0])
+        save_descriptors(study.stores[0])
 
 
 def _make_part(part: Listed, step: Step, study: Study) -> Sequence[Section]:
@@ -220,7 +222,7 @@ def make_sections(
     sections: dict[str, Sequence[Section]] = {}
     if workers > 1:
         last = [part for part in parts if part.name in GATHERING]
-        gathered = [(name, one.case.name) for name, one in by_table().items()] if last else []
+        gathered = [(name, one.case.name) for name, one in computations_by_table().items()] if last else []
         given = (study.stores, None, study.quick, study.timed, study.cache)
         jobs = []
         for compiled in (True, False):

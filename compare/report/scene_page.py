@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.user import judged_by
+from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models.answers import Answers, tangent_of
+from rollbench.compare.models.answers import Answers, tangent_stiffness_at
 from rollbench.compare.models.comparison import from_result
 from rollbench.compare.models.load_cases import SolvedAxis, solve_any, solve_axis, solve_one, together
 from rollbench.compare.models.model_form import FILE, ModelForm
 from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated
+from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated_error
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
@@ -99,7 +99,7 @@ def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> Sc
         return _page_of_cases(name, described, stores, file)
     if isinstance(described, Assembly):
         return page_of_axis(name, solve_axis(described, default_model(described), Options()), stores)
-    return _page_of_scene(name, scene_file.whole(described, name), stores, file)
+    return _page_of_scene(name, scene_file.single_set_or_raise(described, name), stores, file)
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
@@ -143,15 +143,17 @@ def _page_of_scene(
     """Return the page of one load case."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
-    given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
+    given = None if file is None else references_from_file(file, scene, warnings.append, case=case)[0].found
     options = Options()
     one = solve_one(scene, DEFAULT, options)
     result, answers, worth = one.result, one.answers, one.expected
     if answers is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
-    tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
+    tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
-    judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
+    judged = [
+        v for q in QUANTITIES if (v := validated_error(study, scene.name, DEFAULT, q, from_result(result))) is not None
+    ]
     text, data = scene_text(name), case_json(one)
     sections = (
         Section("scene", "The scene", (sketch_scene(scene, "sketch", SKETCH),)),

@@ -12,24 +12,24 @@ import numpy as np
 from rollbench.compare.errors import Refusal
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models.answers import LoadAnswers, load_answers, unloaded_place
+from rollbench.compare.models.answers import LoadAnswers, axial_place_without_loads, load_answers
 from rollbench.compare.models.comparison import (
-    Answered,
     Loads,
-    SetOf,
-    answered,
+    SetOfAssembly,
+    SetSolution,
     from_result,
     from_run,
     gate_points,
     options_for,
     reference_answers,
-    solved,
+    solution_of_set,
+    solve_and_time,
 )
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, Model
-from rollbench.compare.models.uncertainty import Total, total
+from rollbench.compare.models.uncertainty import LoadUncertainty, total
 from rollbench.compare.quantities import as_json
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
@@ -124,7 +124,7 @@ class Compared:
     #: Expected error of the model that `comparison_verdict` judges, estimated from other scenes.
     expected: ModelForm | None
     #: Uncertainty of the comparison.
-    total: Total
+    total: LoadUncertainty
     #: Axial position of the screw without loads by the default model, from which displacements count [m].
     start: float = 0.0
 
@@ -139,7 +139,7 @@ def compared(
     models: Sequence[Model],
     reference: Reference,
     stores: Sequence[Path],
-    of: SetOf | None = None,
+    of: SetOfAssembly | None = None,
     ours: Reference | None = None,
 ) -> Compared:
     """Compare models, coarser meshes and the source's mesh with a reference.
@@ -171,11 +171,11 @@ def compared(
     """
     answers, expected, starts = [], {}, {}
     for model in models:
-        of_model = solve_and_compare(model, scene, reference, stores) if of is None else answered(of, model.name)
+        of_model = solve_and_compare(model, scene, reference, stores) if of is None else solution_of_set(of, model.name)
         if isinstance(of_model, str):
             raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one with --model")
         answers.append(from_result(of_model.result, of_model.seconds))
-        starts[answers[-1].model] = unloaded_place(scene, of_model.bare)
+        starts[answers[-1].model] = axial_place_without_loads(scene, of_model.bare)
         if of_model.result.converged:
             expected[model.name] = estimate(of_model.scene, of_model.result, others_than(reference))
     others = reference_answers(reference, None if of is not None else load_run(scene, SOURCE_LEVEL, stores=tuple(stores)))
@@ -189,11 +189,11 @@ def compared(
     return replace(whole, expected=expected.get(whole.spoken.label))
 
 
-def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
+def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> SetSolution:
     """Solve a scene with one set by a low-order model, with and without its loads."""
-    result, seconds = solved(model, scene, reference, stores)
+    result, seconds = solve_and_time(model, scene, reference, stores)
     bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
-    return Answered(result, bare, seconds, scene)
+    return SetSolution(result, bare, seconds, scene)
 
 
 def others_than(reference: Reference) -> list[Point]:
@@ -238,7 +238,7 @@ def is_itself(answer: Loads, reference: Reference) -> bool:
     return answer.model == f"3D level {reference.best.level}"
 
 
-def levels_text(reference: Reference, total: Total) -> str:
+def levels_text(reference: Reference, total: LoadUncertainty) -> str:
     """Return a text with the mesh levels and the uncertainty of the reference; a user's reference states its own."""
     if reference.stated:
         return total.stated

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.gate.user import judged_by, stored_beside
+from rollbench.compare.gate.user import references_from_file, stored_reference
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import Referenced, referenced, suitable_models
+from rollbench.compare.models.comparison import Referenced, stored_references, suitable_models
 from rollbench.compare.models.load_cases import cycle_life
 from rollbench.compare.models.registry import Model
 from rollbench.compare.quantities import as_json, number
@@ -30,7 +30,7 @@ from rollbench.compare.results.compared import (
     loads_and_rigidities,
 )
 from rollbench.compare.results.solved import ExpectedError, expected_error
-from rollbench.compare.scenes.duty_cycle import CaseOf, Described, DutyCycle, cases_by_name
+from rollbench.compare.scenes.duty_cycle import CaseOfCycle, Described, DutyCycle, cases_by_name
 from rollbench.compare.scenes.scene_file import each_case
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -433,7 +433,7 @@ def start_comparison(
         names = {name: case.case.name for name, case in cases_by_name(described).items()}
         given = own_references(scenes, reference, names, warnings)
         return Comparing(described, scenes, given, models, stores, (), warnings, own=True)
-    without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
+    without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
         wanted = levels or otherwise
@@ -441,14 +441,21 @@ def start_comparison(
         def first(task: Task) -> None:
             """Report the errors by the coarsest level while finer ones are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
-                for one in referenced(scene, (store,), (task.level,)):
+                for one in stored_references(scene, (store,), (task.level,)):
                     whole = compared(one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of)
                     step(f"{one.found.scene}, by level {task.level} alone: {comparison_verdict(whole, one.found)}")
 
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
     return Comparing(
-        described, scenes, [referenced(scene, stores) for scene in scenes], models, stores, failed, warnings, own=False
+        described,
+        scenes,
+        [stored_references(scene, stores) for scene in scenes],
+        models,
+        stores,
+        failed,
+        warnings,
+        own=False,
     )
 
 
@@ -512,7 +519,7 @@ def each_compared(
         if not sets:
             raise unconverged_error(scene.name, failed)
         for one in sets:
-            ours = stored_beside(one, stores) if own else None
+            ours = stored_reference(one, stores) if own else None
             yield one, compared(one.scene, models or suitable_models(scene), one.found, stores, one.of, ours)
 
 
@@ -546,7 +553,7 @@ def own_references(
         advice = "compare the scenes one by one, each with its file"
         raise ArgumentError("reference", str(path), f"one scene, not {len(scenes)}", advice)
     warned: dict[str, None] = {}
-    references = [judged_by(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
+    references = [references_from_file(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
     warnings += warned
     return references
 
@@ -567,7 +574,7 @@ def model_label(one: Referenced) -> dict[str, str]:
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
-def duty_cycles(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
+def duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
     """Return the duty cycles to which load cases belong, each once.
 
     Parameters

@@ -11,9 +11,9 @@ from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
 from rollbench.compare.models.drive import AxisDrive, SetDrive
 from rollbench.compare.models.load_cases import Lives, Together
-from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, Taker
+from rollbench.compare.models.loading import LiftOff, LoadPath, LoadTaker, Preload
 from rollbench.compare.models.model_form import ModelForm
-from rollbench.compare.models.uncertainty import Total
+from rollbench.compare.models.uncertainty import LoadUncertainty
 from rollbench.compare.results import scene_json
 from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
 from rollbench.compare.results.data import (
@@ -84,7 +84,7 @@ TABLES = (
         (
             ("axial.", scene_json.Axial),
             ("load_path.", LoadPath),
-            ("load_path.supports[].", Taker),
+            ("load_path.supports[].", LoadTaker),
             ("", Rigidities),
             ("stiffness.", scene_json.StiffnessAt),
             ("centreline[].", scene_json.CentrelinePoint),
@@ -158,7 +158,7 @@ TABLES = (
             ("", ModelLoads),
             ("", ExpectedError),
             ("", Uncertainty),
-            ("uncertainty.", Total),
+            ("uncertainty.", LoadUncertainty),
             ("verdicts[].", Verdict),
         ),
     ),

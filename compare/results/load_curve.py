@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import quick_friction
-from rollbench.compare.models.loading import motion_asked, scaled
+from rollbench.compare.models.loading import displacement_of_interest, scaled
 from rollbench.compare.models.registry import Options, default_model, run_model
 from rollbench.compare.quantities import as_json
 from rollbench.compare.results.base import JSON, Record, with_schema
@@ -354,7 +354,7 @@ def _requested_scene(assembly: Assembly) -> float | str:
 def _motion_along_load(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
     """Return the displacement (6,) [m, rad] of the station or housing on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
-        return motion_asked(scene, result)
+        return displacement_of_interest(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_in
+from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_of_deep_groove
 from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
@@ -316,7 +316,7 @@ def answers_json(one: Solved) -> dict[str, Any]:
         "friction_words": answers.friction_words or None,
         "load_path": as_json(answers.path),
         "shaft": as_json(answers.shaft),
-        "clearance": as_json(clearance_in(scene)),
+        "clearance": as_json(clearance_of_deep_groove(scene)),
         **({} if scene.track.lead else {"bearing_torque": as_json(answers.torque)}),
     }
 
@@ -355,7 +355,7 @@ def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) ->
     data |= {"loads": loads, **contacts_json(answers.loads, motion), "preload": as_json(answers.preload)}
     if not isinstance(answers.parts, Scene):
         return data
-    data["clearance"] = as_json(clearance_in(answers.parts, s.of.thrust))
+    data["clearance"] = as_json(clearance_of_deep_groove(answers.parts, s.of.thrust))
     data |= {} if answers.parts.track.lead else {"bearing_torque": as_json(answers.torque)}
     return data | {"starting_torque": starting_torque(s, answers)}
 

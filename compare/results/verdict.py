@@ -8,8 +8,8 @@ from enum import StrEnum
 from typing import Any
 
 from rollbench.compare.gate import verdict as gate
-from rollbench.compare.gate.user import Asked, check_scenes
-from rollbench.compare.gate.verdict import CODES, LARGEST, Word, not_judged, worst_of
+from rollbench.compare.gate.user import GateRequest, check_scenes
+from rollbench.compare.gate.verdict import CODES, LARGEST, Word, not_judged, worst_verdict
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.results.base import JSON, Record, with_schema
@@ -106,7 +106,7 @@ class Verdict(Record):
     @property
     def judgement(self) -> Judgement:
         """Worst judgement of all rows."""
-        return Judgement(worst_of([row.judgement.value for row in self.rows]))
+        return Judgement(worst_verdict([row.judgement.value for row in self.rows]))
 
     @property
     def passed(self) -> bool:
@@ -194,7 +194,7 @@ class Verdict(Record):
 
 
 def judge_request(
-    described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, step: Callable[[str], None]
+    described: Sequence[Described], names: Sequence[str], request: GateRequest, engine: Engine, step: Callable[[str], None]
 ) -> Verdict:
     """Judge scenes and their load cases, and return all judgements as one record.
 
@@ -252,7 +252,7 @@ def _verdict_row(v: gate.Verdict) -> VerdictRow:
 def judged_cases(
     described: Sequence[Described],
     names: Sequence[str],
-    request: Asked,
+    request: GateRequest,
     engine: Engine,
     step: Callable[[str], None],
     warn: Callable[[str], None],
@@ -302,12 +302,12 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdic
     dict
         The judgements and the worst of them; with load cases also the judgements of each case, and the decisive case.
     """
-    gravest = worst_of([v.word for v in verdicts])
+    gravest = worst_verdict([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []
     for case in cases_by_name(described).values():
         its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
-        word, beyond = worst_of([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
+        word, beyond = worst_verdict([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
         cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
         graveness.append(([*CODES].index(word), -beyond))
     if not cases:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.compare.case import file_of, shipped_files
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import alike, question
+from rollbench.compare.files import did_you_mean, similar_names
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
 from rollbench.meshes.parts import Scene
 
@@ -28,34 +28,34 @@ def scene_names() -> tuple[str, ...]:
 
 
 @cache
-def heading(name: str) -> dict[str, Any]:
+def top_level_keys(name: str) -> dict[str, Any]:
     """Return the keys above the first table of a shipped scene: title, kind, role; InputError for an unknown name."""
     return tomllib.loads(scene_text(name).partition("\n[")[0])
 
 
-def kind(name: str) -> str:
+def kind_of_shipped(name: str) -> str:
     """Return the kind of a shipped scene, as ``scene_file.kind_of``."""
     ring = re.search(r'(?m)^lead = "0 mm"', scene_text(name))
-    return str(heading(name).get("kind", "bearing" if ring else "ball screw"))
+    return str(top_level_keys(name).get("kind", "bearing" if ring else "ball screw"))
 
 
 @cache
-def whole_names() -> tuple[str, ...]:
+def single_set_names() -> tuple[str, ...]:
     """Return the names of the shipped ball screws and bearings with one set, sorted."""
-    return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *KINDS))
+    return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache
-def with_role(role: str) -> tuple[str, ...]:
+def names_with_role(role: str) -> tuple[str, ...]:
     """Return the names of the shipped scenes whose role begins with ``role``: "referenced", "unseen", "unseen, changed"."""
-    return tuple(name for name in scene_names() if heading(name).get("role", "").startswith(role))
+    return tuple(name for name in scene_names() if top_level_keys(name).get("role", "").startswith(role))
 
 
 def scene_text(name: str) -> str:
     """Return the text of a scene of any case by name; InputError for an unknown name."""
     path = file_of("scenes", name)
     if path is None:
-        raise _unknown(name)
+        raise _unknown_name_error(name)
     return path.read_text(encoding="utf-8")
 
 
@@ -103,7 +103,7 @@ def any_scene(name_or_path: str) -> Described:
         from rollbench.compare.scenes import scene_file
 
         return scene_file.parse_scene(scene_file.read_text(name_or_path), name_or_path)
-    raise _unknown(name_or_path)
+    raise _unknown_name_error(name_or_path)
 
 
 def scene(name_or_path: str) -> Scene:
@@ -113,7 +113,7 @@ def scene(name_or_path: str) -> Scene:
     """
     from rollbench.compare.scenes import scene_file
 
-    return scene_file.whole(any_scene(name_or_path), name_or_path)
+    return scene_file.single_set_or_raise(any_scene(name_or_path), name_or_path)
 
 
 def looks_like_path(text: str) -> bool:
@@ -126,8 +126,8 @@ def looks_like_path(text: str) -> bool:
         return False
 
 
-def _unknown(name: str) -> InputError:
+def _unknown_name_error(name: str) -> InputError:
     names = scene_names()
-    near = question(alike(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
+    near = did_you_mean(similar_names(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
     advice = near or "list the shipped scenes with: rollbench list"
     return InputError("scene", "name", f'"{name}"', f"one of {len(names)} shipped names, or a file", advice)

@@ -86,7 +86,7 @@ class DutyCycle:
 
 
 @dataclass(frozen=True)
-class CaseOf:
+class CaseOfCycle:
     """A load case with its cycle."""
 
     #: The duty cycle.
@@ -100,10 +100,10 @@ class CaseOf:
         return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
 
 
-def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
+def cases_by_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
     """Return the load cases of all duty cycles in a list, by the names of their scenes."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
-    return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
+    return {case.scene.name: CaseOfCycle(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
 #: Kinds of scenes with one set, which every command solves.

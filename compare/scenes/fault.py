@@ -1,7 +1,7 @@
-"""Faults of a scene file, and one SceneError of all of them: key, allowed range, advice.
+"""Faults of a scene file as texts (key, value, allowed range, advice), and one SceneError that lists all of them.
 
-Faults that pydantic finds are put in words. A scene with faulty keys is read on with the valid ones, so that all faults are
-listed at once.
+Faults that pydantic finds are translated into such texts. Reading continues with the valid keys, so that all faults of a
+file are listed at once.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rollbench.meshes.units import show
 #: Lengths that differ by less than this [m] count as equal.
 TOLERANCE = 1e-9
 
-#: Keys that may replace another one in a file.
+#: Keys that a file may have in place of another key.
 ALIASES = {
     "track.pitch_radius": ("track.pitch_diameter",),
     "balls.radius": ("balls.diameter",),
@@ -34,70 +34,81 @@ ALIASES = {
 
 @dataclass(frozen=True)
 class Fault:
-    """Fault of a scene: keys that may cause it, allowed values, advice."""
+    """One fault of a scene file: the keys that may cause it, the allowed values and the advice to the user."""
 
-    #: Keys that may cause it; the first that the file has is named.
+    #: Keys that may cause the fault; the message names the first of them that the file has.
     keys: tuple[str, ...]
-    #: Allowed values, in words.
+    #: Allowed range or condition, in words.
     allowed: str
-    #: What to do.
+    #: What the user should do.
     advice: str
-    #: Value to show; empty: the text in the file.
+    #: Faulty value as the message shows it; if empty, the value of the key in the file.
     value: str = ""
 
 
 def mm(length: float) -> str:
-    """Return a length [m] as text: in mm, or in um below 0.1 mm."""
+    """Return a length [m] as text with its unit: in mm, or in um below 0.1 mm."""
     return f"{length * 1e6:.6g} um" if 0.0 < abs(length) < 1e-4 else f"{length * 1e3:.7g} mm"
 
 
-class Said(NamedTuple):
-    """Fault as text: key, value found, allowed values, advice."""
+class FaultText(NamedTuple):
+    """The four parts of the message about one fault: key, value, allowed values, advice."""
 
-    #: The key.
+    #: Path of the faulty key, such as ``sets[0].balls``.
     key: str
-    #: The value found.
+    #: Value that the file gives.
     value: str
-    #: Allowed values.
+    #: Allowed range or condition.
     allowed: str
-    #: What to do.
+    #: What the user should do.
     advice: str
 
 
-def refusal(origin: str, said: Sequence[Said]) -> SceneError:
-    """Return one error for all faults of a file: it shows the first and carries the others."""
-    errors = [SceneError(origin, *one) for one in said]
-    return SceneError(origin, *said[0], len(said) - 1, tuple(errors[1:]))
+def scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
+    """Return one SceneError for all faults of the file ``origin``: it shows the first fault and carries the others."""
+    errors = [SceneError(origin, *one) for one in texts]
+    return SceneError(origin, *texts[0], len(texts) - 1, tuple(errors[1:]))
 
 
-def refuse(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
-    """Raise all faults as one error, if there are any."""
+def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
+    """Raise a SceneError that lists all faults of a file; do nothing if there are none.
+
+    Parameters
+    ----------
+    origin
+        Name of the file in the message.
+    raw
+        Tables of the file, which show the faulty values.
+    faults
+        The faults.
+    """
     if faults:
-        raise refusal(origin, fault_texts(raw, faults))
+        raise scene_error(origin, fault_texts(raw, faults))
 
 
-def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
-    """Return faults as text; each names the first of its keys (or aliases) that the file has."""
+def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultText]:
+    """Return the message parts of faults; each names the first of the fault's keys, or of their aliases, in the file."""
     out = []
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
-        present = ((name, value) for name in names if (value := _find(raw, name)) is not None)
+        present = ((name, value) for name in names if (value := _value_at(raw, name)) is not None)
         key, given = next(present, (fault.keys[-1], None))
         value = fault.value or ("nothing" if given is None else show(given))
         half = key not in fault.keys and key.endswith("diameter")
-        out.append(Said(key, value, fault.allowed, f"as a radius; {fault.advice}" if half else fault.advice))
+        allowed = f"{fault.allowed}, as a radius" if half else fault.allowed
+        out.append(FaultText(key, value, allowed, fault.advice))
     return out
 
 
 def _aliases(key: str) -> Iterator[str]:
-    """Yield the aliases of a key, which a file may have instead."""
+    """Yield the keys that a file may have in place of ``key`` (`ALIASES`)."""
     for suffix, others in ALIASES.items():
         if key.endswith(suffix):
             yield from (key.removesuffix(suffix) + other for other in others)
 
 
-def _find(raw: Any, path: str) -> Any:
-    """Return the value at a path such as ``sets[0].balls`` in a file's tables; None if it is missing."""
+def _value_at(raw: Any, path: str) -> Any:
+    """Return the value of a key, given by a path such as ``sets[0].balls``, in a file's tables; None if it is missing."""
     for key in re.findall(r"[^.\[\]]+", path):
         if isinstance(raw, list):
             raw = raw[int(key)] if int(key) < len(raw) else None
@@ -110,68 +121,79 @@ def _find(raw: Any, path: str) -> Any:
 
 Keys = TypeVar("Keys", bound=BaseModel)
 
-#: Tables and keys that do not affect bodies, supports or loads.
-APART = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate", "operation"}
+#: Tables and keys that do not affect bodies, supports or loads: a fault in them does not hide further faults.
+INDEPENDENT_TABLES = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate", "operation"}
 
-#: Pydantic's names of the error for an unknown key, of a table and of a record.
-EXTRA = ("extra_forbidden", "unexpected_keyword_argument")
+#: Pydantic's names of the error for an unknown key, in a table and in a record.
+UNKNOWN_KEY_ERRORS = ("extra_forbidden", "unexpected_keyword_argument")
 
 #: Frequent unknown keys, in lower case with underscores, and the scene's keys for them.
 WORDS: dict[str, str] = files.shipped_table("words.toml")
 
 
 @dataclass(frozen=True)
-class Broken:
+class KeyFaults:
     """Faults of a file's keys, and the top-level tables or keys that were replaced so that reading could continue."""
 
-    #: The faults.
-    said: tuple[Said, ...] = ()
-    #: Names of the replaced tables and keys.
-    mended: frozenset[str] = frozenset()
+    #: The faults as message parts.
+    texts: tuple[FaultText, ...] = ()
+    #: Names of the replaced top-level tables and keys.
+    replaced: frozenset[str] = frozenset()
 
     @property
-    def bodies(self) -> bool:
-        """Whether bodies, supports and loads are as in the file."""
-        return self.mended <= APART
+    def bodies_unchanged(self) -> bool:
+        """Whether bodies, supports and loads are those of the file: no replaced table affects them."""
+        return self.replaced <= INDEPENDENT_TABLES
 
-    def leaves(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of these keys stems from the file: none of them lies in a replaced table."""
-        return not any(key.split(".")[0].split("[")[0] in self.mended for key in keys)
+    def stem_from_file(self, keys: Sequence[str]) -> bool:
+        """Return whether a fault of these keys stems from the file, not from a replaced table."""
+        return not any(key.split(".")[0].split("[")[0] in self.replaced for key in keys)
 
 
-def validated_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
-    """Return the validated keys of a file; SceneError with all faults."""
+def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
+    """Return the validated keys of a file, or raise a SceneError that lists all faults of keys.
+
+    Parameters
+    ----------
+    raw
+        Tables of the file.
+    keys
+        Pydantic model of the keys.
+    origin
+        Name of the file in the message.
+    """
     try:
         return keys.model_validate(raw)
     except ValidationError as error:
-        raise refusal(origin, key_faults(keys, error)) from None
+        raise scene_error(origin, key_faults(keys, error)) from None
 
 
-def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Broken]:
-    """Return a file's keys and faults; faulty values become examples, unknown keys are left out.
+def validate_leniently(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
+    """Return a file's keys and their faults, reading on after a fault.
 
-    None for the keys if that does not make the file readable, such as if a whole table is missing.
+    A faulty value is replaced by the example of its key, and an unknown key is left out. The keys are None if the file
+    cannot be read even so, such as if a whole table is missing.
     """
     try:
-        return keys.model_validate(raw), Broken()
+        return keys.model_validate(raw), KeyFaults()
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        said = tuple(key_faults(keys, error))
+        texts = tuple(key_faults(keys, error))
     schema, rest, names = tidy_schema(keys), deepcopy(dict(raw)), set()
     for fault in faults:
         where = fault["loc"]
-        whole = len(where) == 1 and fault["type"] in EXTRA  # what it stands for is missing, if anything
-        names |= {unknown(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
-        if not where or not _mend(rest, where, fault["type"], node_at(schema, where)):
-            return None, Broken(said, frozenset(names))
+        whole = len(where) == 1 and fault["type"] in UNKNOWN_KEY_ERRORS  # the key that is probably meant is missing
+        names |= {unknown_key_text(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
+        if not where or not _replace_faulty_value(rest, where, fault["type"], schema_part(schema, where)):
+            return None, KeyFaults(texts, frozenset(names))
     try:
-        return keys.model_validate(rest), Broken(said, frozenset(names))
+        return keys.model_validate(rest), KeyFaults(texts, frozenset(names))
     except ValidationError:
-        return None, Broken(said, frozenset(names))
+        return None, KeyFaults(texts, frozenset(names))
 
 
-def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
-    """Replace or leave out one value in place; return whether that was possible."""
+def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
+    """Replace the value at ``where`` by its key's example, or drop it, in place; return whether that was possible."""
     for key in where[:-1]:
         known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
         if not known:
@@ -179,7 +201,7 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
         raw = raw[key]
     last: Any = where[-1]
     examples = node.get("examples", [])
-    if kind not in EXTRA and examples and "properties" not in node and isinstance(raw, list | dict):
+    if kind not in UNKNOWN_KEY_ERRORS and examples and "properties" not in node and isinstance(raw, list | dict):
         raw[last] = deepcopy(examples[0])
         return True
     if isinstance(raw, dict):
@@ -188,63 +210,63 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
     return False
 
 
-def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
-    """Return the faults that pydantic found: unknown keys first, as they explain missing ones.
+def key_faults(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
+    """Return the message parts of all faults that pydantic found, unknown keys first.
 
-    A missing key for which an unknown one stands is reported with that.
+    A missing key is not reported if an unknown key was probably meant for it, since that fault's advice names it.
     """
-    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in EXTRA)
+    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in UNKNOWN_KEY_ERRORS)
     schema, named = tidy_schema(keys), set()
     out = []
     for fault in faults:
         where = fault["loc"]
-        if fault["type"] in EXTRA:
-            words, name = unknown(schema, fault)
+        if fault["type"] in UNKNOWN_KEY_ERRORS:
+            words, name = unknown_key_text(schema, fault)
             named.add((*where[:-1], name))
             out.append(words)
-        elif not ((fault["type"] == "missing" and where in named) or _only_faulty(fault)):
-            out.append(_wrong(schema, fault))
+        elif not ((fault["type"] == "missing" and where in named) or _is_short_by_faulty_entries(fault)):
+            out.append(_refused_value_text(schema, fault))
     return out
 
 
-def _only_faulty(fault: Any) -> bool:
-    """Return whether a list is too short only because pydantic does not count its faulty entries."""
+def _is_short_by_faulty_entries(fault: Any) -> bool:
+    """Return whether pydantic reports a list as too short only because it does not count the list's faulty entries."""
     return bool(fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"])
 
 
-def _path(where: Sequence[int | str]) -> str:
-    """Return the location of a key as text, such as ``sets[0].balls``; "file" for the whole file."""
+def _key_path(where: Sequence[int | str]) -> str:
+    """Return the path of a key as text, such as ``sets[0].balls``; "file" for the whole file."""
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
 
 
-def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
-    """Return the fault of an unknown key as text, and the known key that is probably meant (may be empty)."""
+def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str]:
+    """Return the message parts for an unknown key, and the known key that is probably meant (empty if none is similar)."""
     where = fault["loc"]
-    known, word = list(node_at(schema, where[:-1]).get("properties", {})), hint(str(where[-1]))
+    known, word = list(schema_part(schema, where[:-1]).get("properties", {})), known_key_for(str(where[-1]))
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
     meant = next((name for name in known if word.startswith((f"{name} ", f"{name}:"))), "")
     if word:
-        advice = f"unknown key here; a scene says {word}"
+        advice = f"the key is unknown here; in its place a scene has {word}"
     else:
         meant = near[0] if near else ""
-        advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it or move it"
-    return Said(_path(where), show(fault["input"]), ", ".join(known), advice), meant
+        advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it, or move it to its table"
+    return FaultText(_key_path(where), show(fault["input"]), ", ".join(known), advice), meant
 
 
-def _wrong(schema: dict[str, Any], fault: Any) -> Said:
-    """Return the fault of a missing key or a refused value as text."""
+def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
+    """Return the message parts for a missing key or a refused value that pydantic reports."""
     where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
-    node = node_at(schema, where)
-    allowed = str(context.get("allowed") or _allowed(node))
-    advice = str(context.get("advice") or _advice(node, str(where[-1]) if where else "", kind, fault["input"]))
-    other = next((o for key, (o, *_) in ALIASES.items() if _path(where) == key and o.endswith("diameter")), "")
+    node = schema_part(schema, where)
+    allowed = str(context.get("allowed") or _allowed_values(node))
+    advice = str(context.get("advice") or _advice_for_key(node, str(where[-1]) if where else "", kind, fault["input"]))
+    other = next((o for key, (o, *_) in ALIASES.items() if _key_path(where) == key and o.endswith("diameter")), "")
     if kind == "missing" and other:
         advice += f", or {other.split('.')[-1]}"
-    return Said(_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
+    return FaultText(_key_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
 
 
-def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
-    """Return the part of the JSON Schema for the key at ``where`` (empty if there is none)."""
+def schema_part(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
+    """Return the part of the JSON Schema for the key at the path ``where``; empty if the schema has no such key."""
     node: dict[str, Any] = schema
     for key in (*where, None):
         if "$ref" in node:
@@ -259,8 +281,8 @@ def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any
     return node
 
 
-def _allowed(node: Mapping[str, Any]) -> str:
-    """Return the allowed values of a key as text, from its part of the JSON Schema."""
+def _allowed_values(node: Mapping[str, Any]) -> str:
+    """Return a text on the values that a key allows, from its part of the JSON Schema."""
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:
@@ -277,8 +299,8 @@ def _allowed(node: Mapping[str, Any]) -> str:
     return f"a table of {', '.join(node.get('properties', {})) or 'numbered entries'}"
 
 
-def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
-    """Return what to write for a faulty or missing key, from its part of the JSON Schema."""
+def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
+    """Return the advice on what to write for a faulty or missing key, from its part of the JSON Schema."""
     if "enum" in node and isinstance(given, str):
         near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
         if near:
@@ -289,9 +311,9 @@ def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str
         if table:
             return f"add a [{name}] table; rollbench new FILE writes a scene with all of them"
         return f"add {name} = {show(examples[0])}" if examples else f"add {name}"
-    return f"write e.g. {show(examples[0])}" if examples else "see rollbench schema"
+    return f"write e.g. {show(examples[0])}" if examples else "see the key in the output of: rollbench schema"
 
 
-def hint(name: str) -> str:
-    """Return the scene's key for a frequent unknown key (``WORDS``), or an empty text."""
+def known_key_for(name: str) -> str:
+    """Return the key of a scene that is meant by a frequent unknown key (`WORDS`); an empty text for any other key."""
     return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

@@ -1,4 +1,4 @@
-"""From the keys of a scene file to records: parts, and load cases (``[[cases]]``) with their faults."""
+"""Convert validated keys of a scene file to records of the parts and of load cases, and check the keys of load cases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rollbench.compare.errors import escaped
 from rollbench.compare.measure import error_percent
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.compare.scenes.fault import Fault, mm, refuse
+from rollbench.compare.scenes.fault import Fault, mm, raise_faults
 from rollbench.compare.scenes.keys import MaterialKeys
 from rollbench.compare.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes import parts
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
-    """Return the record of validated keys."""
+    """Return the scene (ball screw or bearing) that validated keys describe; ``name``: name of the scene."""
     track, e, nut, held = keys.track, keys.errors, keys.nut, keys.solid.nut_held
     listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
     material = material_of(keys.balls.material, keys.material)
@@ -38,10 +38,10 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     return parts.Scene(
         name=name,
         title=escaped(keys.title),
-        track=_track(keys),
-        screw=parts.Screw(bore=keys.screw.bore, **_body(keys, keys.screw)),
-        nut=parts.Nut(position=nut.position, azimuth=nut.azimuth, flange=_flange(nut), **_body(keys, nut)),
-        balls=parts.Balls(keys.balls.radius, material, _azimuths(keys.balls, track)),
+        track=_track_record(keys),
+        screw=parts.Screw(bore=keys.screw.bore, **_shared_fields(keys, keys.screw)),
+        nut=parts.Nut(position=nut.position, azimuth=nut.azimuth, flange=_flange_record(nut), **_shared_fields(keys, nut)),
+        balls=parts.Balls(keys.balls.radius, material, _ball_azimuths(keys.balls, track)),
         errors=parts.Errors(
             balls=parts.BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
             seed=e.seed,
@@ -66,33 +66,36 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     )
 
 
-def _track(keys: schema.SceneKeys) -> parts.Track:
-    """Return the path; with a clearance, of a bearing with one arc per groove at its free contact angle."""
+def _track_record(keys: schema.SceneKeys) -> parts.Track:
+    """Return the path of the ball centres.
+
+    With a clearance it is that of a bearing with one arc per groove, whose contact angle follows from the clearance.
+    """
     fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
     if clearance is not None:
-        apart = centres_apart(keys)
+        apart = groove_centre_distance(keys)
         fields |= {"contact_angle": rest_angle(apart, clearance.radial, clearance.axial), "arcs": "+z"}
     return parts.Track(**fields)
 
 
-def centres_apart(keys: schema.SceneKeys) -> float:
-    """Return the distance of the groove centres at which a ball touches both grooves [m]."""
-    return groove_of(keys, keys.screw) + groove_of(keys, keys.nut) - 2.0 * keys.balls.radius
+def groove_centre_distance(keys: schema.SceneKeys) -> float:
+    """Return the distance between the centres of the two grooves [m] at which a ball touches both grooves."""
+    return groove_radius_of(keys, keys.screw) + groove_radius_of(keys, keys.nut) - 2.0 * keys.balls.radius
 
 
-def groove_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
-    """Return the groove radius of screw or nut [m]."""
+def groove_radius_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
+    """Return the groove radius of screw or nut [m], as given or from the conformity."""
     return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
 
 
-def _body(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return the fields that screw and nut share."""
-    shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_of(keys, part)}
+def _shared_fields(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
+    """Return the fields of length, diameter, groove radius and material, which the records of screw and nut share."""
+    shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_radius_of(keys, part)}
     return {**shape, "material": material_of(part.material, keys.material)}
 
 
-def _flange(nut: schema.NutKeys) -> parts.Flange | None:
-    """Return the nut's flange, fixed at its whole face unless stated."""
+def _flange_record(nut: schema.NutKeys) -> parts.Flange | None:
+    """Return the nut's flange, fixed at its whole face unless an annulus is given; None if the nut has no flange."""
     if nut.flange is None:
         return None
     seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
@@ -105,7 +108,7 @@ def _flange(nut: schema.NutKeys) -> parts.Flange | None:
 
 
 def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
-    """Return the coefficients of friction of a scene."""
+    """Return the record of a scene's friction: coefficients, and whether friction affects the loads of the balls."""
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
         raise AssertionError("a groove without a coefficient")
@@ -120,7 +123,7 @@ def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
 
 
 def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
-    """Return the material of a part; missing values are those of the scene."""
+    """Return the material of a part; values that its table lacks are those of [material], ``default``."""
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
@@ -129,11 +132,11 @@ def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Mater
     return parts.Material(modulus, ratio)
 
 
-def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
-    """Return the azimuths of one start [rad].
+def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
+    """Return the azimuths of the balls of one start [rad].
 
-    They are listed, spread evenly over the arcs, or over the turns of each circuit, circuits with their gaps centred on the
-    nut.
+    They are listed in the file, or spread evenly over its arcs, or over the turns of each circuit. Circuits and the gaps
+    between them are centred on the nut.
     """
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
@@ -149,17 +152,17 @@ def _azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, .
 
 
 def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Return the number of balls of one circuit: the count shared, or as many as the filling gives, at least one."""
+    """Return the number of balls of one circuit: an equal part of the count, or from the filling, at least one."""
     if balls.count is not None:
         return balls.count // (track.starts * balls.circuits)
-    touching = touching_angle(track.pitch_radius, track.lead, 2.0 * balls.radius)
+    touching = angle_of_touching_balls(track.pitch_radius, track.lead, 2.0 * balls.radius)
     return max(1, floor((balls.filling or 0.0) * 2.0 * pi * (balls.turns or 1.0) / touching + 1e-9))
 
 
-def touching_angle(radius: float, lead: float, ball: float) -> float:
-    """Return the angle between touching neighbours on a helix [rad]; their chord is the ball diameter.
+def angle_of_touching_balls(radius: float, lead: float, ball: float) -> float:
+    """Return the angle phi around the axis [rad] between touching balls on a helix, whose chord is the ball diameter.
 
-    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn if even that is shorter than a ball.
+    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; pi if even the chord of half a turn is shorter than a ball.
 
     Parameters
     ----------
@@ -168,7 +171,7 @@ def touching_angle(radius: float, lead: float, ball: float) -> float:
     lead
         Lead [m].
     ball
-        Ball radius [m].
+        Ball diameter [m].
     """
     from rollbench.meshes.numerics import brentq
 
@@ -179,21 +182,21 @@ def touching_angle(radius: float, lead: float, ball: float) -> float:
 
 
 def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Return the number of balls over all starts and circuits."""
+    """Return the number of loaded balls over all starts and circuits."""
     return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
 
 
 def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
-    """Return the support at a station, with fixed freedoms and displacements."""
+    """Return the record of a support or housing's fixing: its position, and the prescribed value of each fixed freedom."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
     return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
 
 
-# --- preload of one nut, as the oversize of its balls that gives it
+# --- preload of one nut, converted to the ball oversize that causes it
 
 
-def oversize_for(scene: parts.Scene, force: float) -> float:
+def oversize_for_preload(scene: parts.Scene, force: float) -> float:
     """Return the oversize of the ball radius [m] at which rigid screw and nut have an axial preload.
 
     All four contacts of a ball carry Q = force / (n sin beta cos alpha); along a diagonal, both approaches together make up
@@ -217,8 +220,11 @@ def oversize_for(scene: parts.Scene, force: float) -> float:
     return float(0.5 * pair * each ** (2.0 / 3.0))
 
 
-def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
-    """Return the preload [N], and a text on its share of the load rating (empty if given as a force)."""
+def preload_force(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
+    """Return the preload [N] from a force or a share of the dynamic load rating, and a text on that share.
+
+    The text is empty if the preload is given as a force.
+    """
     if not isinstance(given, ShareOfRating):
         return given, ""
     from rollbench.lowfi.rating.life import rating
@@ -228,14 +234,14 @@ def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, s
     return given.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
 
 
-def preloaded(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
-    """Return the scene with its preload as a ball oversize, and an assumption on a force converted to it."""
+def with_preload(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
+    """Return the scene with its preload as an oversize of the balls; a force is converted, which is noted as assumption."""
     if keys is None or keys.lead_offset is not None:
         return scene
     size, assumed = keys.oversize or 0.0, scene.assumed
     if keys.force is not None:
-        force, of = force_of(scene, keys.force)
-        size = oversize_for(scene, force)
+        force, of = preload_force(scene, keys.force)
+        size = oversize_for_preload(scene, force)
         assumed += (
             f"The preload of {force:g} N{of} was turned into an oversize of {1e6 * size:.3g} um in ball radius, by Hertz "
             "contacts between a rigid screw and a rigid nut; elastic ones give way, so that less than it is left.",
@@ -246,36 +252,60 @@ def preloaded(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scen
 
 Parts = TypeVar("Parts", bound="Scene | Assembly")
 
-#: Largest deviation of the sum of shares from 1: shares are written with a few digits.
+#: Largest allowed deviation of the sum of shares from 1, since files state shares with a few digits.
 ROUNDED = 1e-6
 
 
-def in_cases(
+def with_load_cases(
     parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
 ) -> Parts | DutyCycle:
-    """Return the parts if no load cases are given, else their duty cycle; SceneError for faults in a load case."""
+    """Return the duty cycle of the parts under the file's load cases; the parts if the file has no load cases.
+
+    Parameters
+    ----------
+    parts
+        Scene under its first loads.
+    keys
+        Validated keys of the load cases.
+    raw
+        Tables of the file.
+    origin
+        Name of the file in messages.
+    faults
+        Function that returns the faults of a scene.
+
+    Raises
+    ------
+    SceneError
+        For the faults of the scene in any load case.
+    """
     if not keys:
         return parts
     cycle = duty_cycle(parts, keys)
-    refuse(origin, raw, [of_case(fault, k) for k, case in enumerate(cycle.cases) for fault in faults(case.scene)])
+    raise_faults(
+        origin, raw, [fault_of_case(fault, k) for k, case in enumerate(cycle.cases) for fault in faults(case.scene)]
+    )
     return cycle
 
 
 def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
     """Return the duty cycle of a scene from validated keys of its load cases.
 
-    Shares follow from times and speeds: revolutions of a load case over those of the cycle, in either direction.
+    If times are given, the share of a load case is the number of its revolutions, time times absolute speed, divided by
+    that of the cycle.
     """
     turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in keys]
     whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
     shares = [k.share or 0.0 for k in keys] if whole == 0.0 else [x / whole for x in turned]
     speed = whole / time if whole else None if scene.motion is None else abs(scene.motion.speed)
-    cases = (LoadCase(k.name, share, k.speed, _scene(scene, k), k.time) for k, share in zip(keys, shares, strict=True))
+    cases = (
+        LoadCase(k.name, share, k.speed, _scene_of_case(scene, k), k.time) for k, share in zip(keys, shares, strict=True)
+    )
     return DutyCycle(scene, tuple(cases), speed)
 
 
-def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
-    """Return the scene in one load case, with a separate name for its stored runs and files."""
+def _scene_of_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
+    """Return the scene under one load case, named SCENE-CASE, so that its stored runs and files have separate names."""
     motion = scene.motion
     if keys.speed is not None:
         motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
@@ -283,13 +313,13 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
         scene,
         name=f"{scene.name}-{keys.name}",
         loads=scene.loads if keys.loads is None else tuple(keys.loads),
-        supports=tuple(_displaced(s, keys) for s in scene.supports),
+        supports=tuple(_displaced_support(s, keys) for s in scene.supports),
         motion=motion,
     )
     if isinstance(case, Scene):
-        return replace(case, errors=_errors(case, keys))
+        return replace(case, errors=_errors_of_case(case, keys))
     each = ((s, s.parts) for s in case.sets)
-    sets = (replace(s, parts=replace(p, errors=_errors(p, keys))) if isinstance(p, Scene) else s for s, p in each)
+    sets = (replace(s, parts=replace(p, errors=_errors_of_case(p, keys))) if isinstance(p, Scene) else s for s, p in each)
     loaded: dict[str, dict[str, Any]] = {
         h.name: {"force": h.force, "moment": h.moment} for h in getattr(keys, "housings", ())
     }
@@ -297,14 +327,14 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     return replace(case, sets=tuple(sets), housings=tuple(housings))
 
 
-def _errors(scene: Scene, keys: CaseKeys) -> Errors:
-    """Return the errors of a scene with the load case's oversize, if it gives one."""
+def _errors_of_case(scene: Scene, keys: CaseKeys) -> Errors:
+    """Return the geometric errors of a scene, with the ball oversize of the load case if it gives one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
-def _displaced(support: Support, keys: CaseKeys) -> Support:
-    """Return a support with the displacements that a load case gives at its station."""
+def _displaced_support(support: Support, keys: CaseKeys) -> Support:
+    """Return a support with the displacements that a load case prescribes at the support's position."""
     moved: dict[str, float] = {}
     for other in keys.supports:
         if abs(other.at - support.at) <= MERGE:
@@ -313,15 +343,15 @@ def _displaced(support: Support, keys: CaseKeys) -> Support:
 
 
 def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
-    """Yield faults of names, shares and supports of load cases that do not fit together."""
+    """Yield the faults of load cases: of their names, of shares that do not sum to 1, and of displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
         if not re.fullmatch(r"[\w.-]{1,60}", case.name):
-            advice = 'it becomes a part of file names: write e.g. name = "rapid-travel"'
+            advice = 'write e.g. name = "rapid-travel": the name becomes a part of file names'
             yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)
         if case.name in names[:k]:
-            yield Fault((f"{where}.name",), "a unique name", "results are identified by it: rename one")
+            yield Fault((f"{where}.name",), "a unique name", "rename one of the two: results are identified by it")
         yield from _share_faults(case, where)
         yield from _support_faults(keys, case, where)
     if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
@@ -329,54 +359,54 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
     shared = [k for k, case in enumerate(keys.cases) if case.share]
     if timed and shared:
-        advice = "give all cases a share, or all time and speed; share = 0 may stand with times"
-        yield Fault((f"cases[{shared[0]}].share",), "0 with cases that have a time", advice)
+        advice = "give every case a share, or every case time and speed; only static cases may have share = 0 besides them"
+        yield Fault((f"cases[{shared[0]}].share",), "0 together with cases that have a time", advice)
     elif timed and not any(keys.cases[k].time for k in timed):
-        yield Fault((f"cases[{timed[0]}].time",), "above 0 s in one of the cases", "shares follow from times: mend one")
+        yield Fault((f"cases[{timed[0]}].time",), "above 0 s in at least one case", "correct one of the times")
     elif not timed and abs(sum(case.share or 0.0 for case in keys.cases) - 1.0) > ROUNDED:
         total = sum(case.share or 0.0 for case in keys.cases)
-        advice = "shares are parts of all revolutions: write fractions that sum to 1; 0 is a static check only"
+        advice = "write the fractions of all revolutions, which sum to 1; a share of 0 is a static check only"
         yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
 
 
 def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
-    """Yield a fault unless a load case has a share, or time and speed."""
+    """Yield a fault unless a load case has either a share, or both time and speed; ``where``: path of the case."""
     if (case.share is None) == (case.time is None):
-        given = "neither" if case.share is None else "both"
+        given = "neither" if case.share is None else "both share and time"
         advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
         yield Fault((f"{where}.share",), "either share or time", advice, given)
     elif case.time is not None and case.speed is None:
-        advice = 'the share of the revolutions follows from both: write e.g. speed = "200 rpm"'
-        yield Fault((f"{where}.speed",), "a speed with a time", advice, "nothing")
+        advice = 'write e.g. speed = "200 rpm": the share of the revolutions follows from time and speed'
+        yield Fault((f"{where}.speed",), "a speed together with a time", advice, "nothing")
     if case.speed == 0.0:
-        advice = "write share = 0 for a case at rest: it is checked statically only"
+        advice = "write share = 0 in place of the speed for a case at rest, which is checked statically only"
         yield Fault((f"{where}.speed",), "any angular speed but zero", advice)
 
 
 def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
-    """Yield faults of displaced freedoms that the scene's supports do not fix, or given twice."""
+    """Yield the faults of a load case's displacements: no support of the scene fixes the freedom, or it is given twice."""
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
         supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
         if not supports:
-            places = ", ".join(mm(s.at) for s in keys.supports) or "none: the scene has no supports"
-            advice = "a case displaces supports that the scene has: mend the station, or add the support to the scene"
-            yield Fault((f"{where}.supports[{j}].at",), places, advice)
+            places = ", ".join(mm(s.at) for s in keys.supports) or "none, as the scene has no supports"
+            advice = "correct the position, or add the support to the scene"
+            yield Fault((f"{where}.supports[{j}].at",), f"position of a support of the scene ({places})", advice)
             continue
         held = {name: i for i, s in supports for name in s.held}
         for name in other.displace.given:
             key = f"{where}.supports[{j}].displace.{name}"
             if name not in held:
-                advice = "a case does not hold other freedoms than the scene: add it to fix of the scene's support"
-                yield Fault((key,), ", ".join(held), advice, name)
+                allowed = f"a freedom that the scene's support fixes ({', '.join(held) or 'none'})"
+                yield Fault((key,), allowed, f"add {name} to fix of the scene's support", name)
             elif (held[name], name) in seen:
-                yield Fault((key,), "each freedom once in a case", "keep one of the two", f"{name} twice")
+                yield Fault((key,), "each freedom once in a load case", "keep one of the two", f"{name} twice")
             else:
                 seen.add((held[name], name))
 
 
-def of_case(fault: Fault, k: int) -> Fault:
-    """Return a fault of the scene of load case number ``k``, with the keys of the load case if it has them."""
+def fault_of_case(fault: Fault, k: int) -> Fault:
+    """Return a fault of the scene under load case ``k``, which names keys of the load case where the file has them."""
     blamed = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
     oversize = () if blamed else (f"cases[{k}].oversize",)
     return replace(fault, keys=(*blamed, *oversize, *fault.keys))

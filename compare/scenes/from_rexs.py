@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import ArgumentError, SceneError
-from rollbench.compare.scenes.rexs_model import UNITS, Component, Model, Value, read_model
+from rollbench.compare.scenes.rexs_model import UNITS, RexsComponent, RexsModel, Value, read_model
 
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Thrust that a row carries, by the direction of an axial force on the inner ring that it takes.
@@ -35,11 +35,11 @@ SCENE_UNITS = {"mum": "um", "N / mm^2": "MPa", "1 / min": "rpm", "mm^2 / s": "mm
 
 Table = dict[str, Any]
 #: Materials of the shaft, and of all parts that give none.
-Steels = tuple[Component | None, Component | None]
+Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 
 @dataclass
-class Reader:
+class RexsReader:
     """A REXS file while it is read.
 
     ``given`` has the user's values by their keys, ``missing`` the faults found, ``assumed`` the assumptions made, and
@@ -47,13 +47,13 @@ class Reader:
     """
 
     path: Path
-    model: Model
+    model: RexsModel
     given: dict[str, str]
     missing: list[SceneError] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
-    def need(self, component: Component, attribute: str, key: str, names: Iterable[str] = ()) -> str | None:
+    def need(self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()) -> str | None:
         """Return a number with its unit as text: the user's value of the key, else that of the first attribute present.
 
         If there is no value, the attribute is recorded as missing and None is returned.
@@ -62,11 +62,11 @@ class Reader:
             return self.given.pop(key)
         for name in (attribute, *names):
             if (value := component.number(name)) is not None:
-                return quantity(name, value)
+                return quantity_text(name, value)
         self.lack(component, attribute, key)
         return None
 
-    def lack(self, component: Component, attribute: str, key: str, unit: str = "") -> None:
+    def lack(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
         """Record a missing attribute, and the key by which the user can give it."""
         unit = unit or UNITS[attribute]
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
@@ -74,7 +74,7 @@ class Reader:
         self.missing.append(SceneError(str(self.path), where, "nothing", example, f'add it, or give --set "{key}=VALUE"'))
 
 
-def quantity(attribute: str, value: float) -> str:
+def quantity_text(attribute: str, value: float) -> str:
     """Return the number of a REXS attribute with its unit, as text for a scene file."""
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
@@ -107,13 +107,13 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
         For a file that `read_model` refuses.
     """
     model = read_model(path)
-    reader = Reader(path, model, dict(given))
-    chosen = _shaft(reader, shaft)
+    reader = RexsReader(path, model, dict(given))
+    chosen = _chosen_shaft(reader, shaft)
     if len(model.cases) == 1:
         for k, attributes in model.cases[0].items():
             model.components[k].attributes |= attributes
     try:
-        table = _tables(reader, chosen)
+        table = _scene_tables(reader, chosen)
     except (ValueError, OverflowError) as error:  # of a text that was given, or a count that is none
         raise ArgumentError("set", str(error), "numbers with their units", "see the values given", str(path)) from None
     if reader.given:
@@ -125,7 +125,7 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
     return table, reader.notes
 
 
-def _shaft(reader: Reader, name: str) -> Component:
+def _chosen_shaft(reader: RexsReader, name: str) -> RexsComponent:
     """Return the shaft with this name or id, or the only one with bearings; raise ArgumentError if not exactly one fits."""
     model = reader.model
     with_bearings = {r.roles["inner_part"] for r in model.relations if _is_bearing(model, r.roles)}
@@ -137,52 +137,54 @@ def _shaft(reader: Reader, name: str) -> Component:
     return found[0]
 
 
-def _is_bearing(model: Model, roles: dict[str, int]) -> bool:
+def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
     """Return whether a relation joins a rolling bearing to its inner and outer part."""
     return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
 
 
-def _tables(reader: Reader, shaft: Component) -> Table:
+def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
     """Return all tables of the scene."""
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
     steel = model.material(shaft.id)
-    of_rollers = (_steel(model, b) for b in _bearings(model, shaft) if b.word("bearing_type") in ROLLERS)
+    of_rollers = (
+        _material_of_elements(model, b) for b in _bearings_on_shaft(model, shaft) if b.word("bearing_type") in ROLLERS
+    )
     shared = next((x for x in of_rollers if x is not None), steel)
-    plain = [_section(reader, x) for x in sections]
+    plain = [_plain_section(reader, x) for x in sections]
     ends = [float(x["end"].split()[0]) for x in plain if x["end"]]
     widest = max((x.number("outer_diameter_begin") or 0.0 for x in sections), default=0.0)
     if not sections:
         reader.lack(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
     sets: list[Table] = []
-    for bearing in _bearings(model, shaft):
-        sets += _rows(reader, bearing, (steel, shared), {x["name"] for x in sets})
+    for bearing in _bearings_on_shaft(model, shaft):
+        sets += _tables_of_bearing(reader, bearing, (steel, shared), {x["name"] for x in sets})
     seats = [x for x in sets if "housing" in x]
     supports = [{"at": "0 mm", "fix": ["rz"]}]
-    supports += [s for x in _of_side(model, shaft, "concept_bearing") if (s := _support(reader, x))]
+    supports += [s for x in _components_beside(model, shaft, "concept_bearing") if (s := _support_table(reader, x))]
     loads = model.parts(shaft.id, "external_load")
-    _left_out(reader, shaft)
-    speed, oil = shaft.number("rotational_speed"), _oil(model, shaft)
+    _note_unmapped_parts(reader, shaft)
+    speed, oil = shaft.number("rotational_speed"), _viscosity(model, shaft)
     reader.assumed.append("REXS: the drive holds the rotation of the shaft, at its end.")
     return {
         "title": reader.given.pop("title", f"{shaft.name or 'Shaft'} of {reader.path.name}"),
         "source": f"REXS file {reader.path.name}, shaft {shaft.id}",
         "assumed": reader.assumed,
         "kind": "axis",
-        "material": _material(reader, shared or shaft, "material"),
+        "material": _material_table(reader, shared or shaft, "material"),
         "screw": {"length": f"{max(ends, default=0.0)!r} mm", "outer_diameter": f"{widest!r} mm", "plain": plain}
-        | _unlike(reader, steel, shared, "screw"),
+        | _own_material(reader, steel, shared, "screw"),
         "sets": sets,
         "housings": [{"name": x["housing"], "at": x["nut"]["position"], "fix": list(SEAT)} for x in seats],
         "supports": supports,
-        "loads": [_load(x, {}) for x in loads],
-        "cases": _cases(model, shaft, loads) if len(model.cases) > 1 else [],
-        "motion": {} if speed is None or len(model.cases) > 1 else {"speed": quantity("rotational_speed", speed)},
-        "lubricant": {} if oil is None else {"viscosity": quantity("operating_viscosity", oil)},
+        "loads": [_load_table(x, {}) for x in loads],
+        "cases": _case_tables(model, shaft, loads) if len(model.cases) > 1 else [],
+        "motion": {} if speed is None or len(model.cases) > 1 else {"speed": quantity_text("rotational_speed", speed)},
+        "lubricant": {} if oil is None else {"viscosity": quantity_text("operating_viscosity", oil)},
     }
 
 
-def _section(reader: Reader, x: Component) -> Table:
+def _plain_section(reader: RexsReader, x: RexsComponent) -> Table:
     """Return the table of a plain section of the shaft; a cone becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
@@ -198,7 +200,7 @@ def _section(reader: Reader, x: Component) -> Table:
     return table | ({"bore": f"{bore!r} mm"} if bore else {})
 
 
-def _rows(reader: Reader, bearing: Component, steels: Steels, names: set[str]) -> list[Table]:
+def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
     """Return the tables of the sets of a bearing, one for each row, with names that are not in ``names``."""
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
@@ -214,17 +216,23 @@ def _rows(reader: Reader, bearing: Component, steels: Steels, names: set[str]) -
         each = name if len(rows) == 1 else f"{name} row {k + 1}"
         each = f"{each} ({bearing.id})" if each in names else each
         by = (k - 0.5 * (len(rows) - 1)) * apart
-        found.append(_row(reader, bearing, row, steels, each, _moved(middle, by) if middle and by else middle or ""))
+        found.append(
+            _table_of_row(
+                reader, bearing, row, steels, each, _shift_position(middle, by) if middle and by else middle or ""
+            )
+        )
     return found
 
 
-def _moved(place: str, by: float) -> str:
+def _shift_position(place: str, by: float) -> str:
     """Return a position in mm, as text, moved by a distance [mm]."""
     value, _, unit = place.partition(" ")
     return f"{float(value) + by!r} {unit}"
 
 
-def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, name: str, place: str) -> Table:
+def _table_of_row(
+    reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, place: str
+) -> Table:
     """Return the table of the set for one row of a bearing."""
     model, kind = reader.model, bearing.word("bearing_type")
     elements = model.parts(row.id, "rolling_element")
@@ -251,16 +259,18 @@ def _row(reader: Reader, bearing: Component, row: Component, steels: Steels, nam
     if floats:
         table["housing"] = f"{name} seat"
     if shift:
-        table["offset"] = quantity("preload_distance", -shift if takes == "+z" else shift)
+        table["offset"] = quantity_text("preload_distance", -shift if takes == "+z" else shift)
     if force:
-        table["preload"] = quantity("preload_force", force)
+        table["preload"] = quantity_text("preload_force", force)
     if kind in ROLLERS:
         table.pop("housing", None)  # rollers on a cone carry thrust
-        return table | _rollers(reader, row, element, name, place, count)
-    return table | _balls(reader, bearing, row, elements, steels, name, place, count)
+        return table | _roller_tables(reader, row, element, name, place, count)
+    return table | _ball_tables(reader, bearing, row, elements, steels, name, place, count)
 
 
-def _rollers(reader: Reader, row: Component, element: Component, name: str, place: str, count: int) -> Table:
+def _roller_tables(
+    reader: RexsReader, row: RexsComponent, element: RexsComponent, name: str, place: str, count: int
+) -> Table:
     """Return the tables of position and rollers for a row of tapered rollers."""
     of = f"{name}.rollers"
     depth = reader.given.pop(f"{of}.ring_depth", None)
@@ -270,22 +280,22 @@ def _rollers(reader: Reader, row: Component, element: Component, name: str, plac
         "count": count,
         "diameter": reader.need(element, "diameter_of_rolling_element", f"{of}.diameter"),
         "length": reader.need(element, "length_of_rolling_element", f"{of}.length"),
-        "cup_angle": _angle(reader.need(row, "pressure_angle", f"{of}.cup_angle")),
+        "cup_angle": _without_sign(reader.need(row, "pressure_angle", f"{of}.cup_angle")),
         "roller_angle": reader.need(element, "roller_angle", f"{of}.roller_angle"),
         "ring_depth": depth,
     }
     crown = element.number("roller_crowning_radius")
-    rollers |= {} if crown is None else {"crown": quantity("roller_crowning_radius", crown)}
+    rollers |= {} if crown is None else {"crown": quantity_text("roller_crowning_radius", crown)}
     rounded = reader.given.pop(f"{of}.edge_radius", None)  # REXS has no attribute for it
     rollers |= {} if rounded is None else {"edge_radius": rounded}
     return {"position": place, "rollers": rollers}
 
 
-def _balls(
-    reader: Reader,
-    bearing: Component,
-    row: Component,
-    elements: list[Component],
+def _ball_tables(
+    reader: RexsReader,
+    bearing: RexsComponent,
+    row: RexsComponent,
+    elements: list[RexsComponent],
     steels: Steels,
     name: str,
     place: str,
@@ -300,9 +310,9 @@ def _balls(
     clearance = next((a for a in CLEARANCES if bearing.number(a) is not None), "")
     angle = row.number("pressure_angle")
     if clearance and not angle and f"{name}.track.contact_angle" not in reader.given:
-        track["clearance"] = {"radial": quantity(clearance, bearing.number(clearance) or 0.0)}
+        track["clearance"] = {"radial": quantity_text(clearance, bearing.number(clearance) or 0.0)}
     else:
-        track["contact_angle"] = _angle(reader.need(row, "pressure_angle", f"{name}.track.contact_angle"))
+        track["contact_angle"] = _without_sign(reader.need(row, "pressure_angle", f"{name}.track.contact_angle"))
     if inner is bearing and f"{name}.screw.outer_diameter" not in reader.given:
         unit = "mm (of a bearing_ring of type inner_ring: its shoulders)"
         reader.lack(bearing, "outer_diameter", f"{name}.screw.outer_diameter", unit)
@@ -312,13 +322,13 @@ def _balls(
     angles = [x.number("angular_position_around_u") for x in elements]
     of_shaft, shared = steels
     own = {
-        "screw": _unlike(reader, model.material(inner.id, bearing.id), of_shaft, f"{name}.screw"),
-        "nut": _unlike(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
-        "balls": _unlike(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
+        "screw": _own_material(reader, model.material(inner.id, bearing.id), of_shaft, f"{name}.screw"),
+        "nut": _own_material(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
+        "balls": _own_material(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
     }
     balls: Table = {"diameter": reader.need(element, "diameter_of_rolling_element", f"{name}.balls.diameter")}
     if len(angles) == count and None not in angles:
-        balls["azimuths"] = [quantity("angular_position_around_u", x) for x in angles if x is not None]
+        balls["azimuths"] = [quantity_text("angular_position_around_u", x) for x in angles if x is not None]
     else:
         balls |= {"count": count, "turns": 1}
     return {
@@ -339,44 +349,44 @@ def _balls(
     }
 
 
-def _angle(text: str | None) -> str | None:
+def _without_sign(text: str | None) -> str | None:
     """Return a contact angle without its sign; the thrust of the row states the direction."""
     return None if text is None else text.removeprefix("-")
 
 
-def _material(reader: Reader, of: Component, key: str) -> Table:
+def _material_table(reader: RexsReader, of: RexsComponent, key: str) -> Table:
     """Return the table of a material from the two elastic constants of a component; missing ones are asked for."""
     ratio = reader.need(of, "poisson_ratio", f"{key}.poissons_ratio")
     modulus = reader.need(of, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
 
 
-def _unlike(reader: Reader, steel: Component | None, usual: Component | None, key: str) -> Table:
+def _own_material(reader: RexsReader, steel: RexsComponent | None, usual: RexsComponent | None, key: str) -> Table:
     """Return the material table of a part if it differs from the usual material, else an empty table."""
     if steel is None or (usual is not None and steel.attributes == usual.attributes):
         return {}
-    return {"material": _material(reader, steel, f"{key}.material")}
+    return {"material": _material_table(reader, steel, f"{key}.material")}
 
 
-def _bearings(model: Model, shaft: Component) -> list[Component]:
+def _bearings_on_shaft(model: RexsModel, shaft: RexsComponent) -> list[RexsComponent]:
     """Return the rolling bearings whose inner rings sit on the shaft."""
     sides = (r.roles for r in model.relations if _is_bearing(model, r.roles) and r.roles["inner_part"] == shaft.id)
     return [model.components[roles["assembly"]] for roles in sides]
 
 
-def _steel(model: Model, bearing: Component) -> Component | None:
+def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsComponent | None:
     """Return the material of the first rolling element of a bearing that has one, else that of the bearing."""
     rows = model.parts(bearing.id, "rolling_bearing_row")
     return model.material(*(x.id for row in rows for x in model.parts(row.id, "rolling_element")), bearing.id)
 
 
-def _of_side(model: Model, shaft: Component, type: str) -> list[Component]:
+def _components_beside(model: RexsModel, shaft: RexsComponent, type: str) -> list[RexsComponent]:
     """Return the components of a type that are attached to the shaft by a side relation."""
     sides = (r.roles for r in model.relations if r.type == "side" and shaft.id in r.roles.values())
     return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
 
 
-def _support(reader: Reader, x: Component) -> Table:
+def _support_table(reader: RexsReader, x: RexsComponent) -> Table:
     """Return the table of a rigid support for a concept bearing; empty if it holds nothing."""
     fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
@@ -386,20 +396,20 @@ def _support(reader: Reader, x: Component) -> Table:
     return {"at": at, "fix": fix} if fix else {}
 
 
-def _load(x: Component, case: dict[str, Value]) -> Table:
+def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
     """Return the table of a load on the shaft; the drive takes the torque about the axis."""
-    known = Component(x.id, x.type, x.name, x.attributes | case)
+    known = RexsComponent(x.id, x.type, x.name, x.attributes | case)
     force = [known.number(f"force_{axis}_direction") or 0.0 for axis in "vwu"]
     moment = [known.number(f"torque_around_{axis}_axis") or 0.0 for axis in "vwu"]
     table: Table = {"at": f"{known.number('u_coordinate_on_shaft') or 0.0!r} mm", "force": [f"{F!r} N" for F in force]}
     return table | ({"moment": [f"{M!r} N m" for M in moment]} if any(moment) else {})
 
 
-def _cases(model: Model, shaft: Component, loads: list[Component]) -> list[Table]:
+def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
     """Return the tables of the load cases: loads and shares of time, or times and speeds if the file has both for all."""
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
-    of_unit = [Component(0, "", "", case.get(unit, {})) for case in model.cases]
-    of_shaft = [Component(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.cases]
+    of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]
+    of_shaft = [RexsComponent(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.cases]
     parts, speeds = [x.number("operating_time_fraction") for x in of_unit], [x.number("rotational_speed") for x in of_shaft]
     total = math.fsum(x or 0.0 for x in parts)
     found = []
@@ -407,18 +417,18 @@ def _cases(model: Model, shaft: Component, loads: list[Component]) -> list[Table
         even = 1.0 / len(parts) if not total else (part or 0.0) / total
         share: Table = {"share": even}
         if total and part and None not in (*parts, *speeds):
-            share = {"time": f"{part!r} s", "speed": quantity("rotational_speed", speed or 0.0)}
-        found.append({"name": f"case-{k}", **share, "loads": [_load(x, case.get(x.id, {})) for x in loads]})
+            share = {"time": f"{part!r} s", "speed": quantity_text("rotational_speed", speed or 0.0)}
+        found.append({"name": f"case-{k}", **share, "loads": [_load_table(x, case.get(x.id, {})) for x in loads]})
     return found
 
 
-def _oil(model: Model, shaft: Component) -> float | None:
+def _viscosity(model: RexsModel, shaft: RexsComponent) -> float | None:
     """Return the operating viscosity [mm2/s] that a bearing of the shaft states; None if none does."""
-    found = (bearing.number("operating_viscosity") for bearing in _bearings(model, shaft))
+    found = (bearing.number("operating_viscosity") for bearing in _bearings_on_shaft(model, shaft))
     return next((x for x in found if x is not None), None)
 
 
-def _left_out(reader: Reader, shaft: Component) -> None:
+def _note_unmapped_parts(reader: RexsReader, shaft: RexsComponent) -> None:
     """Note the parts on the shaft that no scene has."""
     model = reader.model
     for r in model.relations:

@@ -52,7 +52,7 @@ MATERIAL_NAMES = (
 OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
-def with_material(table: Any) -> Any:
+def fill_in_material(table: Any) -> Any:
     """Return a raw table of a material with missing values filled in by its name.
 
     An unknown name with both values is dropped: it is a remark for readers of the file.
@@ -66,7 +66,7 @@ def with_material(table: Any) -> Any:
     return {key: value for key, value in table.items() if key != "name"} if both else table
 
 
-def with_radius(table: Any, radius: str, diameter: str) -> Any:
+def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
     """Return a raw table with a radius from the diameter, if only that is given.
 
     Halving a binary number is exact: the radius is the one that its text would give. A diameter that cannot be read is
@@ -81,7 +81,7 @@ def with_radius(table: Any, radius: str, diameter: str) -> Any:
     return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
 
 
-def either(radius: str, diameter: str) -> ConfigDict:
+def needs_one_of(radius: str, diameter: str) -> ConfigDict:
     """Return the configuration of a table that needs a radius or a diameter, for its JSON Schema."""
 
     def change(schema: dict[str, Any]) -> None:
@@ -124,7 +124,7 @@ class MaterialKeys(Table):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, value: Any) -> Any:
-        return with_material(value)
+        return fill_in_material(value)
 
     @field_validator("youngs_modulus")
     @classmethod
@@ -218,7 +218,7 @@ def without_null(node: Any) -> Any:
             out[name] = {k: without_null(v) for k, v in value.items()}
         elif name == "default":
             if value is not None and not isinstance(value, dict):
-                out[name] = _as_in_a_file(value, node)
+                out[name] = _with_unit(value, node)
         elif name == "description":
             out[name] = value.partition("\n\n")[0]
         elif not (name == "title" and isinstance(value, str)):
@@ -226,10 +226,10 @@ def without_null(node: Any) -> Any:
     return out
 
 
-def _as_in_a_file(default: Any, node: dict[str, Any]) -> Any:
+def _with_unit(default: Any, node: dict[str, Any]) -> Any:
     """Return a default as in a file; a record has it in SI."""
     if isinstance(default, list):
-        return [_as_in_a_file(x, node.get("items", {})) for x in default]
+        return [_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:
         of = Rate if node["x-dimension"] in RATES else Quantity
         return of(node["x-dimension"], 0, 0, node["examples"][0]).written(default)

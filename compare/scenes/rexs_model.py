@@ -68,7 +68,7 @@ UNITS |= {name: unit for name, unit, _ in STIFFNESS.values()}
 
 
 @dataclass
-class Component:
+class RexsComponent:
     """A machine element: type and attributes, in the units of REXS."""
 
     id: int
@@ -91,7 +91,7 @@ class Component:
 
 
 @dataclass(frozen=True)
-class Relation:
+class RexsRelation:
     """Components that belong together: type, role of each by its id, order of a part among others."""
 
     type: str
@@ -100,11 +100,11 @@ class Relation:
 
 
 @dataclass
-class Model:
+class RexsModel:
     """A REXS model: components by their ids, relations, and for each load case the attributes of components by id."""
 
-    components: dict[int, Component] = field(default_factory=dict)
-    relations: list[Relation] = field(default_factory=list)
+    components: dict[int, RexsComponent] = field(default_factory=dict)
+    relations: list[RexsRelation] = field(default_factory=list)
     cases: list[dict[int, dict[str, Value]]] = field(default_factory=list)
 
     def add(self, type: str, name: str = "", **attributes: Value | None) -> int:
@@ -125,7 +125,7 @@ class Model:
             Id of the component.
         """
         k = len(self.components) + 1
-        self.components[k] = Component(k, type, name, {a: v for a, v in attributes.items() if v is not None})
+        self.components[k] = RexsComponent(k, type, name, {a: v for a, v in attributes.items() if v is not None})
         return k
 
     def relate(self, type: str, order: int | None = None, **roles: int) -> None:
@@ -140,15 +140,15 @@ class Model:
         **roles
             Ids of the components by their roles.
         """
-        self.relations.append(Relation(type, roles, order))
+        self.relations.append(RexsRelation(type, roles, order))
 
-    def parts(self, whole: int, type: str) -> list[Component]:
+    def parts(self, whole: int, type: str) -> list[RexsComponent]:
         """Return the components of a type that are part of the component ``whole``, in their order."""
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
 
-    def material(self, *ids: int) -> Component | None:
+    def material(self, *ids: int) -> RexsComponent | None:
         """Return the material of the first of the components ``ids`` that refers to one; None if none does."""
         for k in ids:
             for r in self.relations:
@@ -159,7 +159,7 @@ class Model:
         return None
 
 
-def read_model(path: Path) -> Model:
+def read_model(path: Path) -> RexsModel:
     """Return the model in a REXS file.
 
     Parameters
@@ -188,31 +188,31 @@ def read_model(path: Path) -> Model:
     if root.tag != "model" or version.partition(".")[0] != "1":
         found = f"<{root.tag} version={version!r}>"
         raise InputError(str(path), "model", found, f"<model> of REXS 1.0 to {VERSION}", "export it as such")
-    model = Model()
+    model = RexsModel()
     for one in root.iterfind("components/component"):
-        k = _id(one, path)
+        k = _component_id(one, path)
         name = one.get("name") or ""
-        model.components[k] = Component(k, one.get("type", ""), name, _attributes(one, path))
+        model.components[k] = RexsComponent(k, one.get("type", ""), name, _known_attributes(one, path))
     for one in root.iterfind("relations/relation"):
-        roles = {ref.get("role", ""): _id(ref, path) for ref in one.iterfind("ref")}
+        roles = {ref.get("role", ""): _component_id(ref, path) for ref in one.iterfind("ref")}
         order = one.get("order", "")
-        model.relations.append(Relation(one.get("type", ""), roles, int(order) if order.isdigit() else None))
+        model.relations.append(RexsRelation(one.get("type", ""), roles, int(order) if order.isdigit() else None))
     for case in root.iterfind("load_spectrum/load_case"):
-        model.cases.append({_id(one, path): _attributes(one, path) for one in case.iterfind("component")})
+        model.cases.append({_component_id(one, path): _known_attributes(one, path) for one in case.iterfind("component")})
     for k in {*(k for r in model.relations for k in r.roles.values()), *(k for case in model.cases for k in case)}:
         if k not in model.components:
             raise InputError(str(path), "id", str(k), "that of a component", "a relation or load case refers to it")
     return model
 
 
-def _id(element: ET.Element, path: Path) -> int:
+def _component_id(element: ET.Element, path: Path) -> int:
     text = element.get("id", "")
     if not text.isdigit():
         raise InputError(str(path), element.tag, f"id={text!r}", "a whole number", "export the file again")
     return int(text)
 
 
-def _attributes(component: ET.Element, path: Path) -> dict[str, Value]:
+def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
     """Return the attributes of `UNITS` that have a value; raise InputError for a wrong unit or an invalid number."""
     found = {}
     for one in component.iterfind("attribute"):
@@ -224,7 +224,7 @@ def _attributes(component: ET.Element, path: Path) -> dict[str, Value]:
             raise InputError(str(path), where, f"unit {unit!r}", repr(UNITS[name]), "REXS has one unit for each attribute")
         cells, text = one.findall("array/c"), (one.text or "").strip()
         try:
-            value = tuple(float(c.text or "") for c in cells) if cells else _value(text, UNITS[name])
+            value = tuple(float(c.text or "") for c in cells) if cells else _attribute_value(text, UNITS[name])
         except ValueError:
             advice = "numbers have a point, and no unit behind them"
             raise InputError(str(path), where, text or "no number", f"a number in {UNITS[name]}", advice) from None
@@ -233,13 +233,13 @@ def _attributes(component: ET.Element, path: Path) -> dict[str, Value]:
     return found
 
 
-def _value(text: str, unit: str) -> Value:
+def _attribute_value(text: str, unit: str) -> Value:
     if text in ("true", "false"):
         return text == "true"
     return float(text) if text and unit != "none" else text
 
 
-def text_of(model: Model, version: str, date: str) -> str:
+def text_of(model: RexsModel, version: str, date: str) -> str:
     """Return the text of a REXS file with a model.
 
     Parameters
@@ -265,18 +265,18 @@ def text_of(model: Model, version: str, date: str) -> str:
         for role, ref in relation.roles.items():
             ET.SubElement(one, "ref", {"id": str(ref), "role": role, "hint": model.components[ref].type})
     for component in model.components.values():
-        _write(components, component, component.attributes)
+        _write_component(components, component, component.attributes)
     if model.cases:
         spectrum = ET.SubElement(root, "load_spectrum", {"id": "1"})
         for k, case in enumerate(model.cases, 1):
             one = ET.SubElement(spectrum, "load_case", {"id": str(k)})
             for ref, attributes in case.items():
-                _write(one, model.components[ref], attributes)
+                _write_component(one, model.components[ref], attributes)
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _write(parent: ET.Element, component: Component, attributes: dict[str, Value]) -> None:
+def _write_component(parent: ET.Element, component: RexsComponent, attributes: dict[str, Value]) -> None:
     head = {"id": str(component.id), "type": component.type, "name": component.name}
     one = ET.SubElement(parent, "component", {k: v for k, v in head.items() if v})
     for name, value in attributes.items():
@@ -284,12 +284,12 @@ def _write(parent: ET.Element, component: Component, attributes: dict[str, Value
         if isinstance(value, tuple):
             array = ET.SubElement(attribute, "array")
             for x in value:
-                ET.SubElement(array, "c").text = _text(float(x))
+                ET.SubElement(array, "c").text = _value_text(float(x))
         else:
-            attribute.text = _text(value)
+            attribute.text = _value_text(value)
 
 
-def _text(value: str | float | bool) -> str:
+def _value_text(value: str | float | bool) -> str:
     """Return a value as text; a number has 15 digits, enough to read back the numbers of a scene file."""
     if isinstance(value, bool):
         return str(value).lower()

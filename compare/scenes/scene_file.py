@@ -12,7 +12,7 @@ from typing import Any
 
 from rollbench.compare.case import shipped_files
 from rollbench.compare.errors import SceneError
-from rollbench.compare.files import ENCODING, NoText, like_path, text_of
+from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_of
 from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
@@ -28,12 +28,12 @@ _DOTTED = re.compile(rf"""(?<![\w\-."'])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_PARTS}
 MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
-def load(path: str | Path) -> Scene:
+def read_scene_file(path: str | Path) -> Scene:
     """Return the ball screw or bearing in a file, named by the file's stem; SceneError for faults."""
-    return loads(read_text(path), str(path))
+    return scene_of_text(read_text(path), str(path))
 
 
-def loads(text: str, origin: str) -> Scene:
+def scene_of_text(text: str, origin: str) -> Scene:
     """Return the ball screw or bearing in a text.
 
     Parameters
@@ -53,23 +53,23 @@ def loads(text: str, origin: str) -> Scene:
     SceneError
         For faults, and for a scene of another kind.
     """
-    return whole(parse_scene(text, origin), origin)
+    return single_set_or_raise(parse_scene(text, origin), origin)
 
 
-def solvable(scene: Described, origin: str) -> Scene | Assembly:
-    """Return the scene if it has one set or several sets on one shaft; SceneError as `whole`."""
-    return scene if isinstance(scene, Assembly) else whole(scene, origin)
+def scene_or_assembly(scene: Described, origin: str) -> Scene | Assembly:
+    """Return the scene if it has one set or several sets on one shaft; SceneError as `single_set_or_raise`."""
+    return scene if isinstance(scene, Assembly) else single_set_or_raise(scene, origin)
 
 
 def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
-    """Return the scenes to be solved: one, or that of every load case in order; SceneError as `whole`."""
+    """Return the scenes to be solved: one, or that of every load case in order; SceneError as `single_set_or_raise`."""
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
-    single = solvable(scene, origin)
+    single = scene_or_assembly(scene, origin)
     return [single]  # type: ignore[return-value]
 
 
-def whole(scene: Described, origin: str) -> Scene:
+def single_set_or_raise(scene: Described, origin: str) -> Scene:
     """Return the scene if it is one ball screw or bearing; SceneError that names its kind otherwise."""
     if isinstance(scene, Scene):
         return scene
@@ -84,7 +84,7 @@ def whole(scene: Described, origin: str) -> Scene:
 
 
 @dataclass(frozen=True)
-class Known:
+class ParsedScene:
     """Cached record of the text of a scene file."""
 
     #: The record.
@@ -111,14 +111,14 @@ def parse_scene(text: str, origin: str) -> Described:
     SceneError
         For faults.
     """
-    return _known(text, origin).described
+    return _parsed(text, origin).described
 
 
-@kept(Known)
-def _known(text: str, origin: str) -> Known:
+@kept(ParsedScene)
+def _parsed(text: str, origin: str) -> ParsedScene:
     from rollbench.compare.scenes.scene_tables import read_tables  # schema and checks: not for a text that is known
 
-    return Known(read_tables(read_toml(text, origin), origin))
+    return ParsedScene(read_tables(read_toml(text, origin), origin))
 
 
 def kind_of(scene: Described) -> str:
@@ -141,7 +141,7 @@ def read_text(path: str | Path) -> str:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        near = like_path(Path(path), shipped_files("scenes")) if isinstance(error, FileNotFoundError) else ""
+        near = similar_paths(Path(path), shipped_files("scenes")) if isinstance(error, FileNotFoundError) else ""
         advice = near or "check the path, or see the shipped scenes with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
@@ -150,7 +150,7 @@ def read_text(path: str | Path) -> str:
         raise SceneError(str(path), "file", value, allowed, "is this a scene file?")
     try:
         text = text_of(data)
-    except NoText as error:
+    except NotTextError as error:
         raise SceneError(str(path), "file", error.value, ENCODING, error.advice) from None
     longest = max(map(len, text.splitlines()), default=0)
     if longest > MAX_LINE:

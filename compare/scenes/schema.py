@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from rollbench.compare.scenes import keys
-from rollbench.compare.scenes.keys import either, key, with_radius
+from rollbench.compare.scenes.keys import fill_in_radius, key, needs_one_of
 from rollbench.meshes import parts, ranges
 from rollbench.meshes.axis import Drive, Segment
 from rollbench.meshes.parts import Flange, Friction, Motion, NutHeld
@@ -37,7 +37,7 @@ class ClearanceKeys(keys.Table):
 class TrackKeys(keys.HelixKeys):
     """Nominal path of the ball centres."""
 
-    model_config = either("pitch_radius", "pitch_diameter")
+    model_config = needs_one_of("pitch_radius", "pitch_diameter")
 
     contact_angle: ranges.ContactAngle | None = key(  # type: ignore[assignment]
         "nominal angle of the contact normal against the radius; of a bearing it may follow from clearance", None, "45 deg"
@@ -59,7 +59,7 @@ class TrackKeys(keys.HelixKeys):
     @model_validator(mode="before")
     @classmethod
     def _by_diameter(cls, value: Any) -> Any:
-        return with_radius(value, "pitch_radius", "pitch_diameter")
+        return fill_in_radius(value, "pitch_radius", "pitch_diameter")
 
 
 class ScrewKeys(keys.GrooveKeys):
@@ -122,7 +122,7 @@ Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 class BallKeys(keys.BallSizeKeys):
     """Balls: count or filling with turns, count with arcs, or the azimuths one by one."""
 
-    model_config = either("radius", "diameter")
+    model_config = needs_one_of("radius", "diameter")
 
     diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
     count: keys.Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)
@@ -145,7 +145,7 @@ class BallKeys(keys.BallSizeKeys):
     @model_validator(mode="before")
     @classmethod
     def _by_diameter(cls, value: Any) -> Any:
-        return with_radius(value, "radius", "diameter")
+        return fill_in_radius(value, "radius", "diameter")
 
 
 class BallErrorKeys(keys.OversizeKeys):

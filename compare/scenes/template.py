@@ -17,7 +17,7 @@ from rollbench.compare import files
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.scenes.catalogue import scene_text
 from rollbench.compare.scenes.duty_cycle import KINDS, WHOLE
-from rollbench.compare.scenes.from_keys import touching_angle
+from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.keys import tidy_schema
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import show
@@ -69,7 +69,7 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
         For an unknown kind, a size of another kind than ball screw and double nut, and a size out of range.
     """
     kind = (kind or "ball-screw").replace("-", " ")
-    sized = {"ball screw": scene_like, "double nut": double_nut_like}
+    sized = {"ball screw": ball_screw_text, "double nut": double_nut_text}
     if not size:
         return template(kind)
     if kind not in sized:
@@ -97,12 +97,12 @@ def template(kind: str = "ball screw") -> str:
     values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
     for key in ("source", "assumed"):
         values.pop(key, None)
-    schema = _schema(name)
-    lines = list(_table(schema, schema["$defs"], values, ""))
+    schema = _schema_of_kind(name)
+    lines = list(_table_lines(schema, schema["$defs"], values, ""))
     return INTRODUCTION.format(kind=name, about=schema["description"]) + "\n" + "\n".join(lines).strip() + "\n"
 
 
-def _schema(kind: str) -> dict[str, Any]:
+def _schema_of_kind(kind: str) -> dict[str, Any]:
     if kind in WHOLE:
         schema = tidy_schema(SceneKeys)
         if kind == "bearing":  # the balls of a ring go round its one turn, and it has no flange
@@ -115,7 +115,7 @@ def _schema(kind: str) -> dict[str, Any]:
     return tidy_schema(kind_named(kind).keys)
 
 
-def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
+def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
     """Yield the keys of a table, those with a plain value first; then the tables in it."""
     inner = {}
     for name, entry in node["properties"].items():
@@ -123,25 +123,25 @@ def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
         if isinstance(content, dict) or (isinstance(content, list) and content and isinstance(content[0], dict)):
             inner[name] = entry
         else:
-            yield from _line(name, entry, content)
+            yield from _key_line(name, entry, content)
     for name, entry in inner.items():
         yield ""
-        yield f"# {_sentence(entry)}"
+        yield f"# {_description(entry)}"
         where = f"{path}{name}"
         content = values[name]
         if isinstance(content, dict):
             yield f"[{where}]"
-            yield from _table(_resolve(entry, defs), defs, content, f"{where}.")
+            yield from _table_lines(_referenced_table(entry, defs), defs, content, f"{where}.")
         else:
             yield f"[[{where}]]"
-            yield from _table(_resolve(entry["items"], defs), defs, content[0], f"{where}.")
+            yield from _table_lines(_referenced_table(entry["items"], defs), defs, content[0], f"{where}.")
         for row in () if isinstance(content, dict) else content[1:]:
             yield from ("", f"[[{where}]]", *(f"{key} = {show(value)}" for key, value in row.items()))
 
 
-def _line(name: str, entry: Node, value: Any) -> Iterator[str]:
+def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
     """Yield a key with its value, or as a comment with its default or an example."""
-    text = _sentence(entry)
+    text = _description(entry)
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
     elif "enum" in entry:
@@ -153,11 +153,11 @@ def _line(name: str, entry: Node, value: Any) -> Iterator[str]:
     yield f"# {name} = {show(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
 
 
-def _sentence(entry: Node) -> str:
+def _description(entry: Node) -> str:
     return str(entry["description"])
 
 
-def _resolve(entry: Node, defs: Node) -> Node:
+def _referenced_table(entry: Node, defs: Node) -> Node:
     """Return the table that an entry of the schema refers to."""
     table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
     return table
@@ -191,43 +191,43 @@ SIGMA = 0.04
 SPACER = 0.1
 
 
-def scene_like(size: str) -> str:
+def ball_screw_text(size: str) -> str:
     """Return the text of a ball screw of a nominal size ``DIAMETERxLEAD`` in mm; InputError for a size out of range."""
-    values = values_like(size)
-    return _tidy(_text("screw", values), values)
+    values = catalogue_values(size)
+    return _without_unused_gap(_filled_text("screw", values), values)
 
 
-def double_nut_like(size: str) -> str:
-    """Return the text of a double nut of a nominal size, as `scene_like`, with a spacer that presses the nuts apart."""
-    values = values_like(size)
+def double_nut_text(size: str) -> str:
+    """Return the text of a double nut of a nominal size, as `ball_screw_text`, with a spacer between the nuts."""
+    values = catalogue_values(size)
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
     nuts = [
-        _text("nut", values, number=k + 1, thrust=thrust, at=at)
+        _filled_text("nut", values, number=k + 1, thrust=thrust, at=at)
         for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
     ]
-    return _tidy("".join((_text("double-nut", values), *nuts)), values)
+    return _without_unused_gap("".join((_filled_text("double-nut", values), *nuts)), values)
 
 
-def _text(name: str, values: Mapping[str, Any], **words: object) -> str:
+def _filled_text(name: str, values: Mapping[str, Any], **words: object) -> str:
     """Return a filled text of the folder ``like_texts``; its title and assumptions name nothing that a user edits later."""
     return files.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
-def _tidy(text: str, values: dict[str, Any]) -> str:
+def _without_unused_gap(text: str, values: dict[str, Any]) -> str:
     """Return the text without gaps if there is one circuit."""
     return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 
-def values_like(size: str) -> dict[str, Any]:
-    """Return the values of a nominal size by their names in the texts, lengths in mm; InputError as `scene_like`."""
-    outer, lead = _size(size)
+def catalogue_values(size: str) -> dict[str, Any]:
+    """Return the values of a nominal size by their names in the texts, lengths in mm; InputError as `ball_screw_text`."""
+    outer, lead = _nominal_size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)
     circuits = 2 if lead <= 0.5 * outer else 1
     each, gap = (1.5, 0.5) if circuits == 2 else (2.0 if lead <= outer else 1.0, 0.0)
     reach = circuits * each + (circuits - 1) * gap
-    count = circuits * max(1, floor(FILLING * each * 2.0 * pi / touching_angle(pitch / 2.0, lead, ball)))
+    count = circuits * max(1, floor(FILLING * each * 2.0 * pi / angle_of_touching_balls(pitch / 2.0, lead, ball)))
     length = 50.0 * ceil(20.0 * outer / 50.0)
     nut, outside = ceil(reach * lead + 3.0 * ball), ceil(pitch + (1.0 + 2.0 * WALL) * ball)
     thick = max(1, min(ceil(THICK * outside), floor(0.4 * nut)))
@@ -263,7 +263,7 @@ def values_like(size: str) -> dict[str, Any]:
     }
 
 
-def _size(size: str) -> tuple[float, float]:
+def _nominal_size(size: str) -> tuple[float, float]:
     """Return nominal diameter and lead [mm]."""
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
     match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.compare.gate import judged
 from rollbench.compare.gate.verdict import LIMIT
-from rollbench.compare.models.applicability import DESCRIPTORS, Descriptor, compared_values, places
+from rollbench.compare.models.applicability import DESCRIPTORS, Descriptor, compared_values, descriptors_in_range
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.model_form import Point, shipped_points
 from rollbench.compare.models.registry import DEFAULT
@@ -143,7 +143,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
 def range_table(scene: Scene | None = None) -> Table:
     """Return the table of the descriptors' compared ranges, with the values of a scene if one is given."""
     rows: list[Row] = []
-    placed = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
+    placed = {} if scene is None else {p.descriptor.name: p for p in descriptors_in_range(scene)}
     ring = scene is not None and scene.track.lead == 0.0
     for d in DESCRIPTORS:
         values = compared_values(d, ring=ring)

@@ -10,7 +10,7 @@ import numpy as np
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
+from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, errors_by_replaced_body, ladder, left_out_one
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend
@@ -148,7 +148,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
 
 def shares_table(study: Study) -> Table:
     """Return the table of how much each body's simplification contributes to the refined model's error."""
-    found = study.once(shares)
+    found = study.once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
     for share in found:

@@ -21,7 +21,7 @@ from rollbench.compare.models.comparison import (
     reference_answers,
     suitable_models,
 )
-from rollbench.compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
+from rollbench.compare.models.modelling import VARIED, Modelling, combine_effects, modelling_percent, varied
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
@@ -49,7 +49,7 @@ def modelling_uncertainties(study: Study) -> dict[str, Modelling]:
 def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
     """Compute the modelling uncertainty for `modelling_uncertainties`."""
     scenes = [study.scene(name) for name in VARIED]
-    found = {scene.name: combined(scene, varied(scene, study.stores)) for scene in scenes}
+    found = {scene.name: combine_effects(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 

@@ -13,7 +13,7 @@ from rollbench.compare.models.comparison import REFERENCED, RULE, from_result, f
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import CONTACTS, QUANTITIES, Validated, validated
+from rollbench.compare.models.uncertainty import CONTACTS, QUANTITIES, Validated, validated_error
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Table, Text
@@ -82,7 +82,7 @@ def errors_by_model(study: Study, name: str) -> Judged:
         (model, quantity.name): one
         for model in MODELS
         for quantity in QUANTITIES
-        if (one := validated(study, name, model, quantity, from_result(study.solve(name, model)))) is not None
+        if (one := validated_error(study, name, model, quantity, from_result(study.solve(name, model)))) is not None
     }
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import Evidence, computations, sentences, source
+from rollbench.compare.evidence import Evidence, computations, joined_remarks, source
 from rollbench.compare.measure import error_percent
 from rollbench.compare.printed import Printed, entry, load_table
 from rollbench.compare.sections.verdicts import shown_error
@@ -215,7 +215,7 @@ def compared_table(
                 f = found[name]
                 base = _compared_row(layout, f, why.get(name, ""))
                 row = base | {q: None for q in further if q not in base} | more.get(name, {})
-                reason = sentences(f.reason, _band_text(f.printed))
+                reason = joined_remarks(f.reason, _band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
                 first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
                 first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head

@@ -31,9 +31,17 @@ from rollbench.compare.models.uncertainty import (
     Validated,
     bound_shares,
     scatter,
-    validated,
+    validated_error,
 )
-from rollbench.compare.reference.grid_parts import Experience, Levelled, left_out, measured, moving, parts, too_large
+from rollbench.compare.reference.grid_parts import (
+    Experience,
+    Levelled,
+    derive_experience,
+    error_near_faces,
+    excess_near_faces,
+    loaded_on_any_level,
+    parts,
+)
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import scene_file
@@ -94,7 +102,11 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     """Return loads (n, 4) [N] by level that a store keeps for tests only, and the drawn scenes; empty if no file."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
+    drawn = {
+        name: scene_file.scene_of_text(record.pop(SCENE), f"{name}.toml")
+        for name, record in data.items()
+        if SCENE in record
+    }
     return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 
@@ -125,7 +137,11 @@ def socket_scatter(study: Study) -> float | None:
 def experience(study: Study) -> Experience | None:
     """Return the experience from all compared scenes of a store; None if it does not hold them."""
     loads, sockets = levelled(study), socket_scatter(study)
-    return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
+    return (
+        None
+        if sockets is None or len(loads) < len(UNSEEN)
+        else derive_experience(loads, sockets, study.once(_beside_faces))
+    )
 
 
 def _scene(study: Study, name: str) -> Scene:
@@ -137,7 +153,7 @@ def _beside_faces(study: Study) -> dict[str, Array]:
     """Return the errors of level 1 near free faces, (n, 4) [% of the mean load], by compared scene."""
     first = min(LEVELS)
     return {
-        name: error_percent(left_out(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
+        name: error_percent(error_near_faces(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
         for name, loads in levelled(study).items()
         if first in loads
     }
@@ -178,12 +194,12 @@ def _held(
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
-    known = measured(others, sockets, beside)
+    known = derive_experience(others, sockets, beside)
     loads, judge = scenes[name], max(scenes[name])
-    on, mean = moving(loads), mean_load(loads[judge])
+    on, mean = loaded_on_any_level(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
     grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    beside_faces = left_out if grid.by_experience else too_large
+    beside_faces = error_near_faces if grid.by_experience else excess_near_faces
     bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
     return Held(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
@@ -199,7 +215,7 @@ SHOWN = (DEFAULT, "lin")
 
 def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
     """Return the validation results of every model of the ladder, by scene and quantity."""
-    found = [validated(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
+    found = [validated_error(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 

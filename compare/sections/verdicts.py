@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.evidence import APART, Evidence, audit, counts, left_out, misprints, sentences, trust
+from rollbench.compare.evidence import APART, Evidence, audit, counts, joined_remarks, misprints, numbers_left_out, trust
 from rollbench.compare.evidence import counts as audited_counts
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import KINDS, VERDICTS
@@ -98,7 +98,7 @@ def _verdict_cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
         "error": shown_error(f.error_percent),
         "class": p.cls,
         "verdict": f.verdict,
-        "remark": sentences(f.words, p.remark, p.origin and f"Band: {p.origin}"),
+        "remark": joined_remarks(f.words, p.remark, p.origin and f"Band: {p.origin}"),
     }
 
 
@@ -231,6 +231,6 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
         counts_table(rows),
         Text(meanings, bullets=True),
         misprints_table(),
-        Table("audit-left-out", "Printed numbers that are no entries, and why", missing, left_out()),
+        Table("audit-left-out", "Printed numbers that are no entries, and why", missing, numbers_left_out()),
     )
     return Section("audit", "Misprints and contradictions found in each publication", items)

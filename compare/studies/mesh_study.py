@@ -12,10 +12,10 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.comparison import Referenced, referenced
+from rollbench.compare.models.comparison import Referenced, stored_references
 from rollbench.compare.models.modelling import base_run
-from rollbench.compare.reference.convergence import observe, pool
-from rollbench.compare.reference.estimate import FITTED, Reference, reference_of
+from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
+from rollbench.compare.reference.estimate import FITTED, Reference, reference_from_runs
 from rollbench.compare.reference.grid_parts import parts, read_experience
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.compare.reference.levels import ADVISED, LEVELS
@@ -81,7 +81,7 @@ def studied_reference(
         Mesh levels.
     """
     runs = tuple(r for k in levels if (r := load_run(scene, k, stores=stores)) is not None)
-    return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
+    return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
 def level_rows(reference: Reference) -> list[dict[str, Any]]:
@@ -205,14 +205,20 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
     lines = [take for _, _, take in shown if take.func is _line_displacement]
     of_two: dict[Take, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
-        of_two = dict(zip(lines, pool([[take(r) for take in lines] for r in runs], reference.sizes).tolist(), strict=True))
+        of_two = dict(
+            zip(
+                lines,
+                pooled_grid_uncertainty([[take(r) for take in lines] for r in runs], reference.sizes).tolist(),
+                strict=True,
+            )
+        )
     for name, unit, take in shown:
         values = [take(r) for r in runs]
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
             contact = _contact_of_extreme(take, runs[-1])
-            observed = observe(values, reference.sizes) if contact is None else None
+            observed = grid_convergence(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             row |= {
                 "order": observed and observed.order,
@@ -325,7 +331,7 @@ def compute_study(
     def first(task: Task) -> None:
         """Say what the coarsest level found while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
-            for one in referenced(scene, stores[:1], (task.level,)):
+            for one in stored_references(scene, stores[:1], (task.level,)):
                 table = extreme_rows(referenced_table(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
@@ -333,7 +339,7 @@ def compute_study(
     failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
     references = []
     for scene in scenes:
-        sets = referenced(scene, stores, tuple(levels), fitted=len(levels))
+        sets = stored_references(scene, stores, tuple(levels), fitted=len(levels))
         if not sets:
             raise unconverged_error(scene.name, failed)
         references += sets

@@ -18,7 +18,7 @@ from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.reference.convergence import Convergence, observe
+from rollbench.compare.reference.convergence import Convergence, grid_convergence
 from rollbench.compare.reference.store import measuring_conditions, sealed, shipped_store, unsealed, versions
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi.hertz import contact_modulus
@@ -268,7 +268,7 @@ def shown_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def converge(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
     """Return the convergence of a quantity over runs on finer and finer meshes."""
-    return observe(values, [1.0 / run.across for run in runs])
+    return grid_convergence(values, [1.0 / run.across for run in runs])
 
 
 def enough_runs(runs: Sequence[RollerRun]) -> float | None:

@@ -21,16 +21,24 @@ from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
 from rollbench.compare.models.comparison import from_run
-from rollbench.compare.models.model_form import QUANTITIES, Point, estimate, loaded_section, point, rigidity, shipped_points
+from rollbench.compare.models.model_form import (
+    QUANTITIES,
+    Point,
+    estimate,
+    loaded_section,
+    point,
+    rigidity_between,
+    shipped_points,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.jobs import keep
 from rollbench.compare.reference.store import Run, read_run, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.from_keys import touching_angle
-from rollbench.compare.scenes.template import LOAD, values_like
+from rollbench.compare.scenes.from_keys import angle_of_touching_balls
+from rollbench.compare.scenes.template import LOAD, catalogue_values
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -80,9 +88,10 @@ def scene_text(seed: int, number: int) -> str:
     lead = int(rng.choice(SIZES[outer]))
     kind = str(rng.choice(PRELOADS))
     starts = 2 if lead > 0.3 * outer and kind != "lead offset" and rng.random() < 0.45 else 1
-    sizes = values_like(f"{outer}x{lead / starts:g}")
+    sizes = catalogue_values(f"{outer}x{lead / starts:g}")
     ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
-    balls, count = _draw_balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
+    touching = angle_of_touching_balls(pitch / 2.0, lead, ball)
+    balls, count = _draw_balls(rng, starts, ball, touching, halved=kind == "lead offset")
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
     track = {
@@ -222,7 +231,7 @@ def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) 
 
 def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
     """Return the length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, in whole micrometres."""
-    read = scene_file.loads(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
+    read = scene_file.scene_of_text(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log(rng, 1.0, 6.0)) + 5e-4, 3)
 
@@ -282,7 +291,7 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
         found = [run for one in (scene, raised) if (run := stored_run(runs, one)) is not None]
         if len(found) < 2:
             task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
-            found = compute(task)
+            found = compute_runs(task)
             if runs is not None:
                 keep(runs, task, found, None)
         record |= compare_models(scene, raised, found)
@@ -295,7 +304,7 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
 
 def load_cases(text: str, name: str) -> tuple[Scene, Scene]:
     """Return the screw of a text under its loads, and under loads raised for the tangent rigidity."""
-    scene = scene_file.loads(text, f"{name}.toml")
+    scene = scene_file.scene_of_text(text, f"{name}.toml")
     return scene, replace(scene, name=f"{name}-raised", loads=tuple(_raised_load(x) for x in scene.loads))
 
 
@@ -373,7 +382,7 @@ def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].moved, 5),
-        "rigidity_N_per_um": _rounded_or_none(rigidity(places), 1e-6),
+        "rigidity_N_per_um": _rounded_or_none(rigidity_between(places), 1e-6),
         "models": {name: _model_record(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()},
         "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],

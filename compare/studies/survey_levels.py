@@ -20,7 +20,7 @@ from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.store import Measured, measuring_conditions
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores
@@ -114,7 +114,7 @@ def solve_level(number: int, level: int) -> LevelRun:
 
     begin = process_time()
     cells = survey.CUT_CELLS if level == survey.LEVEL else 1.0
-    run, _ = compute(Task(cases, level, cut_cells=cells), note_time)
+    run, _ = compute_runs(Task(cases, level, cut_cells=cells), note_time)
     new, further = solved[-2] - begin, solved[-1] - solved[-2]
     load = [[float(f"{x:.6g}") for x in row] for row in run.load]
     return LevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)

@@ -19,14 +19,14 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import place, replace_file
-from rollbench.compare.gate.user import as_run
+from rollbench.compare.gate.user import run_of_loads
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.loads_file import loads_csv
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import Options, known_model, run_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.estimate import Reference, reference_of, uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, reference_from_runs, uncertainty_percent
 from rollbench.compare.reference.store import SCHEMA, UNSAID
 from rollbench.compare.results.base import with_schema
 from rollbench.compare.scenes import scene_file
@@ -52,7 +52,7 @@ Row = dict[str, Any]
 
 def drawn_screw(number: int) -> Scene:
     """Return screw ``number`` of the survey."""
-    return scene_file.loads(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
+    return scene_file.scene_of_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
 def screw_name(number: int) -> str:
@@ -105,8 +105,8 @@ def stored_reference(scene: Scene, number: int) -> Reference | None:
     if row is None or row["of"] != _scene_digest(scene):
         return None
     load = np.array(row["load"])
-    run = replace(as_run(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
-    return reference_of(scene.name, scene, (run,), contacts=nominal_contacts(scene))
+    run = replace(run_of_loads(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
+    return reference_from_runs(scene.name, scene, (run,), contacts=nominal_contacts(scene))
 
 
 def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_of
+from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_stiffness_at
 from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, known_model
 from rollbench.compare.quantities import as_json
@@ -103,7 +103,7 @@ def asked_for(
     InputError
         If scene, key, unit, quantity or model is unknown.
     """
-    described = scene_file.solvable(catalogue.any_scene(scene), scene)
+    described = scene_file.scene_or_assembly(catalogue.any_scene(scene), scene)
     shipped = scene in catalogue.scene_names()
     text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
     for name in quantities:
@@ -195,7 +195,7 @@ def table_row(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
     """Solve one combination of the keys' values; a refusal by scene or model becomes the status of the row."""
     try:
         raw = change_keys(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
-        scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
+        scene = scene_file.scene_or_assembly(scene_tables.read_tables(raw, asked.origin), asked.origin)
         if isinstance(scene, Assembly) and isinstance(asked.station, float):
             scene = replace(scene, stiffness_at=asked.station)
         return _solve_place(scene, asked, engine)
@@ -216,7 +216,7 @@ def _solve_place(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow
         errors = _expected_errors(scene, result)
         if "stiffness" in asked.quantities:
             station = asked.station if isinstance(asked.station, float) else scene.nut.position
-            tangent = tangent_of(scene, station, asked.model, Options())
+            tangent = tangent_stiffness_at(scene, station, asked.model, Options())
     elif isinstance(result, AxisResult) and "stiffness" in asked.quantities:
         of_set = next((s.stiffness for s in result.sets if s.of.name == asked.station), result.stiffness)
         none = "the place is held, or no contact there is loaded"

@@ -15,7 +15,7 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.files import replace_file, write_csv, written
+from rollbench.compare.files import os_errors_as_input_errors, replace_file, write_csv
 from rollbench.compare.quantities import count_of, quantities
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_from_json
 from rollbench.compare.scenes.scene_file import read_text
@@ -58,10 +58,10 @@ def write_table(path: Path, table: Table) -> None:
         import pyarrow
         import pyarrow.parquet
 
-        with written(path):
+        with os_errors_as_input_errors(path):
             pyarrow.parquet.write_table(pyarrow.table(columns), path)
     else:
-        with written(path):
+        with os_errors_as_input_errors(path):
             _netcdf_dataset(table, columns).to_netcdf(path, engine="scipy")
 
 

@@ -21,7 +21,7 @@ from rollbench.compare.models.load_cases import SolvedAxis
 from rollbench.compare.results.scene_json import pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.from_rexs import RIGID, SEAT
-from rollbench.compare.scenes.rexs_model import STIFFNESS, Model, Value, text_of
+from rollbench.compare.scenes.rexs_model import STIFFNESS, RexsModel, Value, text_of
 from rollbench.lowfi.rating.contacts import race_pressures
 from rollbench.lowfi.rating.life import is_thrust
 from rollbench.lowfi.rating.reference import ReferenceLife
@@ -43,7 +43,7 @@ class Writer:
 
     def __init__(self, shaft: Assembly) -> None:
         """Begin with the unit, its casing and the shaft."""
-        self.model, self.steels = Model(), dict[Material, int]()
+        self.model, self.steels = RexsModel(), dict[Material, int]()
         self.notes: list[str] = []
         self.unit = self.model.add("gear_unit", shaft.title)
         self.casing = self.model.add("gear_casing", "casing")

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import escaped
-from rollbench.compare.running import clear
+from rollbench.compare.running import clear_progress_line
 
 if TYPE_CHECKING:
     from rich.table import Column as RichColumn
@@ -40,7 +40,7 @@ class Answer:
 
 def print_answer(answer: Answer, as_json: bool = False) -> int:
     """Print an answer on standard output and return its exit code. Raises OutputLost."""
-    clear()
+    clear_progress_line()
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
     else:

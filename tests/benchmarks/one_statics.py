@@ -12,7 +12,7 @@ from time import process_time
 import numpy as np
 from tests.axes import TURNING, assembly, bearing, nut
 
-from rollbench.compare.scenes.catalogue import shipped, whole_names
+from rollbench.compare.scenes.catalogue import shipped, single_set_names
 from rollbench.compare.studies.members.ensemble import run_ensemble
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, kernels
@@ -107,7 +107,7 @@ def main():
     line("six sets", one, six_sets())
     line("1,000 members", members, shipped("lin-random"), 3)
     if "--scenes" in sys.argv:
-        for name in whole_names():
+        for name in single_set_names():
             scene = shipped(name)
             print(f"{name:34} {apart(by_rows(scene), by_forces(scene)):10.1e}")
 

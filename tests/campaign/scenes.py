@@ -170,7 +170,7 @@ def _judged(text: str, number: int, model: str, command: Command | None) -> tupl
             several = found = run_model(scene, model, COMPILED)
             (verdict, words), brute = _of_axis(scene, several, model), False
         else:
-            one = scene_file.whole(scene, "campaign.toml")
+            one = scene_file.single_set_or_raise(scene, "campaign.toml")
             alone = found = run_model(one, model, COMPILED)
             verdict, words, brute = _verdict(one, alone, number, model)
     except InputError as error:

@@ -25,7 +25,7 @@ from tests.golden.means import leaves
 
 from rollbench.compare.cli import main
 from rollbench.compare.errors import InputError, Refusal
-from rollbench.compare.models.answers import gather, gather_axis
+from rollbench.compare.models.answers import all_answers, all_axis_answers
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS
@@ -158,10 +158,10 @@ def solved(text: str, model: str) -> Any:
         loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
-        return (several, gather_axis(described, several)) if several.converged else several
-    scene = scene_file.whole(described, "drawn.toml")
+        return (several, all_axis_answers(described, several)) if several.converged else several
+    scene = scene_file.single_set_or_raise(described, "drawn.toml")
     result = run_model(scene, model, COMPILED)
-    return (result, gather(scene, result, model, COMPILED)) if result.converged else result
+    return (result, all_answers(scene, result, model, COMPILED)) if result.converged else result
 
 
 def of_kind(number: int, shift: float) -> str:
@@ -178,7 +178,7 @@ def of_kind(number: int, shift: float) -> str:
 
 def of_a_kind(name: str) -> bool:
     """Whether only friction solves a shipped scene, in little time."""
-    return catalogue.heading(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
+    return catalogue.top_level_keys(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
 
 
 Item = Callable[[int, float], Found]

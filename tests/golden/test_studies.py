@@ -48,21 +48,21 @@ def references():
 
 def grids():
     y, h = loads_of_levels()
-    observed = [convergence.observe(y[4 - k :, i], h[4 - k :]) for k in range(1, 5) for i in range(3)]
-    pooled = [convergence.pool(y[-k:], h[-k:]) for k in range(1, 5)]
+    observed = [convergence.grid_convergence(y[4 - k :, i], h[4 - k :]) for k in range(1, 5) for i in range(3)]
+    pooled = [convergence.pooled_grid_uncertainty(y[-k:], h[-k:]) for k in range(1, 5)]
     fits = [
         fit
         for weighted in (False, True)
-        for fit in (convergence.searched(y, h, weighted), convergence.given(y, h, 1.5, weighted))
+        for fit in (convergence.fit_searched_order(y, h, weighted), convergence.fit_given_order(y, h, 1.5, weighted))
     ]
-    mixed = convergence.fixed(y, h, both=True)
+    mixed = convergence.fit_fixed_orders(y, h, both=True)
     settings = [levels.scaled(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))]
     return {
         "own": observed,
         "pooled": pooled,
         "fits": fits,
         "mixed": mixed,
-        "allowed": convergence.allowed(y, h, fits[0]),
+        "allowed": convergence.allowed_orders(y, h, fits[0]),
         "at": settings,
     }
 
@@ -75,14 +75,14 @@ def mesh_studies():
 def choices():
     scenes = [STUDY().scene(name) for name in NAMES]
     effects = [effect for scene in scenes for effect in modelling.varied(scene)]
-    return {"effects": effects, "combined": [modelling.combined(scene, effects) for scene in scenes]}
+    return {"effects": effects, "combined": [modelling.combine_effects(scene, effects) for scene in scenes]}
 
 
 def validation():
     rows = []
     for name in REFERENCED:
         answer = from_result(STUDY().solve(name, "lin"))
-        rows += [uncertainty.validated(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
+        rows += [uncertainty.validated_error(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
     rows = [row for row in rows if row is not None]
     return {"rows": rows, "scatter": uncertainty.scatter(rows)}
 
@@ -91,8 +91,8 @@ def expectations():
     points = model_form.shipped_points()
     return {
         "features": [model_form.features(STUDY().scene(name), STUDY().solve(name, "lin")) for name in NAMES],
-        "left out": model_form.left_out(points, "lin")[:12],
-        "places": [applicability.places(STUDY().scene(name)) for name in NAMES],
+        "left out": model_form.leave_one_out(points, "lin")[:12],
+        "places": [applicability.descriptors_in_range(STUDY().scene(name)) for name in NAMES],
         "points": [
             model_form.point(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
             for name in REFERENCED
@@ -107,7 +107,7 @@ def uncertainties():
 
 def faces():
     return [
-        [grid_parts.too_large(scene, load, 1), grid_parts.left_out(scene, load, 1)]
+        [grid_parts.excess_near_faces(scene, load, 1), grid_parts.error_near_faces(scene, load, 1)]
         for scene in (STUDY().scene("unseen-flange"), STUDY().scene("lin-case1"))
         for load in [STUDY().reference(scene.name).load]
     ]
@@ -142,8 +142,10 @@ def verdicts():
         scene, found, answer = STUDY().scene(name), STUDY().reference(name), from_result(STUDY().solve(name, "lin"))
         limits = verdict.Limits(7.0, 2.0, dict.fromkeys(judged.QUANTITIES, 3.0))
         out += verdict.judge("lin", answer.load, found, limits)
-        out += verdict.contact_verdicts("lin", verdict.contacts_by(scene, answer, limits.others), scene, found, limits)
-        values = verdict.values_by(scene, answer, limits.others)
+        out += verdict.contact_verdicts(
+            "lin", verdict.contact_values_by_model(scene, answer, limits.others), scene, found, limits
+        )
+        values = verdict.screw_values_by_model(scene, answer, limits.others)
         out += [verdict.value_verdict("lin", value, scene, found, limits) for value in values]
     return {"records": out, "json": [one.as_json() for one in out]}
 

@@ -12,7 +12,7 @@ from rollbench.compare.errors import Refusal
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import with_groove
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.levels import BALL
 from rollbench.compare.reference.tasks import Task, needed_sides, settings_of
 from rollbench.compare.scenes import catalogue
@@ -169,7 +169,7 @@ def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
     for name in ("build_body", "build_ball"):
         monkeypatch.setattr(f"rollbench.hifi.meshing.part_meshes.{name}", lambda *_: pytest.fail("meshed"))
     with pytest.raises(Refusal) as refused:
-        compute(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
+        compute_runs(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)
     assert "no room for the contact ellipse" in words
     assert words.count(" mm (") == 2
@@ -181,7 +181,7 @@ def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
 @pytest.mark.parametrize("name", SURVEY)
 def test_survey(name):
     """Level 1 converges in balance, within a time and memory that a machine of two cores has."""
-    (run,) = compute(Task((SURVEY[name],), 1))
+    (run,) = compute_runs(Task((SURVEY[name],), 1))
     assert run.status == "converged"
     assert max(run.balance, run.screw_balance) < 1e-8
     low = run_model(SURVEY[name], "refined", Options(discretisation=False))

@@ -47,7 +47,7 @@ screw = "rigid"
 
 def test_loads_that_almost_cancel_balance_to_round_off_of_the_loads() -> None:
     """Motions G f of a plate that bends are sums of large terms, whose round-off must not become a force."""
-    scene = scene_file.whole(scene_file.parse_scene(RING, "ring.toml"), "ring.toml")
+    scene = scene_file.single_set_or_raise(scene_file.parse_scene(RING, "ring.toml"), "ring.toml")
     result = run_model(scene, "refined", Options(engine="compiled", discretisation=False))
     assert result.converged
     assert result.equilibrium.force_residual < 2e-14

@@ -11,7 +11,7 @@ import pytest
 from tests.axes import one_set
 from tests.helpers import small_screw
 
-from rollbench.compare.scenes.scene_file import load
+from rollbench.compare.scenes.scene_file import read_scene_file
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -27,7 +27,7 @@ SCENES = Path(__file__).parent / "scenes"
 
 
 def read(number):
-    return load(SCENES / f"extreme-{number}.toml")
+    return read_scene_file(SCENES / f"extreme-{number}.toml")
 
 
 @cache
@@ -121,7 +121,7 @@ SOLVED_BY_ALL = {
 
 @pytest.mark.parametrize("name", SOLVED_BY_ALL)
 def test_what_one_model_solves_all_engines_and_models_solve(name):
-    scene = load(SCENES / f"{name}.toml")
+    scene = read_scene_file(SCENES / f"{name}.toml")
     # a hundred interpreted steps with elastic bodies take seconds: where they tell nothing, compiled ones serve
     elastic = "interpreted" if name == "rigid-under-moments" else "compiled"
     lin, other = (solve_static(scene, engine=e) for e in ("interpreted", "compiled"))
@@ -145,7 +145,7 @@ def test_a_twisted_shaft_carries_a_load_ten_billion_times_smaller(engine):
 
     The shaft's shear stiffness times the last digit of its motion of 10 um is 1e-8 N.
     """
-    scene = load(SCENES / "twisted-without-load.toml")
+    scene = read_scene_file(SCENES / "twisted-without-load.toml")
     result = solve_static(scene, engine=engine)
     assert result.converged
     applied = np.array(scene.loads[0].force)

@@ -11,7 +11,7 @@ import pytest
 
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
@@ -40,8 +40,8 @@ def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(
         return found
 
     monkeypatch.setattr(reference, "solve_reference", counted)
-    scene = scene_file.load(SCENES / f"{name}.toml")
-    (run,) = compute(Task((scene,), level))
+    scene = scene_file.read_scene_file(SCENES / f"{name}.toml")
+    (run,) = compute_runs(Task((scene,), level))
     assert (run.status, run.moving, run.measured) == ("converged", 0.0, measuring_conditions())
     assert max(updates) <= 4
     low = run_model(scene, "refined", Options(discretisation=False))

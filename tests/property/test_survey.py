@@ -27,7 +27,7 @@ SMALL = (69, 136)
 def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
     texts = [scene_text(SEED, number) for number in range(10)]
     assert hashlib.sha256("".join(texts).encode()).hexdigest()[:12] == "ffc9f89ec506"
-    found = [scene_features(scene_file.loads(text, "survey.toml")) for text in texts]
+    found = [scene_features(scene_file.scene_of_text(text, "survey.toml")) for text in texts]
     ends = np.array([[r["low_face_radii"], r["high_face_radii"]] for r in found])
     assert ((ends > 1.0) & (ends < 6.1)).all()
     assert {r["starts"] for r in found} == {1, 2}
@@ -37,7 +37,7 @@ def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
 @pytest.mark.parametrize("number", [38, 54])
 def test_a_flank_that_may_touch_has_its_opposite_prepared(number: int) -> None:
     """Three flanks are expected to touch: bodies are condensed to pairs of opposite ones."""
-    scene = scene_file.loads(scene_text(SEED, number), "survey.toml")
+    scene = scene_file.scene_of_text(scene_text(SEED, number), "survey.toml")
     sides = needed_sides(scene)
     assert len(expected_contacts(scene).sides()) == 3
     assert {3 - side for side in sides} == set(sides)
@@ -46,7 +46,7 @@ def test_a_flank_that_may_touch_has_its_opposite_prepared(number: int) -> None:
 @pytest.mark.parametrize("number", [2, 6, 66, 89, 130, 154, 194])
 def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
     """Outermost balls 1.00 to 1.13 ball radii from a face: a lip of a tenth of a millimetre beside some contacts."""
-    scene = scene_file.loads(scene_text(SEED, number), "survey.toml")
+    scene = scene_file.scene_of_text(scene_text(SEED, number), "survey.toml")
     assert 1.0 <= scene_features(scene)["low_face_radii"] < 1.14
     settings = settings_of([scene], 1)
     m, layout = GrooveMap.of(scene), ball_layout(scene)

@@ -8,7 +8,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
-from rollbench.compare.evidence import by_table, evidence, misprints
+from rollbench.compare.evidence import computations_by_table, evidence, misprints
 from rollbench.compare.gate.gate import evidence_row
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -30,7 +30,7 @@ SHIFTED = {"external": 140, "kalker": 36, "lin": 218, "liu": 71, "smith": 269}
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
 def test_every_entry_has_one_finding_and_one_verdict(source):
-    names = [name for name in of_source(source) if name in by_table()]
+    names = [name for name in of_source(source) if name in computations_by_table()]
     found = evidence(STUDY, *names)
     assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
     counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}

@@ -13,12 +13,12 @@ import numpy as np
 
 from rollbench.compare.cases.external.evidence import scene_name
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.model_form import FLANGE, estimate, surveyed_points
+from rollbench.compare.models.model_form import FLANGE, estimate, points_of_drawn_screws
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
 from rollbench.compare.reference import grid_parts
-from rollbench.compare.reference.grid_parts import left_out
+from rollbench.compare.reference.grid_parts import error_near_faces
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.lowfi.rating.life import life
@@ -127,7 +127,7 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
     bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read_experience(shipped_store())).bars(loads)
-    return float(error_percent((bars + left_out(scene, loads[level], level)).max(), 0.0, mean))
+    return float(error_percent((bars + error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 
 def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
@@ -231,7 +231,7 @@ def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: s
 
 def flanged_words() -> str:
     """Return a sentence on the errors of the default model for drawn nuts fixed at flanges."""
-    nuts = [p for p in surveyed_points() if p.model == DEFAULT and FLANGE in p.features]
+    nuts = [p for p in points_of_drawn_screws() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
         return "No drawn nut held by a flange was compared with the 3D reference."
     return (

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.compare.cases.external import evidence as external
 from rollbench.compare.cases.external.evidence import PREFIX, assumptions
-from rollbench.compare.evidence import Evidence, by_table, evidence
+from rollbench.compare.evidence import Evidence, computations_by_table, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.modelling import UNSEEN
@@ -190,7 +190,7 @@ def stages_table(
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section of the report."""
     step("values of other programs, makers and textbooks")
-    tables = [name for name in by_table() if name.startswith(PREFIX)]
+    tables = [name for name in computations_by_table() if name.startswith(PREFIX)]
     found = evidence(study, *tables)
     step("three rigidities of ball nuts")
     rigid = stages_table(study, catalogue_rows(study), UNSEEN)

@@ -16,7 +16,7 @@ from rollbench.compare.cases.makers.outside import Band, Outside, of_row
 from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.from_keys import oversize_for, touching_angle
+from rollbench.compare.scenes.from_keys import angle_of_touching_balls, oversize_for_preload
 from rollbench.compare.scenes.template import BEYOND, STOCK, WALL
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.contacts import static_rating
@@ -63,7 +63,7 @@ class Nut:
     @property
     def touching(self) -> float:
         """Number of balls in one turn if they touch one another."""
-        return float(2.0 * pi / touching_angle(0.5 * self.pitch, self.lead, self.ball))
+        return float(2.0 * pi / angle_of_touching_balls(0.5 * self.pitch, self.lead, self.ball))
 
     @property
     def filling(self) -> tuple[float, float]:
@@ -268,7 +268,7 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
     if double:
         loaded = replace(scene, loads=(Load(0.0, (0.0, 0.0, share * FEW)),))
     else:
-        size = BallErrors(oversize=oversize_for(scene, share * FEW))
+        size = BallErrors(oversize=oversize_for_preload(scene, share * FEW))
         loaded = replace(scene, errors=replace(scene.errors, balls=size))
     found = run_model(loaded, "lin", Options(discretisation=False))
     torque = friction_state(loaded, found, Friction(coefficient, coefficient), Motion(2.0 * pi)).torque.friction

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.compare.cases.makers.tables import Table as Printed
 from rollbench.compare.cases.makers.tables import half_step
-from rollbench.compare.evidence import by_table, evidence
+from rollbench.compare.evidence import computations_by_table, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.reports.content import Cell, Quantity, Table
@@ -254,7 +254,7 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 def printed_elsewhere(study: Study) -> Iterator[Outside]:
     """Yield every number of the tables in `PRINTED` that is computed; open ones are not judged."""
     for name, (maker, cls) in PRINTED.items():
-        if name not in by_table():
+        if name not in computations_by_table():
             continue
         for e in evidence(study, name):
             p = e.printed

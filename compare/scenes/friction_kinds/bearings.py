@@ -15,7 +15,7 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import KindKeys, KindScene, head_of
+from rollbench.compare.scenes.friction_kinds.common import KindKeys, KindScene, head_fields
 from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, deviations
@@ -80,14 +80,14 @@ class BearingBallScene(KindScene):
     map_step: float | None
 
 
-def ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
+def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     """Yield faults of contradictory keys, and of bodies that the model does not cover."""
-    wrong = [*common.material_faults(keys.material), *common.body_faults(keys, ring=True)]
+    wrong = [*common.material_faults(keys.material), *common.groove_and_path_faults(keys, ring=True)]
     yield from wrong
     if wrong:
         return
     reach = common.groove_radius(keys.screw, keys.balls) - keys.balls.radius
-    yield from common.play_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
+    yield from common.displacement_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
     yield from _law_faults(keys.friction, keys.motion.speed)
 
 
@@ -105,7 +105,7 @@ def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
 
 
-def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
+def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
     """Return the scene of validated keys."""
     f = keys.friction
     bearing = Bearing(
@@ -114,7 +114,7 @@ def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
         keys.track.pitch_radius,
         0.0,
         keys.track.contact_angle,
-        *common.elastic(keys.material),
+        *common.elastic_constants(keys.material),
         f.coefficient,
         0.0,
         keys.motion.speed,
@@ -122,7 +122,7 @@ def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
         clearance=0.0 - keys.errors.balls.oversize,
     )
     return BearingBallScene(
-        *head_of(keys, name),
+        *head_fields(keys, name),
         bearing,
         keys.load.axial_force,
         keys.load.radial_displacement,
@@ -200,21 +200,21 @@ class BearingPairScene(KindScene):
     angle: Array
 
 
-def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
+def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
     """Yield faults of contradictory keys, and of bodies that the model does not cover."""
     wrong = list(common.material_faults(keys.material))
     yield from wrong
     if wrong:
         return
     for table, b in (("four_point", keys.four_point), ("double_row", keys.double_row)):
-        wrong = list(common.body_faults(b, f"{table}.", ring=True))
+        wrong = list(common.groove_and_path_faults(b, f"{table}.", ring=True))
         yield from wrong
         if not wrong:
             most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
             if b.balls.count > most:
                 advice = "the balls would overlap: fewer or smaller balls"
                 yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
-            yield from common.hertz_faults(_bearing(keys, b).groove, f"{table}.")
+            yield from common.hertz_faults(_bearing_case(keys, b).groove, f"{table}.")
     if np.any(np.diff(keys.load.angles) <= 0.0):
         advice = "each state starts the next: sort the angles and give each once"
         yield Fault(("load.angles",), "angles in ascending order", advice)
@@ -222,14 +222,14 @@ def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero", "a friction torque needs a ring that turns")
 
 
-def _bearing(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
+def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
     groove = ScrewGroove(
         b.balls.radius,
         common.groove_radius(b.screw, b.balls),
         b.track.pitch_radius,
         0.0,
         b.track.contact_angle,
-        *common.elastic(keys.material),
+        *common.elastic_constants(keys.material),
         keys.friction.coefficient,
         0.0,
         keys.motion.speed,
@@ -243,10 +243,10 @@ def _bearing(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
     return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - b.errors.balls.oversize, keys.load.tilt)
 
 
-def pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
+def bearing_pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """Return the scene of validated keys."""
-    four, double = (_bearing(keys, b) for b in (keys.four_point, keys.double_row))
-    return BearingPairScene(*head_of(keys, name), four, double, np.array(keys.load.angles))
+    four, double = (_bearing_case(keys, b) for b in (keys.four_point, keys.double_row))
+    return BearingPairScene(*head_fields(keys, name), four, double, np.array(keys.load.angles))
 
 
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
@@ -359,14 +359,14 @@ class LinearChainScene(LinearScene):
 # --- what a scene may not describe
 
 
-def faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
+def linear_bearing_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
     """Yield faults of contradictory keys, and of bodies that the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.groove_faults(keys.grooves, keys.balls, "grooves")]
     yield from wrong or _linear_faults(keys)
 
 
 def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
-    angles, side, gap = _balls(keys)
+    angles, side, gap = _ball_angles_and_gaps(keys)
     chain = isinstance(keys, LinearChainKeys)
     if gap[-1] != 0.0:
         where = f"chain[{len(gap) - 1}].gap"
@@ -377,7 +377,7 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
             advice = f"the nominal contact angle is {degrees(keys.track.contact_angle):.6g} deg"
             yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
             return
-        low, high = side_range(row, keys.track.contact_angle, keys.load.distribution)
+        low, high = side_force_range(row, keys.track.contact_angle, keys.load.distribution)
         if not low <= side[i] <= high:
             where = f"chain[{i}].side_force_ratio" if chain else "load.side_force_ratio"
             least, most = (low, high) if chain or i == 0 else (-high, -low)
@@ -386,7 +386,7 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
             return
 
 
-def side_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
+def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
     """Return the smallest and largest side force ratio of a ball at contact angles (4,) for which no contact pulls."""
     if distribution == "elastic":
         return -np.inf, np.inf
@@ -399,7 +399,7 @@ def side_range(angles: Array, nominal: float, distribution: Loads) -> tuple[floa
 # --- records
 
 
-def _balls(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
+def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
     """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps after each ball (N,) [m]."""
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
@@ -410,7 +410,7 @@ def _balls(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]
     return keys.track.contact_angle + turned, side, gap
 
 
-def record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
+def linear_bearing_record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
     """Return the scene of validated keys."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
@@ -420,10 +420,10 @@ def record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
         keys.motion.carriage,
         f.coefficient,
         f.coefficient if f.balls is None else f.balls,
-        *common.elastic(keys.material),
+        *common.elastic_constants(keys.material),
     )
-    angles, side, gap = _balls(keys)
-    force, how, head = keys.load.vertical_force, keys.load.distribution, head_of(keys, name)
+    angles, side, gap = _ball_angles_and_gaps(keys)
+    force, how, head = keys.load.vertical_force, keys.load.distribution, head_fields(keys, name)
     if isinstance(keys, LinearPairKeys):
         return LinearPairScene(*head, bearing, angles, force, side, how, gap[:-1], keys.angles.deviation)
     return LinearChainScene(*head, bearing, angles, force, side, how, gap[:-1])

@@ -47,21 +47,21 @@ class KindScene:
 
     def to_toml(self) -> str:
         """Return the text of a scene file that is read as this scene."""
-        from rollbench.compare.scenes.friction_kinds.table import tables
+        from rollbench.compare.scenes.friction_kinds.table import scene_tables
 
-        return to_toml(tables(self))
+        return to_toml(scene_tables(self))
 
 
 Head = tuple[str, str, str, tuple[str, ...]]
 
 
-def head_of(keys: KindKeys, name: str) -> Head:
+def head_fields(keys: KindKeys, name: str) -> Head:
     """Return the first fields of a record: name, title, source, assumptions."""
     return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
 
 
 @dataclass(frozen=True)
-class Kind:
+class SceneKind:
     """A kind of scene: its keys, keys that are not allowed, and the function that makes its record."""
 
     keys: type[KindKeys]
@@ -119,7 +119,7 @@ def material_faults(material: MaterialKeys) -> Iterator[Fault]:
             yield Fault((f"material.{name}",), "a value", f"write {name} = {text} under [material]", "nothing")
 
 
-def elastic(material: MaterialKeys) -> tuple[float, float]:
+def elastic_constants(material: MaterialKeys) -> tuple[float, float]:
     """Return Young's modulus [Pa] and Poisson's ratio of a validated material."""
     return material.youngs_modulus or 0.0, material.poissons_ratio or 0.0
 
@@ -138,7 +138,7 @@ def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterat
         yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {mm(balls.radius)}", advice)
 
 
-class Body(Protocol):
+class OneRingKeys(Protocol):
     """Tables of one ring or screw."""
 
     screw: GrooveKeys
@@ -154,7 +154,7 @@ class Body(Protocol):
         """The balls."""
 
 
-def body_faults(body: Body, p: str = "", *, ring: bool) -> Iterator[Fault]:
+def groove_and_path_faults(body: OneRingKeys, p: str = "", *, ring: bool) -> Iterator[Fault]:
     """Yield faults of grooves and path.
 
     Parameters
@@ -182,10 +182,10 @@ def body_faults(body: Body, p: str = "", *, ring: bool) -> Iterator[Fault]:
     if track.pitch_radius <= radius:
         advice = "the balls run on a circle larger than the groove's section"
         yield Fault((f"{p}track.pitch_radius",), f"above {mm(radius)}", advice)
-    yield from play_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{p}errors.balls.oversize")
+    yield from displacement_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{p}errors.balls.oversize")
 
 
-def play_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
+def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
     """Yield a fault of a play or displacement [m] that moves the ball's centre out of its groove's section."""
     if abs(size) >= reach:
         advice = "the ball's centre would leave its groove's section: the models hold for small displacements"

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault, mm
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import KindScene, head_of
+from rollbench.compare.scenes.friction_kinds.common import KindScene, head_fields
 from rollbench.compare.scenes.key_checks import time_faults
 from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -30,7 +30,7 @@ Direction = Literal["axial", "radial"]
 #: Largest number of balls times steps of a run: all results are kept.
 MOST = 5_000_000
 #: Names of the screw's free translations.
-FREE: dict[Direction, str] = {"axial": "z", "radial": "r"}
+FREE_TRANSLATION: dict[Direction, str] = {"axial": "z", "radial": "r"}
 _PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (screw or nut, left or right) take"
 
 
@@ -136,17 +136,17 @@ class ScrewRunScene(KindScene):
 # --- what a scene may not describe
 
 
-def faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     """Yield faults of contradictory keys, and of bodies that the models do not cover."""
     wrong = list(common.material_faults(keys.material))
-    wrong = wrong or list(common.body_faults(keys, ring=False))
-    wrong = wrong or list(_screw_faults(keys))
+    wrong = wrong or list(common.groove_and_path_faults(keys, ring=False))
+    wrong = wrong or list(_angle_and_load_faults(keys))
     if not wrong and isinstance(keys, ScrewRunKeys):
         wrong = list(_run_faults(keys))
     yield from wrong
 
 
-def _screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     pair = isinstance(keys, ScrewPairKeys)
     where = "angles.deviations" if pair else "angles.amplitude"
     largest = max(map(abs, keys.angles.deviations)) if isinstance(keys, ScrewPairKeys) else abs(keys.angles.amplitude)
@@ -194,7 +194,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
         track.pitch_radius,
         -track.lead if track.hand == "left" else track.lead,
         track.contact_angle,
-        *common.elastic(keys.material),
+        *common.elastic_constants(keys.material),
         f.coefficient,
         nut,
         screw,
@@ -203,7 +203,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
     )
 
 
-def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
+def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
     """Return the scene of validated keys."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
@@ -212,14 +212,14 @@ def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
         (first, second),
         (pattern, pattern),
         keys.errors.balls.oversize,
-        FREE[keys.load.direction],
+        FREE_TRANSLATION[keys.load.direction],
         (keys.load.force,),
         keys.friction.coupling,
     )
-    return ScrewPairScene(*head_of(keys, name), pair)
+    return ScrewPairScene(*head_fields(keys, name), pair)
 
 
-def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
+def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
     """Return the scene of validated keys."""
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
@@ -228,7 +228,7 @@ def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
         keys.balls.count,
         keys.balls.turns,
         (keys.load.force,),
-        FREE[keys.load.direction],
+        FREE_TRANSLATION[keys.load.direction],
         time.span(Motion(keys.motion.speed)),
         time.steps or 1,
         keys.errors.balls.oversize,
@@ -242,4 +242,4 @@ def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
         keys.time.rounds,
         a.follows,
     )
-    return ScrewRunScene(*head_of(keys, name), run, time)
+    return ScrewRunScene(*head_fields(keys, name), run, time)

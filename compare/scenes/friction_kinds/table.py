@@ -21,9 +21,9 @@ from rollbench.compare.scenes.friction_kinds.bearings import (
     LinearScene,
     Speed,
 )
-from rollbench.compare.scenes.friction_kinds.common import Kind, KindScene, Theta
+from rollbench.compare.scenes.friction_kinds.common import KindScene, SceneKind, Theta
 from rollbench.compare.scenes.friction_kinds.screw_balls import (
-    FREE,
+    FREE_TRANSLATION,
     ScrewPairKeys,
     ScrewPairScene,
     ScrewRunKeys,
@@ -50,21 +50,21 @@ from rollbench.meshes.ranges import (
 from rollbench.meshes.scene_text import given, groove_table, table_of, text_of
 
 TABLE = {
-    "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record),
-    "bearing pair": Kind(BearingPairKeys, bearings.pair_faults, bearings.pair_record),
-    "linear pair": Kind(LinearPairKeys, bearings.faults, bearings.record),
-    "linear chain": Kind(LinearChainKeys, bearings.faults, bearings.record),
-    "screw pair": Kind(ScrewPairKeys, screw_balls.faults, screw_balls.pair_record),
-    "screw run": Kind(ScrewRunKeys, screw_balls.faults, screw_balls.run_record),
+    "bearing ball": SceneKind(BearingBallKeys, bearings.bearing_ball_faults, bearings.bearing_ball_record),
+    "bearing pair": SceneKind(BearingPairKeys, bearings.bearing_pair_faults, bearings.bearing_pair_record),
+    "linear pair": SceneKind(LinearPairKeys, bearings.linear_bearing_faults, bearings.linear_bearing_record),
+    "linear chain": SceneKind(LinearChainKeys, bearings.linear_bearing_faults, bearings.linear_bearing_record),
+    "screw pair": SceneKind(ScrewPairKeys, screw_balls.ball_screw_faults, screw_balls.screw_pair_record),
+    "screw run": SceneKind(ScrewRunKeys, screw_balls.ball_screw_faults, screw_balls.screw_run_record),
 }
 
 
-def kind_named(name: str) -> Kind:
+def kind_named(name: str) -> SceneKind:
     """Return the kind of a name, one of `names.KINDS`."""
     return TABLE[name]
 
 
-def _tag(value: Any) -> str:
+def _kind_tag(value: Any) -> str:
     kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
     if kind == AXIS or (isinstance(value, dict) and "sets" in value):
         return AXIS
@@ -77,7 +77,7 @@ def json_schema() -> dict[str, Any]:
     It has description, unit, range and example of every key.
     """
     by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
-    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_tag)]  # noqa: UP007
+    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_kind_tag)]  # noqa: UP007
     schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
     name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
     name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
@@ -88,29 +88,29 @@ def json_schema() -> dict[str, Any]:
 Table = dict[str, Any]
 
 
-def tables(scene: KindScene) -> Table:
+def scene_tables(scene: KindScene) -> Table:
     """Return keys and tables of a scene of any of these kinds."""
     head = given(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
         case BearingBallScene():
-            return head | _ball(scene)
+            return head | _ball_tables(scene)
         case BearingPairScene():
-            return head | _bearings(scene)
+            return head | _bearing_pair_tables(scene)
         case LinearScene():
-            return head | _linear(scene)
+            return head | _linear_tables(scene)
         case ScrewPairScene():
             angles = {"deviations": [text_of(Theta, x) for x in scene.pair.theta], "pattern": [*scene.pair.pattern[0]]}
-            return head | _screw(scene.pair.groove, scene.pair, angles)
+            return head | _screw_tables(scene.pair.groove, scene.pair, angles)
         case ScrewRunScene():
-            return head | _run(scene)
+            return head | _screw_run_tables(scene)
     raise AssertionError(scene.kind)
 
 
-def _material(young: float, poisson: float) -> Table:
+def _material_table(young: float, poisson: float) -> Table:
     return {"youngs_modulus": text_of(Modulus, young), "poissons_ratio": poisson}
 
 
-def _bodies(groove: ScrewGroove, oversize: float) -> Table:
+def _body_tables(groove: ScrewGroove, oversize: float) -> Table:
     """Return the tables of path, grooves, balls and their errors."""
     section = groove_table(groove.groove_radius, groove.ball_radius)
     hand = {"hand": "left"} if groove.lead < 0.0 else {}
@@ -124,25 +124,25 @@ def _bodies(groove: ScrewGroove, oversize: float) -> Table:
     }
 
 
-def _hertz(groove: ScrewGroove) -> Table:
+def _hertz_table(groove: ScrewGroove) -> Table:
     return {"ingredients": {"hertz": "as printed"}} if groove.hertz == "as printed" else {}
 
 
-def _ball(scene: BearingBallScene) -> Table:
+def _ball_tables(scene: BearingBallScene) -> Table:
     b = scene.bearing
     creep = text_of(Creep, scene.creep) if scene.creep else None
     law = given(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
     return {
-        "material": _material(b.young, b.poisson),
-        **_bodies(b, 0.0 - b.clearance),
-        **_hertz(b),
+        "material": _material_table(b.young, b.poisson),
+        **_body_tables(b, 0.0 - b.clearance),
+        **_hertz_table(b),
         "load": {"axial_force": text_of(Force, scene.force), "radial_displacement": text_of(Deviation, scene.displacement)},
         "motion": {"speed": text_of(Turning, b.screw_speed)},
         "friction": {"coefficient": b.mu, **law},
     }
 
 
-def _bearings(scene: BearingPairScene) -> Table:
+def _bearing_pair_tables(scene: BearingPairScene) -> Table:
     four, double = scene.four_point, scene.double_row
     groove = four.groove
     first, second = double.rows
@@ -150,26 +150,26 @@ def _bearings(scene: BearingPairScene) -> Table:
     rows = {"distance": text_of(Size, second.place - first.place), "arrangement": arrangement}
     load = {"force": text_of(Force, four.force), "angles": [text_of(ContactAngle, float(x)) for x in scene.angle]}
     return {
-        "material": _material(groove.young, groove.poisson),
-        "four_point": _ring(four),
-        "double_row": _ring(double) | {"rows": rows},
+        "material": _material_table(groove.young, groove.poisson),
+        "four_point": _ring_tables(four),
+        "double_row": _ring_tables(double) | {"rows": rows},
         "load": load | {"tilt": four.tilt},
         "motion": {"speed": text_of(Turning, groove.screw_speed)},
         "friction": {"coefficient": groove.mu},
-        **_hertz(groove),
+        **_hertz_table(groove),
     }
 
 
-def _ring(case: BearingCase) -> Table:
-    bodies = _bodies(case.groove, 0.0 - case.clearance)
+def _ring_tables(case: BearingCase) -> Table:
+    bodies = _body_tables(case.groove, 0.0 - case.clearance)
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 
 
-def _linear(scene: LinearScene) -> Table:
+def _linear_tables(scene: LinearScene) -> Table:
     b = scene.bearing
     load = {"vertical_force": text_of(Force, scene.vertical), "distribution": scene.distribution}
     table = {
-        "material": _material(b.young, b.poisson),
+        "material": _material_table(b.young, b.poisson),
         "track": {"contact_angle": text_of(ContactAngle, b.contact_angle)},
         "grooves": {"conformity": b.conformity},
         "balls": {"radius": text_of(Radius, b.ball_radius)},
@@ -191,27 +191,27 @@ def _linear(scene: LinearScene) -> Table:
     return table | {"load": load, "chain": chain}
 
 
-def _screw(groove: ScrewGroove, of: Any, angles: Table) -> Table:
+def _screw_tables(groove: ScrewGroove, of: Any, angles: Table) -> Table:
     """Return the tables that a pair and a run of balls share."""
     by_nut = groove.nut_speed != 0.0
     speed = {"speed": text_of(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
-    direction = next(name for name, letter in FREE.items() if letter == of.free)
+    direction = next(name for name, letter in FREE_TRANSLATION.items() if letter == of.free)
     return {
-        "material": _material(groove.young, groove.poisson),
-        **_bodies(groove, of.oversize),
+        "material": _material_table(groove.young, groove.poisson),
+        **_body_tables(groove, of.oversize),
         "angles": angles,
-        **_hertz(groove),
+        **_hertz_table(groove),
         "load": {"force": text_of(Force, of.force[0]), "direction": direction},
         "motion": speed | ({"turns": "nut"} if by_nut else {}),
         "friction": {"coefficient": groove.mu, **given(balls=groove.mu_balls), "coupling": of.coupling},
     }
 
 
-def _run(scene: ScrewRunScene) -> Table:
+def _screw_run_tables(scene: ScrewRunScene) -> Table:
     run = scene.run
     angles: Table = {"amplitude": text_of(Theta, run.amplitude), "cycles_per_turn": run.cycles}
     angles |= {"phase": text_of(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}
-    table, radius = _screw(run.groove, run, angles), run.groove.radius
+    table, radius = _screw_tables(run.groove, run, angles), run.groove.radius
     lengths = (float(f"{run.tube * radius:.{digits}g}") for digits in range(1, 18))
     tube = next((length for length in lengths if length / radius == run.tube), run.tube * radius)
     table["balls"] |= {"count": run.count, "turns": run.turns}

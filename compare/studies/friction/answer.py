@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.friction_sums import moves, sums
+from rollbench.compare.models.friction_sums import friction_sums_json, motion_against_load
 from rollbench.compare.quantities import number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
@@ -363,7 +363,7 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
 
 def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """Return the sums for one pair of coefficients."""
-    found = sums(state.torque, drag)
+    found = friction_sums_json(state.torque, drag)
     names = (
         "friction_torque_Nmm",
         "drag_torque_Nmm",
@@ -428,7 +428,7 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     """Return the line on the torque that a motor, or a brake, must provide."""
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
-    moving = f", which moves {moves(t)}" if t.translating else ""
+    moving = f", which motion_against_load {motion_against_load(t)}" if t.translating else ""
     return "torque", f"{vector_json(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.quantities import number
-from rollbench.compare.running import bar
+from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
 from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, resolved
 from rollbench.lowfi.friction.whole.circuit import balls_of
@@ -97,7 +97,7 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
     """Compute a run with several step sizes, with a progress bar; return the history and its step error."""
-    with bar(f"{name}, run in time") as progress:
+    with progress_bar(f"{name}, run in time") as progress:
         return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 

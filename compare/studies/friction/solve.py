@@ -16,7 +16,7 @@ from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import AxisAnswers, solve_sets
 from rollbench.compare.models.drive import axis_drive
-from rollbench.compare.models.friction_sums import sums
+from rollbench.compare.models.friction_sums import friction_sums_json
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.quantities import number, range_text
 from rollbench.compare.scenes import catalogue
@@ -205,7 +205,9 @@ def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, mo
 
 def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """Return the row of a set: torques and loss."""
-    return {"set": i + 1, "name": s.of.name} | sums(state.torque, drag) | {"loss_W": number(state.torque.power)}
+    return (
+        {"set": i + 1, "name": s.of.name} | friction_sums_json(state.torque, drag) | {"loss_W": number(state.torque.power)}
+    )
 
 
 def _axis_answer(
@@ -216,7 +218,7 @@ def _axis_answer(
     found: tuple[Friction, Motion, Solved, dict[int, float]],
 ) -> FrictionAnswer:
     friction, motion, solved, drag = found
-    nuts = {i: (sums(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead_of_set(s)}
+    nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead_of_set(s)}
     drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.models.answers import load_answers, outside
-from rollbench.compare.models.friction_sums import sums
+from rollbench.compare.models.answers import load_answers, validity_warnings
+from rollbench.compare.models.friction_sums import friction_sums_json
 from rollbench.compare.models.loading import preload
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import as_json, count_of, number
@@ -475,7 +475,7 @@ def _whole_answer(
     motion = scene.motion or ONE_TURN
     good = all(s.settled for s in solved[1])
     status = friction_status(next((s for s in solved[1] if not s.settled), state))
-    torque = sums(state.torque, drag.torque)
+    torque = friction_sums_json(state.torque, drag.torque)
     rows, losses = output.ball_rows(result, state), output.loss_rows(state)
     over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
@@ -528,7 +528,7 @@ def _whole_answer(
             (
                 *([] if played is None else [play_warning(played)]),
                 *result.warnings,
-                *outside(scene, load_answers(scene, result.load, result.contact_angle, result.member), held),
+                *validity_warnings(scene, load_answers(scene, result.load, result.contact_angle, result.member), held),
                 *feedback_warnings(state),
                 *output.slip_warnings(slip),
             ),

@@ -68,7 +68,7 @@ class Sweep:
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted)} if self.outputs else {}
         if self.model not in MODELS:
-            some["model_of"] = user_models.origin(self.model)
+            some["model_of"] = user_models.origin_of_model(self.model)
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:

@@ -26,9 +26,9 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
-from rollbench.compare.models.answers import unloaded_place
+from rollbench.compare.models.answers import axial_place_without_loads
 from rollbench.compare.models.load_cases import cycle_life, loads_of
-from rollbench.compare.models.loading import axial_load, axial_preload, motion_asked, scaled, solve_scaled
+from rollbench.compare.models.loading import axial_load, axial_preload, displacement_of_interest, scaled, solve_scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -83,7 +83,7 @@ def sample_outputs(
         return solve_scaled(scene, 0.0, model, options)
 
     def rigidity() -> float | None:
-        moved = axial_displacement(scene, result) - unloaded_place(scene, bare())
+        moved = axial_displacement(scene, result) - axial_place_without_loads(scene, bare())
         return _rigidity_of(axial_force(result), moved)
 
     makers: Makers = {
@@ -156,7 +156,7 @@ def axis_outputs(
     set with the shortest; preload: the largest axial force of a set without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved, loads = axial_load(assembly), motion_asked(assembly, result)[2], loads_of(result)
+    force, moved, loads = axial_load(assembly), displacement_of_interest(assembly, result)[2], loads_of(result)
 
     @cache
     def bare() -> AxisResult:
@@ -170,7 +170,7 @@ def axis_outputs(
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
         "rigidity_N_per_um": lambda: (
-            _rigidity_of(force, moved - motion_asked(assembly, bare())[2]) if bare().converged else None
+            _rigidity_of(force, moved - displacement_of_interest(assembly, bare())[2]) if bare().converged else None
         ),
         "preload_N": preload,
         "life_million_revolutions": lambda: _life_of_sets([(s.of.parts, loads[s.of.name]) for s in result.sets]),
@@ -442,7 +442,7 @@ def attempt_sample(
     scene = scene_tables.read_tables(change_keys(_tables_of_scene(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
         return _solve_cases(scene, model, engine, wanted)
-    result, kept = solve_case(scene_file.solvable(scene, origin), model, engine, wanted)
+    result, kept = solve_case(scene_file.scene_or_assembly(scene, origin), model, engine, wanted)
     return {"status": result.status, **kept}
 
 

@@ -7,7 +7,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.results.scene_json import torque_by_palmgren
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.axis_file import preload_of_set
+from rollbench.compare.scenes.axis_file import preload_of_arrangement
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
 from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
@@ -45,7 +45,7 @@ def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
     rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
     one = PointRow(1e10)
     loads = equilibrium(arrangement(one, rows, one.deflection(2150.0))).loads
-    assert preload_of_set(name, 2150.0) == pytest.approx(loads[np.array(rows) == 1].sum(), rel=1e-9)
+    assert preload_of_arrangement(name, 2150.0) == pytest.approx(loads[np.array(rows) == 1].sum(), rel=1e-9)
 
 
 def test_rows_stand_side_by_side_and_share_the_preload() -> None:
@@ -54,7 +54,7 @@ def test_rows_stand_side_by_side_and_share_the_preload() -> None:
     assert [s.thrust for s in found.sets] == ["-z", "+z", "+z"]
     assert [s.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])
     assert [s.parts.nut.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])  # type: ignore[union-attr]
-    total = preload_of_set("DBD", 3350.0)
+    total = preload_of_arrangement("DBD", 3350.0)
     assert [s.preload for s in found.sets] == pytest.approx([total, 0.5 * total, 0.5 * total])
     stated = read(
         changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), ('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf"))
@@ -81,7 +81,7 @@ def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
     found = read(changed(('force = ["0 N", "0 N", "2 kN"]', 'force = ["0 N", "0 N", "0 N"]')))
     result = run_model(found, "lin")
     assert result.converged
-    total = preload_of_set("DBD", 3350.0)
+    total = preload_of_arrangement("DBD", 3350.0)
     assert [abs(s.force[2]) for s in result.sets] == pytest.approx([total, 0.5 * total, 0.5 * total], rel=1e-6)
     one = row_of(found)
     alone = one.stiffness(one.deflection(total)) + 2.0 * one.stiffness(one.deflection(0.5 * total))

@@ -12,14 +12,14 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import Loads, compared_models, options_for
 from rollbench.compare.models.model_form import estimate, shipped_points
 from rollbench.compare.models.registry import MODELS, run_model
-from rollbench.compare.models.uncertainty import Choices, Total
+from rollbench.compare.models.uncertainty import ChoiceEffects, LoadUncertainty
 from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference
 from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
-TOTAL = Total(0.2, True, Choices("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False)
+TOTAL = LoadUncertainty(0.2, True, ChoiceEffects("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False)
 
 
 def loads(scene, model: str, factor: float) -> Loads:

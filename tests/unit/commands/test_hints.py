@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import like_path
+from rollbench.compare.files import similar_paths
 from rollbench.compare.scenes import catalogue, scene_file
 
 
@@ -41,7 +41,7 @@ def test_a_misspelt_file_has_a_suggestion(tmp_path, typed: str) -> None:
     (tmp_path / "screw 40.toml").write_text("", encoding="utf-8")
     (tmp_path / "screw 40.csv").write_text("", encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        scene_file.load(tmp_path / typed)
+        scene_file.read_scene_file(tmp_path / typed)
     assert f"did you mean {shlex.quote(str(tmp_path / 'screw 40.toml'))}?" in str(caught.value)
 
 
@@ -54,8 +54,8 @@ def test_further_suggestions(tmp_path, monkeypatch) -> None:
         with pytest.raises(InputError, match=r"did you mean Mine\.toml"):
             catalogue.any_scene(typed)
     (tmp_path / "loads.csv").write_text("", encoding="utf-8")
-    assert like_path(tmp_path / "laods.csv") == f"did you mean {tmp_path / 'loads.csv'}?"
-    assert like_path(tmp_path / "none" / "laods.csv") == ""
+    assert similar_paths(tmp_path / "laods.csv") == f"did you mean {tmp_path / 'loads.csv'}?"
+    assert similar_paths(tmp_path / "none" / "laods.csv") == ""
     with pytest.raises(InputError, match="rollbench list"):
         catalogue.any_scene("xyzxyz.toml")
 

@@ -13,7 +13,7 @@ FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'
 
 
 def screw(tmp_path: Path, *changes: tuple[str, str]) -> Path:
-    text = like.scene_like("25x5")
+    text = like.ball_screw_text("25x5")
     for old, new in changes:
         assert old in text
         text = text.replace(old, new, 1)

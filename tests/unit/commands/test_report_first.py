@@ -31,7 +31,7 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor,
         assert (task.scenes[0].name, task.level, task.cache) == (CHECKED, LEVEL, None)
         return [replace(shipped, load=factor * shipped.load)]
 
-    monkeypatch.setattr(report_first, "compute", again)
+    monkeypatch.setattr(report_first, "compute_runs", again)
     found = live_check((shipped_store(),), print)
     assert found.agrees is agrees
     largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()

@@ -38,7 +38,7 @@ def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
     real = runs.compute_run
-    monkeypatch.setattr(runs, "compute_run", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
+    monkeypatch.setattr(runs, "compute_run", lambda s, level, *more: computed.append(level) or real(s, level, *more))
     rows = command.answer("mesh-study", "lin-rotary-3", "--levels", "2", "--store", tmp_path)
     assert computed == [2]
     assert {r["level"] for r in rows} == {"1", "2"}

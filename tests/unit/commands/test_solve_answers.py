@@ -14,7 +14,7 @@ from tests.processes import COMMAND, ran
 
 from rollbench.compare.commands.solve_files import dmig_text, matrix_market_text
 from rollbench.compare.errors import InputError, Refusal
-from rollbench.compare.models.answers import gather, tangent_of
+from rollbench.compare.models.answers import all_answers, tangent_stiffness_at
 from rollbench.compare.models.load_cases import Solved
 from rollbench.compare.models.loading import lift_off, preload, solve_scaled
 from rollbench.compare.models.registry import MODELS, Options, run_model
@@ -34,7 +34,7 @@ QUIET = Options(discretisation=False)
 def solved():
     scene = replace(catalogue.scene("lin-case3"), friction=None)
     result = run_model(scene, "lin", QUIET)
-    return scene, result, gather(scene, result, "lin", QUIET)
+    return scene, result, all_answers(scene, result, "lin", QUIET)
 
 
 def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
@@ -97,7 +97,7 @@ def test_matrix_files_hold_the_matrix() -> None:
 
 def test_a_model_without_bodies_has_no_tangent() -> None:
     with pytest.raises(InputError, match="mei"):
-        tangent_of(catalogue.scene("lin-case1"), 0.4, "mei", QUIET)
+        tangent_stiffness_at(catalogue.scene("lin-case1"), 0.4, "mei", QUIET)
 
 
 def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None:
@@ -140,7 +140,7 @@ def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(monkeypatch, c
     assert axial["tangent_words"].endswith("limited to 20")
     assert "no tangent: balls.count of 32" in " ".join(command.said(*words).split())
     with pytest.raises(Refusal, match="limited to 20"):
-        tangent_of(catalogue.scene("lin-case1"), 0.4, model, QUIET)
+        tangent_stiffness_at(catalogue.scene("lin-case1"), 0.4, model, QUIET)
 
 
 #: A result's keys under which numbers stand that are answers.
@@ -180,7 +180,7 @@ def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command
 
 
 def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
-    text = template.scene_like("40x10")
+    text = template.ball_screw_text("40x10")
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)
@@ -272,7 +272,7 @@ def test_compare_counts_displacements_from_where_solve_does() -> None:
     stores = (shipped_store(),)
     found = reference(scene, stores)
     whole = compared(scene, [MODELS["lin"]], found, stores)
-    solved = gather(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
+    solved = all_answers(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
     (row,) = (b for b in whole.models if b.label == "lin")
     assert row.displacement == pytest.approx(solved.displacement, rel=1e-9)
     assert whole.start != 0.0

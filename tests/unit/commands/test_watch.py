@@ -27,7 +27,7 @@ def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, c
     for terminal in (False, True):
         monkeypatch.setattr(running.sys.stderr, "isatty", lambda shown=terminal: shown)
         monkeypatch.setattr(running, "FIRST", 0.0)
-        with running.bar("my.toml") as progress:
+        with running.progress_bar("my.toml") as progress:
             for k in range(3):
                 progress("50 steps", 0.5 * k)
         shown = capsys.readouterr().err
@@ -44,5 +44,5 @@ def test_nothing_is_erased_where_no_line_can_be(monkeypatch, capsys):
     running.on_terminal("meshes [1/2]")
     assert "meshes [1/2]" in capsys.readouterr().err
     monkeypatch.setattr(running.sys.stderr, "isatty", lambda: False)
-    running.clear()
+    running.clear_progress_line()
     assert capsys.readouterr().err == ""

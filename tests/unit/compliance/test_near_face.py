@@ -81,7 +81,9 @@ def test_a_lip_tilts_and_the_contact_leaves_it():
     """25x5, last balls 1.13, 1.29 and 1.45 radii from the free face: 3D (level 1) has contact angles of 46.2, 46.4 and 46.7
     deg on the flank pressed towards it. Without the lip's tilt they were 47.2, 47.0 and 47.0, and the load 3.9 % of the
     mean too small (116.0 N, of which level 1's mesh may have 2 N too much)."""
-    result = run_model(scene_file.loads(scene_text(SEED, 6), "drawn.toml"), "refined", Options(discretisation=False))
+    result = run_model(
+        scene_file.scene_of_text(scene_text(SEED, 6), "drawn.toml"), "refined", Options(discretisation=False)
+    )
     assert np.degrees(result.contact_angle[[39, 38, 37], 2]) == pytest.approx([46.205, 46.433, 46.653], abs=0.12)
     assert result.load[39] == pytest.approx([50.18, 117.70, 116.04, 45.61], abs=1.0)
 
@@ -150,7 +152,7 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
 def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     """Own compliance of a nut 32x10 held at both faces, its first ball 1.03 radii from one: 3D (free mesh twice as fine as
     level 1, 20 modes) has 1.63 um/kN less than at a middle ball, 1.80 on level 1; a patch of 0.18 radii 1.10."""
-    parts = scene_file.loads(scene_text(SEED, 2), "drawn.toml")
+    parts = scene_file.scene_of_text(scene_text(SEED, 2), "drawn.toml")
     compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))

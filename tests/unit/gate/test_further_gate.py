@@ -11,7 +11,7 @@ from rollbench.compare.gate.given_files import GivenValue, read_values
 from rollbench.compare.gate.user import check_scenes, gate_request
 from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
 from rollbench.compare.models import loading, uncertainty
-from rollbench.compare.models.comparison import referenced
+from rollbench.compare.models.comparison import stored_references
 from rollbench.compare.models.loads_file import column, read_loads
 from rollbench.compare.reference import jobs, store, tasks
 from rollbench.compare.scenes import catalogue
@@ -24,7 +24,7 @@ GIVEN = catalogue.scene(SCENE)
 
 
 def stored():
-    return referenced(GIVEN, (store.shipped_store(),))[0].found
+    return stored_references(GIVEN, (store.shipped_store(),))[0].found
 
 
 def table(path, heads: str, cells):
@@ -66,7 +66,9 @@ def test_units_of_the_header_are_obeyed(tmp_path) -> None:
 
 def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path) -> None:
     found = stored()
-    approach, pressure = (judging.hertz_of(GIVEN, x, found.load) for x in (judging.APPROACH, judging.PRESSURE))
+    approach, pressure = (
+        judging.hertz_approach_or_pressure(GIVEN, x, found.load) for x in (judging.APPROACH, judging.PRESSURE)
+    )
     angle = np.nan_to_num(found.best.angle)
     angle[4, 0] += 1.2
     approach[7, 3] *= 1.05
@@ -93,7 +95,7 @@ def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_pat
 
 def test_the_uncertainty_by_loads_is_the_larger_end() -> None:
     load, bar = np.array([8.0, 0.0]), np.array([1.0, 1.0])
-    assert judging.by_loads(lambda x: float(x.sum() ** -3), load, bar) == pytest.approx(7.0**-3 - 8.0**-3)
+    assert judging.uncertainty_from_loads(lambda x: float(x.sum() ** -3), load, bar) == pytest.approx(7.0**-3 - 8.0**-3)
 
 
 def values(path, *rows: str):

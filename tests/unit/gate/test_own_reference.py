@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.user import exceeding, read_reference
+from rollbench.compare.gate.user import read_reference, uncertainty_warning
 from rollbench.compare.reference import estimate, store
 from rollbench.compare.report.scene_page import make_page
 from rollbench.compare.scenes import catalogue
@@ -61,8 +61,8 @@ def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
         assert (unknown, found.label, found.levels) == ((), "a.csv", ())
     found, _ = read_reference(written(file, column="uncertainty_percent", each=2.0), GIVEN)
     np.testing.assert_allclose(found.uncertainty, 0.02 * found.load)
-    assert exceeding(found, 2.1) == ""
-    assert "2 % at ball" in exceeding(found, 1.9)
+    assert uncertainty_warning(found, 2.1) == ""
+    assert "2 % at ball" in uncertainty_warning(found, 1.9)
 
 
 FAULTY = [

@@ -29,7 +29,7 @@ def test_comparison_of_a_double_nut_names_its_sets(command, tmp_path):
 def test_references_of_sets_are_parts_of_one_run():
     scene = catalogue.any_scene("double-nut")
     run = load_run(scene, 1, stores=(shipped_store(),))
-    sets = references.referenced(scene, (shipped_store(),), (1,))
+    sets = references.stored_references(scene, (shipped_store(),), (1,))
     assert max(run.balance, run.screw_balance) < 1e-9
     assert [one.of.name for one in sets] == NUTS
     for one, place in zip(sets, balls_of(scene), strict=True):

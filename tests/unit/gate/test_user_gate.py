@@ -10,8 +10,8 @@ import pytest
 
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.gate import user
-from rollbench.compare.gate.publish import HEADINGS, Outcome, junit, markdown, publish, verdicts_csv
-from rollbench.compare.gate.user import Asked, check_scenes, gate_request, limits_of
+from rollbench.compare.gate.publish import HEADINGS, Outcome, junit_xml, markdown_text, publish, verdicts_csv
+from rollbench.compare.gate.user import GateRequest, check_scenes, gate_request, limits_for_scene
 from rollbench.compare.models import loads_file
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import estimate, jobs, store
@@ -21,7 +21,7 @@ from rollbench.meshes.parts import SIDES
 TWO = catalogue.scene("two-balls")
 
 
-def check(scenes: list, what: Asked):
+def check(scenes: list, what: GateRequest):
     return check_scenes(scenes, what, jobs.Engine(), lambda _: None)
 
 
@@ -66,12 +66,12 @@ def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
 
 def test_a_scene_may_set_its_own_limits() -> None:
     text = catalogue.scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
-    scene = scene_file.loads(text, "two-balls.toml")
+    scene = scene_file.scene_of_text(text, "two-balls.toml")
     assert scene == TWO, "limits are no part of what is solved and stored"
     assert store.key_of(scene, "", {}, (0, 3)) == store.key_of(TWO, "", {}, (0, 3))
-    stated, given = limits_of(scene, None), limits_of(scene, 9.0)
+    stated, given = limits_for_scene(scene, None), limits_for_scene(scene, 9.0)
     assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
-    assert limits_of(TWO, None).largest == 7.0
+    assert limits_for_scene(TWO, None).largest == 7.0
     verdicts = check([scene], gate_request(compute=False))
     assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
@@ -85,7 +85,9 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
 
     monkeypatch.setattr(user, "ensure", refused)
     text = catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"')
-    first, second = check([scene_file.loads(text, "mine.toml"), TWO], Asked((tmp_path, gate_request().stores[1])))
+    first, second = check(
+        [scene_file.scene_of_text(text, "mine.toml"), TWO], GateRequest((tmp_path, gate_request().stores[1]))
+    )
     assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
     assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
     assert second.word == "pass"
@@ -144,7 +146,7 @@ ROWS = [GREEN, replace(GREEN, good=False, word="fail", note="=1+1 <b>")]
 
 
 def test_junit_is_green_only_where_it_passes() -> None:
-    suite = ElementTree.fromstring(junit(ROWS))
+    suite = ElementTree.fromstring(junit_xml(ROWS))
     assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
     none, failure = (case.find("failure") for case in suite.iter("testcase"))
     assert (none, failure.get("type")) == (None, "fail")
@@ -152,7 +154,7 @@ def test_junit_is_green_only_where_it_passes() -> None:
 
 
 def test_markdown_and_csv(tmp_path) -> None:
-    text = markdown(ROWS)
+    text = markdown_text(ROWS)
     lines = text.splitlines()
     assert lines[0] == "### rollbench check: 1 pass, 1 fail"
     assert lines[4].startswith("| fail | mine | a\\|b |"), "what is not green comes first"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.gate.gate import GateRow
-from rollbench.compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, decide, judge, worst_of
+from rollbench.compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, decide, judge, worst_verdict
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference import estimate, grid_parts
 
@@ -96,7 +96,7 @@ def test_flanks_without_load_are_not_covered() -> None:
 
 def test_the_gravest_verdict_counts() -> None:
     words = ["pass", "not covered", "undecided", "fail"]
-    assert [worst_of(words[: k + 1]) for k in range(4)] == words
+    assert [worst_verdict(words[: k + 1]) for k in range(4)] == words
     assert CODES == {"pass": 0, "fail": 1, "not converged": 1, "undecided": 3, "not covered": 4}
 
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.computing import BEYOND, enlarged
+from rollbench.compare.reference.computing import BEYOND, with_larger_patches
 from rollbench.compare.reference.tasks import settings_of
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, scene_text
@@ -44,7 +44,7 @@ def found(factor):
 @pytest.mark.parametrize("factor", [1.0, 3.0])
 def test_patches_grow_to_the_loads_found(factor):
     setup = prepared()
-    larger, words = enlarged(setup, [found(factor)], 2)
+    larger, words = with_larger_patches(setup, [found(factor)], 2)
     assert larger is not None
     needs = factor ** (1.0 / 3.0) * expected_contacts(CASE).across.max()
     assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
@@ -55,19 +55,19 @@ def test_patches_grow_to_the_loads_found(factor):
 
 def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     """A drawn screw 16x16: by its ellipse's semi-axes a contact is within the patch, askew by the lead it is not."""
-    drawn = scene_file.loads(scene_text(SEED, 85), "drawn.toml")
+    drawn = scene_file.scene_of_text(scene_text(SEED, 85), "drawn.toml")
     setup = prepared(drawn)
     load = np.tile([31.35, 0.0, 0.0, 31.35], (drawn.ball_count, 1))
     run = load, np.where(load > 0.0, np.radians(48.6), np.nan)
     unit, m = hertz_units(drawn)[0], setup.map
     across, along = (np.cbrt(31.35) * x for x in (unit.semi_x, unit.semi_y))
     lead = float(np.hypot(across * np.cos(m.beta) * np.sin(m.alpha), along))
-    larger, words = enlarged(setup, [run], 2)
+    larger, words = with_larger_patches(setup, [run], 2)
     assert along < zone(setup.settings, setup)[1] < lead
     assert "askew" in words
     assert lead < larger.reach[1] < 1.5 * lead
     assert larger.reach[1] < zone(larger, setup)[1]
-    assert "askew" not in enlarged(setup, [run], 5)[1], "that many steps would do"
+    assert "askew" not in with_larger_patches(setup, [run], 5)[1], "that many steps would do"
 
 
 @pytest.mark.parametrize("angle", [40.0, 45.0])
@@ -79,7 +79,7 @@ def test_on_a_ring_nothing_is_askew(angle):
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():
-    larger, words = enlarged(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
+    larger, words = with_larger_patches(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
     assert larger is None
     assert "mm across" in words
     assert "a larger one is refused: no room for the contact ellipse" in words
@@ -88,7 +88,7 @@ def test_patches_that_fill_the_flank_are_not_built_again():
 
 def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
     setup = prepared(reach=(1.45e-3, 0.2e-3))
-    larger, _ = enlarged(setup, [found(1.0)], 2)
+    larger, _ = with_larger_patches(setup, [found(1.0)], 2)
     assert larger is not None
     assert zone(setup.settings)[0] < zone(larger)[0]
     assert 1.54e-3 < larger.reach[0] < 1.58e-3

@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.models.model_form import FLANGE, QUANTITIES, carried_across, estimate, left_out, shipped_points
+from rollbench.compare.models.model_form import (
+    FLANGE,
+    QUANTITIES,
+    estimate,
+    lateral_force_and_tilting_moment,
+    leave_one_out,
+    shipped_points,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Load, Material, Support
@@ -71,7 +78,7 @@ def test_force_and_moment_on_the_contacts_balance_those_of_the_shaft() -> None:
     free = replace(SCENE, supports=(Support(0.0, (("rz", 0.0),)),), loads=(*SCENE.loads, Load(0.45, (300.0, 400.0, 0.0))))
     result = run_model(free, "lin", Options(discretisation=False, engine="interpreted"))
     assert result.converged
-    assert carried_across(free, result) == pytest.approx((500.0, 500.0 * 0.05), rel=1e-3)
+    assert lateral_force_and_tilting_moment(free, result) == pytest.approx((500.0, 500.0 * 0.05), rel=1e-3)
 
 
 def test_a_load_that_a_support_takes_is_none_of_the_contacts() -> None:
@@ -88,7 +95,7 @@ def test_nothing_is_expected_of_contacts_without_load() -> None:
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_as_many_compared_screws_were_within_as_is_promised(model: str) -> None:
     """Counted by the whole bound made anew from the others, of all screws and of those held by a flange."""
-    found = left_out(shipped_points(), model)
+    found = leave_one_out(shipped_points(), model)
     covered = [one for one in found if one.expected is not None]
     assert len(found) - len(covered) <= UNCOVERED
     flanged = [one for one in covered if FLANGE in one.point.features]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.models.model_form import FLANGE, estimate, features, left_out, shipped_points
+from rollbench.compare.models.model_form import FLANGE, estimate, features, leave_one_out, shipped_points
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Flange
@@ -35,8 +35,8 @@ def test_flanges_with_larger_errors_are_expected_to_have_them_and_change_no_othe
     assert other == plain
     on_flange = estimate(ON_FLANGE, RESULT, many).percent
     assert on_flange > 2.0 * plain.percent
-    judged = {x.point.scene: x for x in left_out(many, "lin")}
-    alone = {x.point.scene: x for x in left_out(PLAIN, "lin")}
+    judged = {x.point.scene: x for x in leave_one_out(many, "lin")}
+    alone = {x.point.scene: x for x in leave_one_out(PLAIN, "lin")}
     assert {k: v for k, v in judged.items() if FLANGE not in v.point.features} == alone
     assert len(judged) == len(alone) + 40
 

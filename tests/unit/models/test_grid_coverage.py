@@ -44,7 +44,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     rows = []
     for loads in u_val.levelled(STUDY).values():
         if set(levels) <= set(loads):
-            y = np.array([loads[k][grid_parts.moving(loads)] for k in levels])
+            y = np.array([loads[k][grid_parts.loaded_on_any_level(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
             rows.append(changes / changes.mean())
     found = np.mean(rows, axis=0)
@@ -86,7 +86,7 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
     assert len(known) == COUNT
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}
     for name, scene in scenes.items():
-        assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")
+        assert scene == scene_file.scene_of_text(scene_text(SEED, known[name]), f"{name}.toml")
     assert {grid_parts.both_flanks(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
 
 
@@ -106,7 +106,7 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
     assert found.scenes == kept.scenes
     choices = uncertainty.read_choices(store.shipped_store())
     for name in modelling.VARIED:
-        total = modelling.combined(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
+        total = modelling.combine_effects(STUDY.scene(name), modelling.varied(STUDY.scene(name)))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.answers import outside
+from rollbench.compare.models.answers import validity_warnings
 from rollbench.lowfi.rating.life import rating
 
 SCENE = small_screw()
@@ -14,7 +14,7 @@ SCENE = small_screw()
 
 def said(safety, preload):
     loads = SimpleNamespace(safety=None if safety is None else SimpleNamespace(factor=safety))
-    return [(warned.kind, str(warned)) for warned in outside(SCENE, loads, preload)]
+    return [(warned.kind, str(warned)) for warned in validity_warnings(SCENE, loads, preload)]
 
 
 @pytest.mark.parametrize("safety", [None, 1.0, 5.0])

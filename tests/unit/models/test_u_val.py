@@ -7,7 +7,13 @@ import pytest
 
 from rollbench.compare import files
 from rollbench.compare.models import uncertainty
-from rollbench.compare.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
+from rollbench.compare.models.applicability import (
+    DESCRIPTORS,
+    compared_scenes,
+    descriptors_in_range,
+    descriptors_of_shipped_scenes,
+    outside,
+)
 from rollbench.compare.models.comparison import from_run
 from rollbench.compare.models.model_form import estimate
 from rollbench.compare.models.registry import Options, run_model
@@ -46,10 +52,10 @@ def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     ref = STUDY.reference(SCENE)
     answer = from_run(ref.best, "3D")
     for quantity in uncertainty.QUANTITIES:
-        same = uncertainty.validated(STUDY, SCENE, "3D", quantity, answer)
+        same = uncertainty.validated_error(STUDY, SCENE, "3D", quantity, answer)
         assert (same.error, same.within) == (0.0, 1.0)
     larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)
-    found = {q.name: uncertainty.validated(STUDY, SCENE, "3D", q, larger) for q in uncertainty.QUANTITIES}
+    found = {q.name: uncertainty.validated_error(STUDY, SCENE, "3D", q, larger) for q in uncertainty.QUANTITIES}
     assert found["largest load"].error == pytest.approx(2.0)
     assert found["axial displacement"].error == pytest.approx(5.0)
     assert found[uncertainty.CONTACTS].ratio == pytest.approx([1.02] * 64)
@@ -80,14 +86,16 @@ def test_bias_and_scatter_of_known_ratios() -> None:
 
 def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
-        assert all(outside(scene) == () for scene in compared(ring=ring))
-    assert len(compared(ring=False)) + len(compared(ring=True)) == 15
+        assert all(outside(scene) == () for scene in compared_scenes(ring=ring))
+    assert len(compared_scenes(ring=False)) + len(compared_scenes(ring=True)) == 15
 
 
 def test_kept_places_are_those_of_the_scenes() -> None:
     for ring in (False, True):
-        found = [{d.name: pytest.approx(d.value(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared(ring=ring)]
-        assert list(shipped_places(ring=ring)) == found
+        found = [
+            {d.name: pytest.approx(d.value(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared_scenes(ring=ring)
+        ]
+        assert list(descriptors_of_shipped_scenes(ring=ring)) == found
 
 
 @pytest.mark.parametrize(
@@ -132,12 +140,12 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
     assert outside(scene) == ()
     result = run_model(scene, "lin", Options(discretisation=False))
     monkeypatch.setattr(files, "text", text)
-    shipped_places.cache_clear()
+    descriptors_of_shipped_scenes.cache_clear()
     try:
         assert estimate(scene, result).percent is None
         assert "places.json is absent or damaged" in " ".join(outside(scene))
     finally:
-        shipped_places.cache_clear()
+        descriptors_of_shipped_scenes.cache_clear()
 
 
 def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:
@@ -145,5 +153,5 @@ def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_th
     scene = STUDY.scene("liu-screw")
     assert not outside(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
-    beyond = [place.descriptor.name for place in places(shorter) if place.outside]
+    beyond = [place.descriptor.name for place in descriptors_in_range(shorter) if place.outside]
     assert beyond == ["nut beyond the last balls over the ball's radius"]

@@ -10,13 +10,13 @@ from rollbench.compare.models.answers import load_answers
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (
     QUANTITIES,
-    Choices,
-    Total,
+    ChoiceEffects,
+    LoadUncertainty,
     choices_for,
     input_parts,
     input_uncertainty,
     read_choices,
-    save,
+    save_choices,
     second_order,
     total,
 )
@@ -27,8 +27,11 @@ from rollbench.meshes.parts import Material
 pytestmark = pytest.mark.xdist_group("u_val")
 
 STUDY = Study()
-KNOWN = {"lin-case1": Choices("lin-case1", 1.5, "lands", 1.2), "lin-case3": Choices("lin-case3", 2.5, "held face", 2.4)}
-WHOLE = Total(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there is one", 1.2, True)
+KNOWN = {
+    "lin-case1": ChoiceEffects("lin-case1", 1.5, "lands", 1.2),
+    "lin-case3": ChoiceEffects("lin-case3", 2.5, "held face", 2.4),
+}
+WHOLE = LoadUncertainty(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there is one", 1.2, True)
 
 
 def test_parts_add_by_squares_and_the_largest_are_named() -> None:
@@ -53,7 +56,7 @@ def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -
     assert choices_for(mine, {}) is None
     soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
     assert choices_for(soft, KNOWN) is None
-    save(tmp_path, KNOWN)
+    save_choices(tmp_path, KNOWN)
     assert read_choices(tmp_path) == KNOWN
 
 

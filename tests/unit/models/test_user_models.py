@@ -48,7 +48,7 @@ ZEROS = "import numpy as np\n\n\ndef model(scene):\n    return np.zeros((scene.b
 
 
 def forget():
-    user_models.installed.cache_clear()
+    user_models.installed_models.cache_clear()
     user_models.load_model.cache_clear()
 
 

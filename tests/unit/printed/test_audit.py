@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.evidence import Evidence, counts, misprints, sources, trust
+from rollbench.compare.evidence import Evidence, counts, misprints, publication_titles, trust
 from rollbench.compare.printed import VERDICTS, Printed, load_table, tables
 
 ENTRIES = [row for name in tables() for row in load_table(name)]
@@ -53,7 +53,7 @@ def test_a_verdict_other_than_the_expected_is_named():
 def test_counts_by_source_add_up():
     rows = [Evidence(row) for row in ENTRIES]
     counted = counts(rows)
-    assert [row["source"] for row in counted] == [*sources(), "all"]
+    assert [row["source"] for row in counted] == [*publication_titles(), "all"]
     total = Counter(row.verdict for row in rows)
     assert {v: counted[-1][v] for v in VERDICTS} == {v: total[v] for v in VERDICTS}
     assert counted[-1]["all"] == len(ENTRIES) == sum(row["all"] for row in counted[:-1])

@@ -32,7 +32,7 @@ def test_compared_value_follows_the_class():
 def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():
     study = Study(members=0)
     for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in evidence.by_table()[name].compute(study)] == list(load_table(name))
+        assert [e.printed for e in evidence.computations_by_table()[name].compute(study)] == list(load_table(name))
     found = {e.printed.key: e for e in evidence.evidence(study, "lin-2.4.2")}
     assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True

@@ -8,15 +8,15 @@ import pytest
 from tests.copies import ROOT
 from tests.sources.entries import keys
 
-from rollbench.compare.evidence import by_table, computations, evidence, traces
+from rollbench.compare.evidence import computations, computations_by_table, evidence, origins_of_entries
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import load_table, tables
 
 #: The cases' modules are imported by the names that ``computations.toml`` gives.
 pytestmark = pytest.mark.further
-BY_TABLE, NOT_COMPUTED = by_table(), computations().keys() - by_table().keys()
+BY_TABLE, NOT_COMPUTED = computations_by_table(), computations().keys() - computations_by_table().keys()
 COMPUTATIONS = tuple(BY_TABLE.values())
-TRACES = list(traces())
+TRACES = list(origins_of_entries())
 
 
 def test_every_printed_entry_is_traced_once():

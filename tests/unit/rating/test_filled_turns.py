@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.template import scene_like
+from rollbench.compare.scenes.template import ball_screw_text
 from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
 from rollbench.lowfi.rating.rigidity import body_compliance
 from rollbench.meshes.parts import Scene
@@ -41,7 +41,7 @@ WHOLE = "count = 96\nturns = 4"
 
 
 def screw(balls: str, more: str = "") -> Scene:
-    return scene_file.loads(SCREW.format(balls=balls) + more, "my.toml")
+    return scene_file.scene_of_text(SCREW.format(balls=balls) + more, "my.toml")
 
 
 def turned(*turns: float) -> str:
@@ -119,5 +119,5 @@ def test_a_preload_by_a_share_of_the_rating_does_not_depend_on_gaps() -> None:
 
 
 def test_a_size_s_scene_is_rated_by_its_filled_turns() -> None:
-    scene = scene_file.loads(scene_like("40x10"), "my.toml")
+    scene = scene_file.scene_of_text(ball_screw_text("40x10"), "my.toml")
     assert filled_turns(scene) == pytest.approx(3.0, rel=1e-9)

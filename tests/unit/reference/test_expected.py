@@ -83,20 +83,20 @@ def test_progress_says_stage_share_and_time_left() -> None:
 def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     said = []
     monkeypatch.setattr(jobs, "compute_with_bodies", Mock(side_effect=KeyboardInterrupt))
-    monkeypatch.setattr(jobs, "reader_gone", lambda: False)
+    monkeypatch.setattr(jobs, "output_closed", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
     assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
-    monkeypatch.setattr(jobs, "reader_gone", lambda: True)
+    monkeypatch.setattr(jobs, "output_closed", lambda: True)
     with pytest.raises(BrokenPipeError):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), said.append)
 
 
 def test_a_reader_that_goes_away_is_seen() -> None:
     read, write = os.pipe()
-    assert not running.reader_gone((write,))
+    assert not running.output_closed((write,))
     os.close(read)
-    assert running.reader_gone((write,))
+    assert running.output_closed((write,))
     os.close(write)
 
 
@@ -119,4 +119,4 @@ def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatc
     ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))
     monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
     with pytest.raises(errors.InputError, match=r"memory.*ended from outside.*fewer workers"):
-        computing.compute(TASK)
+        computing.compute_runs(TASK)

@@ -7,11 +7,11 @@ from rollbench.compare.reference.grid_parts import (
     COVER,
     Experience,
     both_flanks,
-    measured,
-    moving,
+    derive_experience,
+    loaded_on_any_level,
     parts,
     read_experience,
-    save,
+    save_experience,
 )
 from rollbench.compare.reference.levels import LEVELS
 
@@ -46,8 +46,8 @@ def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> Non
 
 def test_the_bar_holds_95_per_cent_of_the_next_level() -> None:
     loads = drawn_loads(2, (1, 2, 3, 4), 0.06, 0.03, 0.02)
-    bar = parts({k: loads[k] for k in (1, 2, 3)}, KNOWN).bars(loads)[moving(loads)]
-    off = np.abs(loads[4] - loads[3])[moving(loads)]
+    bar = parts({k: loads[k] for k in (1, 2, 3)}, KNOWN).bars(loads)[loaded_on_any_level(loads)]
+    off = np.abs(loads[4] - loads[3])[loaded_on_any_level(loads)]
     assert np.mean(off <= bar) == pytest.approx(0.955, abs=0.012)
 
 
@@ -95,17 +95,17 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     for loads in scenes.values():
         loads[2] += 1.0 * (loads[2] > 0.0)  # the common part is that of fine levels
     scenes |= {"one": drawn_loads(90, (1, 2, 3), 0.04, 0.0, 0.0, shift=5.0)}
-    found = measured(scenes, 0.02)
+    found = derive_experience(scenes, 0.02)
     assert (found.common, found.sockets) == (pytest.approx(0.03, rel=0.25), 0.02)
     h = (LEVELS[3]["b_over_h"] / LEVELS[1]["b_over_h"]) ** 2
     spread = np.sqrt((0.05 * h) ** 2 + 0.05**2 * (LEVELS[3]["b_over_h"] / LEVELS[4]["b_over_h"]) ** 4 + 2.0 * 0.03**2)
     assert 1.96 * spread < found.single[1] < 3.0 * spread
     wide = scenes | {"wide": drawn_loads(91, (1, 2, 3), 0.4, 0.0, 0.0, both=True)}
-    assert measured(wide, 0.02).single[1] > 3.0 * found.single[1]
-    known = measured(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)})
+    assert derive_experience(wide, 0.02).single[1] > 3.0 * found.single[1]
+    known = derive_experience(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)})
     assert known.single[1] == pytest.approx(found.single[1], rel=0.05)
     assert found.scenes == tuple(scenes)
-    save(tmp_path, found)
+    save_experience(tmp_path, found)
     assert read_experience(tmp_path) == found
     with pytest.raises(ValueError, match="experience"):
-        measured({"one": scenes["one"]}, 0.02)
+        derive_experience({"one": scenes["one"]}, 0.02)

@@ -8,7 +8,7 @@ import pytest
 from skfem import MeshHex
 from tests.reference_records import run_of
 
-from rollbench.compare.models.modelling import combined, effect, modelling_percent, varied
+from rollbench.compare.models.modelling import combine_effects, effect, modelling_percent, varied
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.reference.store import save
 from rollbench.compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, held_ring, twisted
@@ -73,13 +73,13 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
         ("modes", "modes", "numerical", 150.0),
     )
     effects = [effect("lin-case1", name, name, choice, kind, loads(*to), loads()) for name, choice, kind, *to in changed]
-    found = combined(CASE1, effects)
+    found = combine_effects(CASE1, effects)
     assert found.contacts[:2, 0] == pytest.approx([np.hypot(3.0, 4.0), 1.0])
     assert found.largest == pytest.approx(5.0)
     assert found.rms == pytest.approx(np.sqrt((25.0 + 1.0) / 2.0))
     assert found.ratio == pytest.approx(np.hypot(3.0612, 4.1667), rel=1e-3)  # 101/98 and 100/96
     assert list(found.choices) == [HOLE, LANDS]
-    assert combined(catalogue.scene("lin-case3"), effects) is None
+    assert combine_effects(catalogue.scene("lin-case3"), effects) is None
     assert modelling_percent("lin-case2", {"lin-case1": found}) == found.largest
     assert modelling_percent("lin-case3", {"lin-case1": found}) is None
 

@@ -11,7 +11,7 @@ from tests.near_face import CASES, measured, scene_of
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import beside_face, total
 from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.grid_parts import AWAY, LIP_FILE, left_out, read_lip, too_large
+from rollbench.compare.reference.grid_parts import AWAY, LIP_FILE, error_near_faces, excess_near_faces, read_lip
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.settings import hertz_units
@@ -63,31 +63,31 @@ def near(distance: float = 1.2, **solid):
 def test_it_concerns_the_flank_that_is_pressed_towards_a_free_face() -> None:
     load, scene = np.full((32, 4), 200.0), near()
     last, first = int(ball_layout(scene).z.argmax()), int(ball_layout(scene).z.argmin())
-    found = too_large(scene, load, 1)
+    found = excess_near_faces(scene, load, 1)
     assert found[last, [0, 3]] == pytest.approx(found.max())
     assert found[last, [1, 2]] == pytest.approx([0.0, 0.0])
     assert not found[first].any()  # held there
-    turned = too_large(near(nut_held="right face"), load, 1)
+    turned = excess_near_faces(near(nut_held="right face"), load, 1)
     assert turned[first, [1, 2]] == pytest.approx(found[last, [0, 3]], rel=1e-9)
     assert not turned[last].any()
-    assert too_large(near(nut_held="outer surface"), load, 1) == pytest.approx(np.maximum(found, turned))
+    assert excess_near_faces(near(nut_held="outer surface"), load, 1) == pytest.approx(np.maximum(found, turned))
     for other in (near(nut_held="both faces"), near(nut="rigid"), catalogue.scene("two-balls")):
-        assert not too_large(other, np.full((other.ball_count, 4), 200.0), 1).any()
-    assert not too_large(scene, 0.0 * load, 1).any()
-    assert too_large(scene, load, 3).max() < 0.6 * found.max()
+        assert not excess_near_faces(other, np.full((other.ball_count, 4), 200.0), 1).any()
+    assert not excess_near_faces(scene, 0.0 * load, 1).any()
+    assert excess_near_faces(scene, load, 3).max() < 0.6 * found.max()
 
 
 def test_what_contacts_beside_a_face_have_too_much_the_others_have_too_little_where_the_sum_is_held() -> None:
     scene, load = near(), np.zeros((32, 4))
     load[:16, [0, 3]], load[16:, [0, 3]] = 20.0, 160.0
-    excess, found = too_large(scene, load, 1), left_out(scene, load, 1)
+    excess, found = excess_near_faces(scene, load, 1), error_near_faces(scene, load, 1)
     shared = found - excess
     assert excess[:, 0].any()
     assert shared.sum(axis=0) == pytest.approx(excess.sum(axis=0))
     assert not shared[:, 1:3].any()
     assert shared[20, 0] == pytest.approx(2.0 * shared[3, 0])  # by their own stiffness: the cube root of the load
     load[:, 1:3] = 1.0
-    assert left_out(scene, load, 1) == pytest.approx(too_large(scene, load, 1))
+    assert error_near_faces(scene, load, 1) == pytest.approx(excess_near_faces(scene, load, 1))
 
 
 def test_the_load_that_a_missing_compliance_adds() -> None:
@@ -101,7 +101,7 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
         return soft * f ** (2.0 / 3.0) + compliance * f
 
     true = brentq(lambda f: approach(f, lip) - approach(force, lip - missing), 0.5 * force, force)
-    found = too_large(scene, np.full((32, 4), force), 1).max()
+    found = excess_near_faces(scene, np.full((32, 4), force), 1).max()
     assert found == pytest.approx(force - true, rel=0.05)
     assert 0.01 * force < found < 0.05 * force
 

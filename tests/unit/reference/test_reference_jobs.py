@@ -15,7 +15,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import Limits, judge
 from rollbench.compare.models.uncertainty import total
 from rollbench.compare.reference import jobs
-from rollbench.compare.reference.estimate import reference_of
+from rollbench.compare.reference.estimate import reference_from_runs
 from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.results.compared import levels_text
@@ -112,11 +112,13 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
     assert any(status in line and "not stored" not in line for line in said)
     kept = load_run(scene, 1, stores=(tmp_path,))
     assert (kept.status, kept.moving) == (status, 0.5)
-    alone = reference_of("lin-case1", catalogue.scene("lin-case1"), (kept,))
+    alone = reference_from_runs("lin-case1", catalogue.scene("lin-case1"), (kept,))
     assert alone.unsettled == f"level 1 {status}"
     assert (alone.uncertainty >= 0.5).all()
-    settled = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, good))
-    found = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5)))
+    settled = reference_from_runs("lin-case1", catalogue.scene("lin-case1"), (first, good))
+    found = reference_from_runs(
+        "lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5))
+    )
     assert settled.unsettled == ""
     np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
     assert (exit_code([settled]), exit_code([settled, found])) == (0, 5)

@@ -11,7 +11,7 @@ from rollbench.compare.models import comparison
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import grid_parts, store
-from rollbench.compare.reference.estimate import Reference, reference, reference_of
+from rollbench.compare.reference.estimate import Reference, reference, reference_from_runs
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.mesh_study import SCATTERS, closing_lines, study_table
@@ -89,7 +89,7 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene, found = CASE1, _found("lin-case1")
     of_lin = comparison.comparison_rows(
-        scene, comparison.from_result(comparison.solved(MODELS["lin"], scene, found, None)[0]), found
+        scene, comparison.from_result(comparison.solve_and_time(MODELS["lin"], scene, found, None)[0]), found
     )
     assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
     for quantity, most in (("load", 10.0), ("contact angle", 0.3)):
@@ -161,8 +161,8 @@ def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path) -> No
 def test_what_loads_may_still_move_by_is_added_to_every_bar(levels: int) -> None:
     found = _found("lin-case1")
     runs = found.runs[:levels]
-    settled = reference_of("x", CASE1, runs, found.contacts)
-    left = reference_of("x", CASE1, (*runs[:-1], replace(runs[-1], moving=0.5)), found.contacts)
+    settled = reference_from_runs("x", CASE1, runs, found.contacts)
+    left = reference_from_runs("x", CASE1, (*runs[:-1], replace(runs[-1], moving=0.5)), found.contacts)
     np.testing.assert_allclose(left.uncertainty - settled.uncertainty, 0.5, rtol=1e-9)
 
 
@@ -174,7 +174,9 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
     one, known = reference(scene, (tmp_path,)), grid_parts.read_experience(store.shipped_store())
     assert one.parts.by_experience
-    assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + grid_parts.left_out(scene, coarse, 1)[0, 0])  # of 100 N
+    assert one.uncertainty[0, 0] == pytest.approx(
+        known.single[0] + grid_parts.error_near_faces(scene, coarse, 1)[0, 0]
+    )  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
     assert closing_lines(one).startswith("Enough: level 1 for ")
     store.save(tmp_path, scene, run_of("lin-case1", 2, finer))

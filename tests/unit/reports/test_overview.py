@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.models.applicability import shipped_places, survey
+from rollbench.compare.models.applicability import descriptors_of_shipped_scenes, survey_records
 from rollbench.compare.models.model_form import shipped_points
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.report import overview
@@ -56,13 +56,13 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
 
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
     screws = overview.screw_errors(shipped_points())
-    rows = {row["number"]: row["models"] for row in survey() if row.get("models")}
+    rows = {row["number"]: row["models"] for row in survey_records() if row.get("models")}
     panel = overview.first_figure(screws, POINTS, "f", (8.0, 4.0)).panels[0]
     for model, curve in zip(screws, panel.series, strict=True):
         drawn = [models[model]["largest_percent"] for models in rows.values()]
         assert len(drawn) > 200
         assert set(drawn) <= set(curve.x)
-        assert len(curve.x) == len(drawn) + len(shipped_places(ring=False))
+        assert len(curve.x) == len(drawn) + len(descriptors_of_shipped_scenes(ring=False))
         assert (curve.y[-1], sorted(curve.x)) == (pytest.approx(100.0), list(curve.x))
     assert "mean load" in panel.xlabel
     assert not [curve for curve in panel.series if 7.0 in curve.x and len(set(curve.x)) == 1], "no line on the mean load"

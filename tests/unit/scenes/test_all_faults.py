@@ -15,7 +15,7 @@ def faults(*changes: tuple[str, str]) -> SceneError:
         assert f"\n{old}" in text, old
         text = text.replace(f"\n{old}", f"\n{new}", 1)
     with pytest.raises(SceneError) as caught:
-        scene_file.loads(text, "my.toml")
+        scene_file.scene_of_text(text, "my.toml")
     return caught.value
 
 

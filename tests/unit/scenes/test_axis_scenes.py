@@ -22,7 +22,7 @@ ROLLERS = own_text("rollers")
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
     assert set(axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis-taper", "lin-steering-rack"}
-    assert not set(axis_names()) & set(catalogue.whole_names())
+    assert not set(axis_names()) & set(catalogue.single_set_names())
     for name in axis_names():
         found = catalogue.shipped(name)
         assert isinstance(found, Assembly)
@@ -50,7 +50,7 @@ def test_units_positions_and_heat_are_read():
 
 
 def test_one_set_that_stands_is_a_plain_scene():
-    plain = scene_file.loads(catalogue.scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
+    plain = scene_file.scene_of_text(catalogue.scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
     raw = tomllib.loads(catalogue.scene_text("lin-nominal-4p1"))
     one = {name: raw.pop(name) for name in ("track", "nut", "balls")}
     tables = [("", {k: v for k, v in raw.items() if k not in ("supports", "loads")})]

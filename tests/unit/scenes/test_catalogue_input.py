@@ -12,7 +12,7 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import registry
 from rollbench.compare.scenes import catalogue, from_keys, keys, scene_file
 from rollbench.compare.scenes.friction_kinds import table
-from rollbench.compare.scenes.template import double_nut_like, scene_like, template
+from rollbench.compare.scenes.template import ball_screw_text, double_nut_text, template
 from rollbench.lowfi.friction.whole.circuit import circuits
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.statics.static import solve_static
@@ -29,7 +29,7 @@ def changed(*changes: tuple[str, str], text: str = GOOD) -> str:
 
 
 def read(*changes: tuple[str, str]) -> parts.Scene:
-    return scene_file.loads(changed(*changes), "my.toml")
+    return scene_file.scene_of_text(changed(*changes), "my.toml")
 
 
 def refused(*changes: tuple[str, str]) -> SceneError:
@@ -48,7 +48,7 @@ def test_diameters_are_the_radii_to_the_last_digit_and_an_oversize_is_one_by_pre
     assert read(PITCH, BALL) == read()
     assert read(('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"\npitch_radius = "16.5 mm"')) == read()
     preloaded = catalogue.scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
-    assert scene_file.loads(preloaded, "lin-case3.toml") == catalogue.scene("lin-case3")
+    assert scene_file.scene_of_text(preloaded, "lin-case3.toml") == catalogue.scene("lin-case3")
 
 
 def test_materials_by_name() -> None:
@@ -118,7 +118,7 @@ def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     alpha = math.atan2(20e-3, 2.0 * math.pi * 16.5e-3)
     axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
     assert axial == pytest.approx(3000.0, rel=0.02)
-    assert from_keys.oversize_for(scene, 3000.0) == scene.errors.balls.oversize
+    assert from_keys.oversize_for_preload(scene, 3000.0) == scene.errors.balls.oversize
 
 
 def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
@@ -135,8 +135,8 @@ def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
 
 @pytest.mark.parametrize("size", ["6x1", "12x4", "16x16", "20x5", "32x10", "32 x 32", "40x10", "40×80", "63X20", "160x40"])
 def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
-    text = scene_like(size)
-    scene = scene_file.loads(text, "my.toml")
+    text = ball_screw_text(size)
+    scene = scene_file.scene_of_text(text, "my.toml")
     assert max(map(len, text.splitlines())) <= 140
     assert 10 <= scene.ball_count <= 200
     wall = scene.nut.outer_diameter / 2.0 - scene.track.pitch_radius - scene.balls.radius
@@ -148,18 +148,18 @@ def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
 
 
 def test_40x10_is_near_the_shipped_one_and_a_size_beyond_the_rules_is_refused() -> None:
-    ours, shipped = scene_file.loads(scene_like("40x10"), "my.toml"), catalogue.scene("unseen-40x10")
+    ours, shipped = scene_file.scene_of_text(ball_screw_text("40x10"), "my.toml"), catalogue.scene("unseen-40x10")
     one, other = ((x.track.pitch_radius, x.balls.radius, x.nut.outer_diameter) for x in (ours, shipped))
     assert one == other
     assert abs(ours.ball_count - shipped.ball_count) <= 3
     for size in ("40", "x10", "40x", "40x100", "4x1", "300x10", "-40x10", "40x10x2", "nan"):
         with pytest.raises(InputError, match="40x10"):
-            scene_like(size)
+            ball_screw_text(size)
 
 
 def test_new_like_from_the_command_line(tmp_path, command) -> None:
     assert "without --kind" in command.refused("new", tmp_path / "a.toml", "--like", "40x10", "--kind", "bearing")
-    for kind, text in (((), scene_like("40x10")), (("--kind", "double-nut"), double_nut_like("40x10"))):
+    for kind, text in (((), ball_screw_text("40x10")), (("--kind", "double-nut"), double_nut_text("40x10"))):
         file = tmp_path / f"{len(kind)}.toml"
         assert command("new", file, "--like", "40x10", *kind).code == 0
         assert file.read_text(encoding="utf-8").split("\n", 1)[1] == text
@@ -167,7 +167,7 @@ def test_new_like_from_the_command_line(tmp_path, command) -> None:
 
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
 def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
-    found = scene_file.parse_scene(double_nut_like(size), "d.toml")
+    found = scene_file.parse_scene(double_nut_text(size), "d.toml")
     assert isinstance(found, axis.Assembly)
     assert [s.thrust for s in found.sets] == ["-z", "+z"]
     for one in found.sets:
@@ -182,7 +182,7 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
 def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
     share = 0.025 if "2.5" in text else 0.05
-    assert scene.errors.balls.oversize == from_keys.oversize_for(read(), share * rating(read()))
+    assert scene.errors.balls.oversize == from_keys.oversize_for_preload(read(), share * rating(read()))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 

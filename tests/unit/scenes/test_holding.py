@@ -12,7 +12,7 @@ FLANGE = '[nut.flange]\ndiameter = "72 mm"\nthickness = "11 mm"\n'
 
 def read(text: str, lead: str = "20 mm"):
     tables = template().replace('lead = "20 mm"', f'lead = "{lead}"', 1) + text
-    return scene_file.loads(tables, "a.toml")
+    return scene_file.scene_of_text(tables, "a.toml")
 
 
 def test_a_flange_holds_its_nut_by_its_whole_face_unless_the_file_says_more() -> None:

@@ -23,7 +23,7 @@ def test_hash_and_key_do_not_know_the_role():
     assert other == scene
     assert key_of(other, "", {"b_over_h": 2.0}, (0, 3)) == key_of(scene, "", {"b_over_h": 2.0}, (0, 3))
     with pytest.raises(SceneError, match="role"):
-        scene_file.loads(text.replace('role = "referenced"', 'role = "seen"'), "mine.toml")
+        scene_file.scene_of_text(text.replace('role = "referenced"', 'role = "seen"'), "mine.toml")
 
 
 DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial"}

@@ -80,5 +80,5 @@ def test_round_trip_of_every_key():
     assert scene.errors.SL.profile_sigma == (2e-7, 0.0)
     assert scene.errors.SL.roundness[0] == FourierTerm(2.0, 5e-6, 1e-6, 2e-6)
     assert (scene.ingredients.hertz, scene.ingredients.section) == ("as printed", "full")
-    assert scene_file.loads(scene.to_toml(), "full.toml") == scene
+    assert scene_file.scene_of_text(scene.to_toml(), "full.toml") == scene
     assert scene_file.parse_scene(cycle.to_toml(), "full.toml") == cycle

@@ -26,16 +26,16 @@ def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_t
 
 def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
     text = catalogue.scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
-    assert scene_file.loads(text, "lin-case1.toml") == catalogue.scene("lin-case1")
+    assert scene_file.scene_of_text(text, "lin-case1.toml") == catalogue.scene("lin-case1")
     with pytest.raises(SceneError, match='kind: got "bearing"; allowed: "ball screw" with this lead'):
-        scene_file.loads(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
+        scene_file.scene_of_text(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
     ring = catalogue.scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
     with pytest.raises(SceneError, match='allowed: "bearing" with this lead'):
-        scene_file.loads(ring, "a.toml")
+        scene_file.scene_of_text(ring, "a.toml")
 
 
 def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
-    names = set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(axis_names())
+    names = set(catalogue.scene_names()) - set(catalogue.single_set_names()) - set(axis_names())
     assert {scene_file.kind_of(catalogue.shipped(name)) for name in names} == set(FRICTION_ONLY)
     assert catalogue.shipped("lin-pair-a") is catalogue.shipped("lin-pair-a"), "each is read once"
     words = r'"linear pair"; allowed: "ball screw", "bearing"; .*rollbench friction lin-pair-a'
@@ -46,7 +46,7 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(catalogue.scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):
-        scene_file.load(path)
+        scene_file.read_scene_file(path)
     assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
 
 
@@ -55,7 +55,7 @@ def test_conformity_part_of_a_material_and_starts():
     share the balls."""
 
     def changed(old, new):
-        return scene_file.loads(template().replace(old, new), "a.toml")
+        return scene_file.scene_of_text(template().replace(old, new), "a.toml")
 
     scene = changed('groove_radius = "3.254 mm"', "conformity = 0.56")
     assert scene.screw.groove_radius == scene.nut.groove_radius == pytest.approx(0.56 * 2 * 2.778e-3)
@@ -70,7 +70,7 @@ def test_conformity_part_of_a_material_and_starts():
 def test_byte_order_mark_windows_line_ends_and_the_hash_of_a_text(tmp_path):
     path = tmp_path / "w.toml"
     path.write_bytes(b"\xef\xbb\xbf" + template().replace("\n", "\r\n").encode())
-    assert scene_file.load(path).ball_count == 32
+    assert scene_file.read_scene_file(path).ball_count == 32
     assert scene_file.scene_hash("a") == "ca978112ca1bbdca" != scene_file.scene_hash("a ")
 
 

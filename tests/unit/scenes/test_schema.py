@@ -26,7 +26,7 @@ EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance"
 def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
     with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
         template("screw")
-    scene, case = scene_file.loads(template(), "x/my.toml"), catalogue.scene("lin-case1")
+    scene, case = scene_file.scene_of_text(template(), "x/my.toml"), catalogue.scene("lin-case1")
     assert scene.name == "my"
     for part in ("track", "screw", "nut", "balls", "supports", "loads", "errors", "ingredients"):
         assert getattr(scene, part) == getattr(case, part)
@@ -81,7 +81,7 @@ def test_template_alternatives_load():
         if lines[j].startswith("# ") and "displace" not in lines[i]:
             head = max(k for k in range(i) if lines[k].startswith("# ["))
             changed[head:j] = [x.removeprefix("# ") for x in changed[head:j]]
-        scene_file.loads("\n".join(changed), "other.toml")
+        scene_file.scene_of_text("\n".join(changed), "other.toml")
 
 
 def schema_keys(schema: dict) -> set[str]:

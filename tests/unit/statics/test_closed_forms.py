@@ -105,7 +105,7 @@ def test_torque_of_the_helix(hand):
     assert torque == pytest.approx(sign * 2000.0 * 20e-3 / (2 * np.pi), rel=2e-3)
 
 
-@pytest.mark.parametrize("name", catalogue.whole_names())
+@pytest.mark.parametrize("name", catalogue.single_set_names())
 def test_shipped_scenes_are_in_equilibrium(name):
     """Contact forces at their contact points, reactions and loads, summed apart from the solver's own residual.
 

@@ -302,7 +302,7 @@ def test_shaft_against_the_dense_beam(case):
 def test_a_contact_beside_a_held_face_keeps_what_its_body_takes_from_it():
     """A drawn nut held at both faces, its first ball 1.03 radii from one: 219.2 N by 3D on level 1, 210.2 N where all
     negative compliance is cut away."""
-    drawn = scene_file.loads(scene_text(SEED, 2), "drawn.toml")
+    drawn = scene_file.scene_of_text(scene_text(SEED, 2), "drawn.toml")
     result = run_model(drawn, "refined", Options(discretisation=False))
     said = [text for text in result.left_out if "cut away" in text]
     assert all(float(text.partition("up to ")[2].partition(" %")[0]) < 1.0 for text in said)

@@ -9,7 +9,7 @@ from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.template import scene_like
+from rollbench.compare.scenes.template import ball_screw_text
 from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import error_free_hertz
@@ -46,8 +46,8 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
 
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_a_nut_of_either_hand_takes_an_offset(hand):
-    text = scene_like("25x5").replace('# hand = "left"', f'hand = "{hand}"')
-    scene = scene_file.loads(re.sub(r"(?m)^force = \"5 % of C\".*$", 'lead_offset = "5 um"', text), "mine.toml")
+    text = ball_screw_text("25x5").replace('# hand = "left"', f'hand = "{hand}"')
+    scene = scene_file.scene_of_text(re.sub(r"(?m)^force = \"5 % of C\".*$", 'lead_offset = "5 um"', text), "mine.toml")
     assert scene.errors.lead_offset == pytest.approx(5e-6)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import gather
+from rollbench.compare.models.answers import all_answers
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.statics.liu import row_of, solve_liu
@@ -82,7 +82,7 @@ def test_stiffness_is_the_tangent_or_over_the_step():
     s = scene("liu-drawn")
     s = replace(s, ingredients=replace(s.ingredients, load_step=600.0))
     result = run_model(s, "liu", QUIET)
-    answers = gather(s, result, "liu", QUIET)
+    answers = all_answers(s, result, "liu", QUIET)
     pushed = [replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, f)),)) for f in (4999.5, 5000.5, 5000.0, 5600.0)]
     at = [solve_liu(x).centreline[0, 2] for x in pushed]
     shaft = abs(s.loads[0].at - result.z.min()) / screw_section(s).EA

@@ -126,7 +126,7 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
 
 def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None:
     """The refined model, each screw judged by all others: covered, held, and no promise of fifty per cent."""
-    found = model_form.left_out(model_form.shipped_points(), DEFAULT)
+    found = model_form.leave_one_out(model_form.shipped_points(), DEFAULT)
     covered = [one for one in found if one.expected is not None]
     assert len(covered) >= 0.9 * len(found)
     assert sum(one.point.scene.startswith("survey") for one in found) >= 190
@@ -147,7 +147,7 @@ SHIPPED_BEYOND_EXPECTED = {"unseen-40x10", "unseen-thin-nut"}
 
 def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
     """One more fails, one less too: the list is then wrong."""
-    found = model_form.left_out(model_form.shipped_points(), DEFAULT)
+    found = model_form.leave_one_out(model_form.shipped_points(), DEFAULT)
     far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
     beyond = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
     assert far == {f"survey {number}" for number in BEYOND_REACH}
@@ -166,7 +166,7 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
     for _ in range(30):
         x, errors = drawn(120)
         new, found = drawn(20)
-        held += [e <= model_form.bound(x, errors, here, 0.01) for here, e in zip(new, found, strict=True)]
+        held += [e <= model_form.error_bound(x, errors, here, 0.01) for here, e in zip(new, found, strict=True)]
     assert np.mean(held) == pytest.approx(model_form.SHARE, abs=0.03)
 
 

@@ -10,7 +10,7 @@ from tests.helpers import small_screw, solved, with_ingredients
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.scene_file import loads
+from rollbench.compare.scenes.scene_file import scene_of_text
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.problem import build, contradiction
@@ -27,7 +27,7 @@ def shipped(name, *changes, extra=""):
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    return loads(text + extra, f"{name}.toml")
+    return scene_of_text(text + extra, f"{name}.toml")
 
 
 def test_rigid_screw_with_contradictory_supports_is_refused_and_with_those_that_agree_solved():

@@ -37,9 +37,9 @@ def put(key, value):
 
 
 def test_values_reach_the_scene():
-    scene = scene_tables.of_tables(put("loads[0].force[2]", "3 kN"), "x")
+    scene = scene_tables.single_set_scene(put("loads[0].force[2]", "3 kN"), "x")
     assert scene.loads[0].force == (0.0, 0.0, 3000.0)
-    scene = scene_tables.of_tables(put("errors.NL.profile_sigma", ["1 um"]), "x")
+    scene = scene_tables.single_set_scene(put("errors.NL.profile_sigma", ["1 um"]), "x")
     assert scene.errors.NL.profile_sigma == (1e-6,)
     assert RAW["loads"][0]["force"][2] == "5 kN"
 
@@ -62,16 +62,16 @@ DISPLACED = [
 
 @pytest.mark.parametrize(("vary", "gone"), DISPLACED)
 def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
-    raw = scene_file.read_toml(template.scene_like("40x10"), "my.toml")
+    raw = scene_file.read_toml(template.ball_screw_text("40x10"), "my.toml")
     keys = read_vary([vary])
     assert [other for _, other in displaced_keys(raw, keys)] == gone
     first, second = (scene_tables.read_tables(change_keys(raw, keys, [v]), "my.toml") for v in keys[0].ends)
     assert first != second
-    assert raw == scene_file.read_toml(template.scene_like("40x10"), "my.toml"), "the scene itself stays"
+    assert raw == scene_file.read_toml(template.ball_screw_text("40x10"), "my.toml"), "the scene itself stays"
 
 
 def test_the_same_in_a_set():
-    raw = scene_file.read_toml(template.double_nut_like("40x10"), "my.toml")
+    raw = scene_file.read_toml(template.double_nut_text("40x10"), "my.toml")
     keys = read_vary(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
     assert displaced_keys(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
     found = scene_tables.read_tables(change_keys(raw, keys, ["3.4 mm"]), "my.toml")

@@ -15,7 +15,7 @@ from tests.processes import python
 
 from rollbench.compare.commands.sweep import run_sweep
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import gather, gather_axis
+from rollbench.compare.models.answers import all_answers, all_axis_answers
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
@@ -165,10 +165,10 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
     text = catalogue.scene_text("lin-case3")
     found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
-    scene = scene_file.loads(text, "lin-case3.toml")
+    scene = scene_file.scene_of_text(text, "lin-case3.toml")
     options = Options(discretisation=False)
     result = run_model(scene, "lin", options)
-    answers = gather(scene, result, "lin", options)
+    answers = all_answers(scene, result, "lin", options)
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.unequal, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
@@ -179,14 +179,14 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
 
     text = catalogue.scene_text("lin-pitch-2p1")
     found = sampling.solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
-    load = run_model(scene_file.loads(text, "lin-pitch-2p1.toml"), "lin", options).load
+    load = run_model(scene_file.scene_of_text(text, "lin-pitch-2p1.toml"), "lin", options).load
     assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
 
 
 def test_several_sets_have_the_same_outputs():
     found = sampling.solve_sample(catalogue.scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.parse_scene(catalogue.scene_text("double-nut"), "double-nut.toml")
-    answers = gather_axis(assembly, run_model(assembly, "lin"))
+    answers = all_axis_answers(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
@@ -219,7 +219,7 @@ def test_a_sample_is_the_solution_of_its_scene():
     sweep = make_sweep("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
     found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
-    result = run_model(scene_file.loads(text, "x.toml"), "lin", Options(discretisation=False))
+    result = run_model(scene_file.scene_of_text(text, "x.toml"), "lin", Options(discretisation=False))
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
     assert found["loaded_contacts"] == (result.load > 0.0).sum()
     assert found["displacement_um"] == pytest.approx(1e6 * result.centreline[0, 2], rel=1e-12)

@@ -44,7 +44,7 @@ import numpy as np
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load_run, save
 from rollbench.compare.reference.tasks import Task
@@ -268,7 +268,7 @@ def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> N
             shipped = [load_run(catalogue.scene(c), level) for c in CASES]
             runs = with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
         else:
-            runs = compute(Task(pair, level, cache=cache))
+            runs = compute_runs(Task(pair, level, cache=cache))
         if sliding:
             from rollbench.compare.cases.lin.reconstruction.solvers import with_sliding
 

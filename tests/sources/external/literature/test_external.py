@@ -8,7 +8,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.compare.cases.external import evidence
-from rollbench.compare.evidence import audit, left_out
+from rollbench.compare.evidence import audit, numbers_left_out
 from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
@@ -29,7 +29,7 @@ def test_entry(key: str) -> None:
 def test_every_case_is_run_or_left_out_with_its_reason() -> None:
     makers = ("gmn", "harris", "masta", "nsk", "sjovall", "snfa", "thk", "vm63")
     assert of_source("external") == [f"{evidence.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
-    assert [row["place"] for row in left_out() if row["source"] == "other programs, makers, textbooks"] == [
+    assert [row["place"] for row in numbers_left_out() if row["source"] == "other programs, makers, textbooks"] == [
         "eng-tools.dev, calculator of a 6206",
         "GMN, series KH, 25 deg",
         "SNFA, catalogue of spindle bearings",

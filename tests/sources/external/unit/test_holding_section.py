@@ -84,7 +84,7 @@ def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
 
 def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
     """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
-    monkeypatch.setattr(holding, "left_out", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
+    monkeypatch.setattr(holding, "error_near_faces", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
     stored = [*stored_ways(), *finer(stored_ways(), 0.02)]
     rows = rows_of(monkeypatch, stored)
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
