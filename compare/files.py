@@ -100,7 +100,7 @@ def similar_names(name: str, names: Iterable[str]) -> list[str]:
 
     Examples
     --------
-    >>> alike("Srcew", ["nut.toml", "screw.toml"])
+    >>> similar_names("Srcew", ["nut.toml", "screw.toml"])
     ['screw.toml']
     """
     import difflib

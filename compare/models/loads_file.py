@@ -449,7 +449,7 @@ def decimal_comma_advice(advice: str, text: str) -> str:
 
     Examples
     --------
-    >>> comma_or("write a number", "489,5"), comma_or("write a number", "x")
+    >>> decimal_comma_advice("write a number", "489,5"), decimal_comma_advice("write a number", "x")
     ('is it a decimal comma? write a point, and nothing between thousands', 'write a number')
     """
     return COMMA if has_comma(text) else advice

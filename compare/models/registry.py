@@ -404,7 +404,7 @@ def key_of_error(error: ValueError) -> str:
 
     Examples
     --------
-    >>> blamed(UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")), blamed(ValueError("no"))
+    >>> key_of_error(UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")), key_of_error(ValueError("no"))
     ('solid.nut_inner_diameter', 'scene')
     """
     return error.key if isinstance(error, UnfitKey) else "scene"

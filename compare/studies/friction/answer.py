@@ -428,7 +428,7 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     """Return the line on the torque that a motor, or a brake, must provide."""
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
-    moving = f", which motion_against_load {motion_against_load(t)}" if t.translating else ""
+    moving = f", which moves {motion_against_load(t)}" if t.translating else ""
     return "torque", f"{vector_json(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 

@@ -11,7 +11,7 @@ from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
 from rollbench.compare.models import load_cases, registry
-from rollbench.compare.report.verify import _results_without_times, read_page
+from rollbench.compare.report.verify import _results_without_times, read_first_page
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.run import Sweep
 from rollbench.compare.studies.sweep.sample import solve_sample
@@ -104,7 +104,7 @@ def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path, command) -> 
     said = command.said("report", written(tmp_path), "--out", tmp_path / "page")
     assert said.startswith("Of 3 load cases push is the worst.")
     assert "Life: " in said
-    found = read_page(tmp_path / "page")[1]["results"]
+    found = read_first_page(tmp_path / "page")[1]["results"]
     assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
     assert "seconds" in str(found)
     assert "seconds" not in str(_results_without_times(found)), "a page made again has not moved"

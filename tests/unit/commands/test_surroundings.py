@@ -129,9 +129,9 @@ def test_a_matplotlibrc_of_the_working_folder_changes_no_figure(tmp_path):
     program = """
 from pathlib import Path
 from types import SimpleNamespace
-from rollbench.reports.figures import draw
+from rollbench.reports.figures import draw_figure
 from rollbench.reports.content import Figure, Panel, Series
-print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0, 1.0], "line")])])))
+print(draw_figure(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0, 1.0], "line")])])))
 """
     drawn = [python("-P", "-c", program, cwd=place) for place in (tmp_path, tmp_path.parent)]
     assert [one.returncode for one in drawn] == [0, 0], drawn[0].stderr

@@ -143,7 +143,7 @@ class TestReplacing:
     def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
         html.write_report(report(table()), tmp_path / "out")
         before = contents(tmp_path)
-        monkeypatch.setattr(pages.figures, "draw", Mock(side_effect=error))
+        monkeypatch.setattr(pages.figures, "draw_figure", Mock(side_effect=error))
         with pytest.raises(error):
             html.write_report(report(table("new"), figure("new")), tmp_path / "out")
         assert contents(tmp_path) == before
