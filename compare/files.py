@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import InputError
-from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
-from rollbench.meshes.libraries import fault, pip
+from rollbench.meshes.leftovers import folder_for_group, for_group, temporary_name
+from rollbench.meshes.libraries import import_fault, pip_command
 
 if TYPE_CHECKING:
     from rollbench.reports.content import Figure
@@ -142,7 +142,7 @@ def write_new(path: Path, text: str) -> None:
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
     with os_errors_as_input_errors(path):
-        name = temporary(path)
+        name = temporary_name(path)
         file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
     try:
         with os_errors_as_input_errors(path, "a file that can be written"):
@@ -157,7 +157,7 @@ def replace_file(path: Path, text: str) -> None:
     """Write ``text`` to a file, completely or not at all, replacing an earlier one; InputError if it cannot be written."""
     with os_errors_as_input_errors(path):
         folder_for_group(path.parent)
-        name = temporary(path)
+        name = temporary_name(path)
         try:
             with open(name, "x", encoding="utf-8") as file:
                 file.write(text)
@@ -182,8 +182,8 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 def why_no_figure() -> str:
     """Return why no figure can be drawn on this machine, and advice; empty if figures can be drawn."""
-    reason = fault("matplotlib")
-    return f"no figure ({reason}: {pip('matplotlib')})" if reason else ""
+    reason = import_fault("matplotlib")
+    return f"no figure ({reason}: {pip_command('matplotlib')})" if reason else ""
 
 
 def write_figure(path: Path, figure: Figure) -> str:
@@ -202,6 +202,6 @@ def need_writable(path: Path) -> None:
         raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
     with os_errors_as_input_errors(path):
         folder_for_group(path.parent)
-        probe = temporary(path)
+        probe = temporary_name(path)
         probe.touch(exist_ok=False)
         probe.unlink()

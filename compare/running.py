@@ -15,21 +15,29 @@ from pathlib import Path
 from time import monotonic
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missing, pip, version
+from rollbench.meshes.libraries import (
+    MESHING,
+    REFERENCE,
+    apt_command,
+    import_fault,
+    installed_version,
+    missing_libraries,
+    pip_command,
+)
 
 
 def gmsh_fault() -> str:
     """Return why gmsh cannot be loaded, with the missing shared libraries; empty if it can be loaded."""
-    reason = fault("gmsh")
-    if not reason or version("gmsh") is None:
+    reason = import_fault("gmsh")
+    if not reason or installed_version("gmsh") is None:
         return reason
-    lacking = [name for name in missing(MESHING) if name not in reason]
+    lacking = [name for name in missing_libraries(MESHING) if name not in reason]
     return reason + (f"; also missing: {', '.join(lacking)}" if lacking else "")
 
 
 def gmsh_remedy() -> str:
     """Return advice on how to install gmsh, or the shared libraries that it lacks."""
-    return pip("gmsh") if version("gmsh") is None else install(MESHING)
+    return pip_command("gmsh") if installed_version("gmsh") is None else apt_command(MESHING)
 
 
 def need_gmsh() -> None:
@@ -43,8 +51,8 @@ def need_gmsh() -> None:
 def need_packages(*packages: str) -> None:
     """Raise InputError if one of the Python packages cannot be used, for the first of them."""
     for package in packages:
-        if reason := fault(package):
-            advice = f"{pip(package)}; see rollbench doctor for what works without"
+        if reason := import_fault(package):
+            advice = f"{pip_command(package)}; see rollbench doctor for what works without"
             raise InputError("this machine", package, reason, "a package that this command needs", advice)
 
 
@@ -56,7 +64,7 @@ def need_reference() -> None:
 
 def package_versions(packages: Sequence[str]) -> str:
     """Return the names of packages with their versions as text."""
-    return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
+    return ", ".join(f"{name} {installed_version(name) or 'not installed'}" for name in packages)
 
 
 def machine() -> str:

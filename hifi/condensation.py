@@ -59,7 +59,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody, build_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Material, Nut, Scene
-from rollbench.meshes.sockets import SocketMesh, local_points, reach
+from rollbench.meshes.sockets import SocketMesh, local_points, socket_reach
 from rollbench.meshes.solid import Dimensions
 
 #: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
@@ -153,7 +153,7 @@ def condense_side(
 
     def groove_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         size, sizes = (sockets.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
-        half = max(reach(m, sockets.size, (side,))) + BEYOND * m.ball
+        half = max(socket_reach(m, sockets.size, (side,))) + BEYOND * m.ball
         spec = BodySpec(
             *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
         )

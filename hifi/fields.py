@@ -52,13 +52,13 @@ from rollbench.hifi.reference import ReferenceResult
 from rollbench.hifi.setup import Setup
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions
-from rollbench.meshes.fem import cells_of, moved
+from rollbench.meshes.fem import cells_of, with_points
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Material, Scene
 from rollbench.meshes.sockets import local_points
-from rollbench.meshes.solid import Dimensions, dimensions
+from rollbench.meshes.solid import Dimensions, solid_dimensions
 
 
 @dataclass(frozen=True)
@@ -342,7 +342,7 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = mesh_of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
+    body = mesh_of_order(with_points(mesh.mesh, points), kind := body_kind(setup.settings))
     if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
     stress = nodal_stress(body, u @ R, material, elements)
@@ -493,7 +493,7 @@ def ball_contact_pressures(
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
         raise ValueError(f"ball {ball + 1} carries no load")
-    m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
+    m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)

@@ -41,7 +41,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.sockets import AZIMUTH_TURNED
-from rollbench.meshes.solid import Dimensions, dimensions
+from rollbench.meshes.solid import Dimensions, solid_dimensions
 
 Step = Callable[[str], None]
 #: Contacts up to which screw and nut are condensed at once: with more, each takes gigabytes.
@@ -170,7 +170,7 @@ def prepare(
         A worker process was ended from outside.
     """
     stages = _StageRunner(cache or Cache(None), step)
-    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
+    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
     stations = tuple(sorted({z for case in (scene, *scenes) for z in case.stations}))
     recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
     meshes = gather(*stages.run([Job("meshes", *recipe) for recipe in recipes], processes))

@@ -96,11 +96,11 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
 
 @cache
 def _numba_works() -> bool:
-    from rollbench.meshes.libraries import ONLY_FOR, fault, pip
+    from rollbench.meshes.libraries import ONLY_FOR, import_fault, pip_command
 
-    missing = fault("numba")
+    missing = import_fault("numba")
     if missing:
-        sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; {pip('numba')}\n")
+        sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; {pip_command('numba')}\n")
     return not missing
 
 

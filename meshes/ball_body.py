@@ -20,8 +20,8 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import Meshed, Quality, improve_cells
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import BEND, POOREST, Shell, best_of, fill, graded
-from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
+from rollbench.meshes.shell import BEND, POOREST, Shell, best_mesh, fill_shell, graded_size
+from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, side_socket, socket_mesh, socket_rim
 
 Flags = NDArray[np.bool_]
 
@@ -208,13 +208,13 @@ def _meshed(
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
         sizes = share * fine, share * coarse
-        shell = Shell(gmsh, graded(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+        shell = Shell(gmsh, graded_size(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
         corners = []
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
             places = (ball_points(m, socket, xi) for xi in (box.xi, raised))
             corners.append(shell.socket(f"socket {SIDES[socket.side]}", box, *places))
-        sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
-        filled = fill(shell, volume)
+        sphere(m, shell, [c[socket_rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
+        filled = fill_shell(shell, volume)
         box_nodes = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         kept = np.concatenate(box_nodes)
         mesh, moved, quality = improve_cells(filled.named(shell), "ball", filled.on(shell.tris()), kept)
@@ -223,7 +223,7 @@ def _meshed(
         body = BallBody(mesh, nodes, meshes, quality)
         return body, moved + max(0.0, POOREST - quality.smallest)
 
-    return best_of("ball", attempt)
+    return best_mesh("ball", attempt)
 
 
 def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:

@@ -14,8 +14,8 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fem import Meshed, kind_of, mesh_of, moved, named, points_of, tensor_grid
-from rollbench.meshes.shell import session
+from rollbench.meshes.fem import Meshed, kind_of, mesh_of, points_of, tensor_grid, with_boundaries, with_points
+from rollbench.meshes.shell import gmsh_session
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class BlockMesh(Meshed):
         return kind_of(self.mesh)
 
 
-def graded(cell: float, core: float, size: float, growth: float) -> Array:
+def graded_coordinates(cell: float, core: float, size: float, growth: float) -> Array:
     """Corner coordinates from 0 to an end: equal cells over a core, then growing ones.
 
     Parameters
@@ -63,7 +63,7 @@ def graded(cell: float, core: float, size: float, growth: float) -> Array:
 
     Examples
     --------
-    >>> graded(1.0, 2.0, 9.0, 2.0).round(3).tolist()
+    >>> graded_coordinates(1.0, 2.0, 9.0, 2.0).round(3).tolist()
     [0.0, 1.0, 2.0, 3.488, 5.703, 9.0]
     """
     if not (0.0 < cell <= size and core < size and growth > 1.0):
@@ -84,7 +84,7 @@ def graded(cell: float, core: float, size: float, growth: float) -> Array:
     return out
 
 
-def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float) -> BlockMesh:
+def hexahedral_block(order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float) -> BlockMesh:
     """Tensor-graded hexahedra with 8 or 27 nodes.
 
     Parameters
@@ -108,10 +108,10 @@ def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size:
     Raises
     ------
     ValueError
-        As `graded`.
+        As `graded_coordinates`.
     """
-    x, y, z = (graded(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
-    return _named(tensor_grid(x, y, z, f"Q{order}"), size)
+    x, y, z = (graded_coordinates(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
+    return _name_boundaries(tensor_grid(x, y, z, f"Q{order}"), size)
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class Influence:
         return f"Min({self.coarse!r}, {self.fine!r}+{self.growth!r}*{away})"
 
 
-def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
+def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMesh:
     """Graded tetrahedra with 4 or 10 nodes, by gmsh.
 
     Parameters
@@ -161,7 +161,7 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
     ImportError
         gmsh, or a system library that it needs, is missing.
     """
-    with session() as gmsh:
+    with gmsh_session() as gmsh:
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances suit lengths about 1
         gmsh.model.occ.synchronize()
@@ -174,10 +174,10 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
         gmsh.model.remove()
     cells = np.searchsorted(tags[ascending], nodes).reshape(-1, {1: 4, 2: 10}[order])
     mesh, _ = mesh_of(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
-    return _named(moved(mesh, size * points_of(mesh)), size)
+    return _name_boundaries(with_points(mesh, size * points_of(mesh)), size)
 
 
-def _named(mesh: Mesh, size: float) -> BlockMesh:
+def _name_boundaries(mesh: Mesh, size: float) -> BlockMesh:
     """Name the boundaries of a block."""
 
     def on(axis: int, place: float) -> Callable[[Array], Array]:
@@ -186,7 +186,7 @@ def _named(mesh: Mesh, size: float) -> BlockMesh:
     faces = {"contact": on(2, 0.0), "x = 0": on(0, 0.0), "y = 0": on(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
     cut = [mesh.facets_satisfying(on(axis, size), boundaries_only=True) for axis in range(3)]
-    return BlockMesh(named(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
+    return BlockMesh(with_boundaries(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 
 def _set_edges(gmsh: Any, influence: Influence) -> None:

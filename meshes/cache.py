@@ -27,8 +27,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import temporary
-from rollbench.meshes.packed import packed, unpacked
+from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.packed import pack_record, unpack_record
 from rollbench.meshes.private import private_folder
 
 
@@ -126,7 +126,7 @@ class Cache:
             The result is no ``type_``, or no key can be made of function or arguments.
         """
         path = self._path(build, arguments, type_)
-        record = None if path is None else _read(path, type_)
+        record = None if path is None else _read_record(path, type_)
         if record is not None:
             self.hits += 1
             self.cold_seconds += record[1]
@@ -139,7 +139,7 @@ class Cache:
         if not isinstance(value, type_):
             raise TypeError(f"{build.__qualname__}: built a {type(value).__name__}, not a {type_.__name__}")
         if path is not None and not self.fault:
-            self._write(path, _SECONDS.pack(spent) + packed(value))
+            self._write(path, _SECONDS.pack(spent) + pack_record(value))
         return value
 
     def report(self, fault: str) -> None:
@@ -152,7 +152,7 @@ class Cache:
         """File of a record; None without a folder that is only this user's."""
         if self.root is None:
             return None
-        key = key_of(build, arguments, type_)
+        key = content_key(build, arguments, type_)
         try:
             return private_folder(self.root, RECORDS) / f"{key}.npz"
         except OSError as error:
@@ -164,19 +164,19 @@ class Cache:
         if len(content) > self.limit:
             return
         try:
-            new = temporary(path)
+            new = temporary_name(path)
             try:
                 new.write_bytes(hashlib.sha256(content).digest() + content)
                 new.replace(path)
             finally:
                 new.unlink(missing_ok=True)
-            _shrink(path.parent, self.limit)
+            _remove_oldest_files(path.parent, self.limit)
             shutil.rmtree(path.parents[1].joinpath(*BEFORE), ignore_errors=True)
         except OSError as error:
             self.report(error.strerror or str(error))
 
 
-def _shrink(folder: Path, limit: int) -> None:
+def _remove_oldest_files(folder: Path, limit: int) -> None:
     """Remove the files used longest ago until all together are no larger than a limit [bytes]."""
     kept = []
     for file in folder.glob("*.npz"):
@@ -190,14 +190,14 @@ def _shrink(folder: Path, limit: int) -> None:
         total -= status.st_size
 
 
-def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
+def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
     """Record in a file, and the seconds that it took to compute; None without a file that is exactly as written."""
     try:
         with path.open("rb") as file:
             digest, content = file.read(_DIGEST), file.read()
         if hashlib.sha256(content).digest() != digest:
             return None
-        value = unpacked(content[_SECONDS.size :], type_.__module__.split(".")[0])
+        value = unpack_record(content[_SECONDS.size :], type_.__module__.split(".")[0])
     except (OSError, ValueError):  # none, or of other sources: it is built again
         return None
     with suppress(OSError):  # a folder that may only be read
@@ -205,7 +205,7 @@ def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
     return (value, *_SECONDS.unpack_from(content)) if isinstance(value, type_) else None
 
 
-def key_of(build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> str:
+def content_key(build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> str:
     """Content key of a recipe.
 
     Parameters
@@ -226,19 +226,19 @@ def key_of(build: Callable[..., object], arguments: tuple[object, ...], type_: t
     name = f"{build.__module__}.{build.__qualname__}"
     if "<" in name:
         raise TypeError(f"{name}: what is kept is made by a function of a module")
-    made_by = sorted({"rollbench.meshes", _package(build.__module__), _package(type_.__module__)})
-    programs = [*map(_version, ("gmsh", "scikit-fem", "rollbench")), *map(sources, made_by)]
+    made_by = sorted({"rollbench.meshes", _package_of_module(build.__module__), _package_of_module(type_.__module__)})
+    programs = [*map(_installed_version, ("gmsh", "scikit-fem", "rollbench")), *map(sources_digest, made_by)]
     return digest(name, type_, programs, arguments)
 
 
-def _package(module: str) -> str:
+def _package_of_module(module: str) -> str:
     """Package of a module: rollbench.hifi of rollbench.hifi.setup, else the first name."""
     parts = module.split(".")
     return ".".join(parts[: 2 if parts[0] == "rollbench" else 1])
 
 
 @lru_cache
-def sources(package: str) -> str:
+def sources_digest(package: str) -> str:
     """Digest of all Python sources of an installed package; empty where there are none (built-ins, archives).
 
     A source that was changed since this process began makes the digest unique, so that no other process finds it: nobody
@@ -259,7 +259,7 @@ def sources(package: str) -> str:
 
 
 @lru_cache
-def _version(package: str) -> str:
+def _installed_version(package: str) -> str:
     """Version of an installed package, from the name of its metadata folder.
 
     `importlib.metadata` takes longer to import than a screw to solve; it is asked where there is no such folder.

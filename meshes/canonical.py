@@ -88,9 +88,9 @@ def canonical(value: object) -> str:
     if write is not None:
         return write(value)
     if is_dataclass(value) and not isinstance(value, type):
-        return _record(type(value), {f.name: getattr(value, f.name) for f in fields(value)})
+        return _record_text(type(value), {f.name: getattr(value, f.name) for f in fields(value)})
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return _record(type(value), value._asdict())
+        return _record_text(type(value), value._asdict())
     if isinstance(value, str):  # a text that knows more of itself, as a status
         return canonical(str(value))
     if isinstance(value, type):
@@ -103,32 +103,32 @@ def canonical(value: object) -> str:
     raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
 
 
-def _record(record: type, values: Mapping[str, object]) -> str:
-    name, usual = record.__name__, _usual(record)
+def _record_text(record: type, values: Mapping[str, object]) -> str:
+    name, usual = record.__name__, _frozen_default_texts(record)
     texts = {field: canonical(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
 
 
 @cache
-def _usual(record: type) -> Mapping[str, str]:
+def _frozen_default_texts(record: type) -> Mapping[str, str]:
     """Texts of the frozen defaults of a record, by field; none of a record that is not `keyed`."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 
 
-def _float(value: float) -> str:
+def _float_text(value: float) -> str:
     if value.is_integer():
         return str(int(value)) if value or math.copysign(1.0, value) > 0.0 else "-0"
     return repr(value)
 
 
-def _array(value: np.ndarray[Any, Any]) -> str:
+def _array_text(value: np.ndarray[Any, Any]) -> str:
     if value.dtype.kind not in "biufc":
         raise TypeError(f"an array of {value.dtype} has no canonical form")
     return f"array({value.dtype.str}, {value.shape}, {hashlib.sha256(np.ascontiguousarray(value).data).hexdigest()})"
 
 
-def _dict(value: Mapping[object, object]) -> str:
+def _dict_text(value: Mapping[object, object]) -> str:
     return "{" + ", ".join(sorted(f"{canonical(k)}: {canonical(v)}" for k, v in value.items())) + "}"
 
 
@@ -137,11 +137,11 @@ _WRITERS: Mapping[type, Callable[[Any], str]] = {
     type(None): str,
     bool: str,
     int: str,
-    float: _float,
+    float: _float_text,
     str: json.dumps,
     tuple: lambda value: f"({', '.join(map(canonical, value))})",
     list: lambda value: f"[{', '.join(map(canonical, value))}]",
-    dict: _dict,
-    np.ndarray: _array,
-    Fields: lambda value: _record(value.record, value.values),
+    dict: _dict_text,
+    np.ndarray: _array_text,
+    Fields: lambda value: _record_text(value.record, value.values),
 }

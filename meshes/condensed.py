@@ -22,7 +22,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
+from rollbench.meshes.leftovers import folder_for_group, for_group, temporary_name
 from rollbench.meshes.parts import Scene
 
 #: Number of this format; files of another are refused.
@@ -121,12 +121,12 @@ class CondensedBodies:
             The file cannot be written.
         """
         values = asdict(self)
-        _write(path, values | {"format": FORMAT, "checksum": checksum(values)})
+        _write_arrays(path, values | {"format": FORMAT, "checksum": arrays_digest(values)})
 
 
-def _write(path: Path, values: Mapping[str, Any]) -> None:
+def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
     folder_for_group(path.parent)
-    name = temporary(path)
+    name = temporary_name(path)
     try:
         with open(name, "xb") as file:
             np.savez_compressed(file, **values)
@@ -175,7 +175,7 @@ def load_condensed(path: Path) -> CondensedBodies:
     """
     if path.exists() and not path.is_file():
         raise ValueError("no regular file")
-    values = _members(path)
+    values = _read_arrays(path)
     bodies = CondensedBodies(
         str(values["geometry"]),
         int(values["level"]),
@@ -183,17 +183,17 @@ def load_condensed(path: Path) -> CondensedBodies:
         float(values["base"]),
         *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
     )
-    _check(bodies)
+    _check_arrays(bodies)
     return bodies
 
 
-def _members(path: Path) -> dict[str, Array]:
+def _read_arrays(path: Path) -> dict[str, Array]:
     """Read all arrays of a file, after a check of their sizes. Raises ValueError, OSError."""
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
-    members = _unpacked(path.read_bytes())
-    values = {name: _array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
+    members = _read_members(path.read_bytes())
+    values = {name: _read_array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
     number, said = values.pop("format", np.array(FORMAT)), values.pop("checksum", None)
     if number.shape != () or number.dtype.kind not in "iu" or int(number) != FORMAT:
         raise ValueError(f"format {str(number)[:40]}, this version reads {FORMAT}")
@@ -204,12 +204,12 @@ def _members(path: Path) -> dict[str, Array]:
     for name, value in values.items():
         if value.dtype.kind not in kinds.get(name, "fiu") or (name in ("geometry", "level", "base") and value.shape != ()):
             raise ValueError(f"{name}: an array of another kind")
-    if said is None or str(said) != checksum(values):
+    if said is None or str(said) != arrays_digest(values):
         raise ValueError("its checksum does not fit what it holds: it was damaged or changed")
     return values
 
 
-def _unpacked(content: bytes) -> dict[str, bytes]:
+def _read_members(content: bytes) -> dict[str, bytes]:
     """Read the members of an archive by their names, after a check of their sizes. Raises ValueError."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -227,7 +227,7 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
     return members
 
 
-def _array(name: str, content: bytes) -> Array:
+def _read_array(name: str, content: bytes) -> Array:
     """Read an array in numpy's format. Raises ValueError for another format, or a size that its header does not give."""
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
@@ -243,7 +243,7 @@ def _array(name: str, content: bytes) -> Array:
     return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
-def checksum(values: Mapping[str, Any]) -> str:
+def arrays_digest(values: Mapping[str, Any]) -> str:
     """Digest of the arrays of a file, with their names, types and shapes.
 
     Parameters
@@ -263,7 +263,7 @@ def checksum(values: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _check(bodies: CondensedBodies) -> None:
+def _check_arrays(bodies: CondensedBodies) -> None:
     """Raise ValueError for arrays that do not belong together, or that no elastic bodies have."""
     k = bodies.sides.size
     sides = bodies.sides.tolist()

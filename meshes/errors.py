@@ -47,7 +47,7 @@ def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> lis
     return drawn
 
 
-def _series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
+def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
     """Value and first two derivatives of a Fourier series, shape ``(3, n)``."""
     total = np.zeros((3, phi.size))
     for h, a, b in drawn:
@@ -56,7 +56,7 @@ def _series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
     return total
 
 
-def _profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
+def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
@@ -137,7 +137,9 @@ class Drawn:
             phi = on_nut if name.startswith("N") else on_screw
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
             # (2.27): roundness along x3, pitch along z3; (4.1) has the pitch error along the axis
-            offset = np.stack([_series(self.roundness[s], phi), along * _series(self.pitch[s], phi)], axis=-1)
+            offset = np.stack(
+                [_fourier_series(self.roundness[s], phi), along * _fourier_series(self.pitch[s], phi)], axis=-1
+            )
             centre[:, s] += offset[0]
             slopes[:, :, s] += offset[1:]
         degree = max(len(p) for p in self.profile)
@@ -181,7 +183,7 @@ def _shifted_centres(scene: Scene, station: Array) -> Array:
     return centre
 
 
-def draw(scene: Scene, member: int = 0) -> Drawn:
+def draw_errors(scene: Scene, member: int = 0) -> Drawn:
     """Draw the errors of one specimen of a scene.
 
     The same seed and number give the same screw. Draws are taken in the order: ball radii; then for each flank SL, SR,
@@ -202,13 +204,13 @@ def draw(scene: Scene, member: int = 0) -> Drawn:
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
     sides = [scene.errors.side(name) for name in SIDES]
-    terms = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _profile(e, rng)) for e in sides]
+    terms = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _draw_profile(e, rng)) for e in sides]
     pitch, roundness, profile = zip(*terms, strict=True)
     return Drawn(radii, pitch, roundness, profile)
 
 
 def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
-    """Errors of one specimen of a scene at its balls; see `draw`.
+    """Errors of one specimen of a scene at its balls; see `draw_errors`.
 
     Parameters
     ----------
@@ -232,7 +234,7 @@ def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     >>> specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
     [0.002778, 0.002778]
     """
-    return _at_balls(scene, layout, draw(scene, member))
+    return _at_balls(scene, layout, draw_errors(scene, member))
 
 
 def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
@@ -283,7 +285,7 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
     Specimens
         Their errors at the balls.
     """
-    drawn = [draw(scene, member) for member in range(first, first + count)]
+    drawn = [draw_errors(scene, member) for member in range(first, first + count)]
     shared = all((one.pitch, one.roundness) == (drawn[0].pitch, drawn[0].roundness) for one in drawn)
     places = [_at_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
     return Specimens(np.stack([one.ball_radius for one in drawn]), np.stack([x.centre for x in places]), places[0].radius)
@@ -297,7 +299,7 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
     scene : Scene
         Gives errors and seed.
     member : int, default 0
-        Number of the specimen, see `draw`.
+        Number of the specimen, see `draw_errors`.
 
     Returns
     -------
@@ -306,7 +308,7 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
     """
     if not scene.errors.random:
         return scene
-    drawn, errors = draw(scene, member), scene.errors
+    drawn, errors = draw_errors(scene, member), scene.errors
     nominal = scene.balls.radius + errors.balls.oversize
     listed = tuple((i, float(radius - nominal)) for i, radius in enumerate(drawn.ball_radius, 1))
     SL, SR, NL, NR = (

@@ -94,20 +94,20 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
         A boundary has a face that no cell has, or none at all.
     """
     count = mesh.doflocs.shape[1]
-    known = _keys(np.sort(mesh.facets.T), count)
+    known = _facet_keys(np.sort(mesh.facets.T), count)
     order = np.argsort(known)
     facets = {}
     for name, corners in faces.items():
-        wanted = _keys(np.sort(corners), count)
+        wanted = _facet_keys(np.sort(corners), count)
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
             raise ValueError(f"boundary {name!r} lost: {lost} of {len(wanted)} faces belong to no cell")
         facets[name] = np.unique(place)
-    return named(mesh, facets)
+    return with_boundaries(mesh, facets)
 
 
-def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
+def with_boundaries(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
     """Add boundaries to a mesh, given by the numbers of their facets.
 
     Parameters
@@ -131,10 +131,10 @@ def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
         if not len(numbers):
             raise ValueError(f"boundary {name!r} is empty")
     added = {name: np.asarray(numbers, dtype=np.int32) for name, numbers in facets.items()}
-    return _changed(mesh, _boundaries={**(mesh.boundaries or {}), **added})
+    return _with_attributes(mesh, _boundaries={**(mesh.boundaries or {}), **added})
 
 
-def _keys(corners: Index, count: int) -> Index:
+def _facet_keys(corners: Index, count: int) -> Index:
     """Key each edge or face by its ascending corners ``(k, 2 or more)``; keys sort like the corners.
 
     Three corners identify a face of a mesh.
@@ -243,7 +243,7 @@ def nodes_on(mesh: Mesh, *names: str) -> Index:
     (k,) Index
         Nodes.
     """
-    return _on(mesh.dofs, mesh, names)
+    return _freedoms_of_boundary(mesh.dofs, mesh, names)
 
 
 def freedoms_on(mesh: Mesh, *names: str) -> Index:
@@ -261,10 +261,10 @@ def freedoms_on(mesh: Mesh, *names: str) -> Index:
     (k,) Index
         Degrees of freedom 3 * node + component.
     """
-    return _on(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
+    return _freedoms_of_boundary(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
 
 
-def _on(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
+def _freedoms_of_boundary(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
     freedoms = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
     return np.unique(np.concatenate(freedoms)).astype(np.int64)
 
@@ -306,10 +306,10 @@ def second_order(mesh: Mesh) -> Mesh:
     """
     quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
     known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
-    return _changed(quadratic, **known)
+    return _with_attributes(quadratic, **known)
 
 
-def moved(mesh: Mesh, points: Array) -> Mesh:
+def with_points(mesh: Mesh, points: Array) -> Mesh:
     """Put the nodes of a mesh at other points; boundaries are kept.
 
     Parameters
@@ -324,10 +324,10 @@ def moved(mesh: Mesh, points: Array) -> Mesh:
     Mesh
         Copy with these nodes.
     """
-    return _changed(mesh, doflocs=np.ascontiguousarray(points.T))
+    return _with_attributes(mesh, doflocs=np.ascontiguousarray(points.T))
 
 
-def _changed(mesh: Mesh, **fields: Any) -> Mesh:
+def _with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
     """Copy of a mesh with other attributes and unchanged cells, so that edges and faces keep their numbers."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
@@ -408,11 +408,11 @@ def _of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
     points, table = mesh.doflocs.T, node_slopes(mesh.elem(), at)
     result = np.empty(len(cells))
     for k in range(0, len(cells), CHUNK):
-        result[k : k + CHUNK] = _smallest(points[cells[k : k + CHUNK]], table).min(axis=1)
+        result[k : k + CHUNK] = _smallest_scaled_jacobians(points[cells[k : k + CHUNK]], table).min(axis=1)
     return result
 
 
-def _smallest(x: Array, table: Array) -> Array:
+def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
     """Scaled Jacobians of cells at given nodes.
 
     Parameters
@@ -438,7 +438,7 @@ def _smallest(x: Array, table: Array) -> Array:
     return np.asarray(det / np.maximum(size, np.finfo(float).tiny))
 
 
-def measure(mesh: Mesh) -> Quality:
+def measure_quality(mesh: Mesh) -> Quality:
     """Size and quality of a mesh."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
@@ -513,7 +513,7 @@ def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
     size = 0.2
     near = cells
     for _ in range(12):
-        bad = near[_of_cells(moved(mesh, points), near, at) < BENT]
+        bad = near[_of_cells(with_points(mesh, points), near, at) < BENT]
         node = np.unique(bad[:, 4:])
         node = node[free[node]]
         if not len(node):
@@ -525,11 +525,13 @@ def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
             length = size * np.linalg.norm(x[:, 1] - x[:, 0], axis=1).min()
             trial = np.repeat(x[None], len(steps), axis=0)
             trial[:, ring == n] = (points[n] + length * steps)[:, None]
-            worst = _smallest(trial.reshape(-1, 10, 3), table).min(axis=1).reshape(len(steps), -1).min(axis=1)
+            worst = (
+                _smallest_scaled_jacobians(trial.reshape(-1, 10, 3), table).min(axis=1).reshape(len(steps), -1).min(axis=1)
+            )
             if worst.max() > worst[13] + 1e-12:  # 13: no step
                 points[n] = points[n] + length * steps[int(worst.argmax())]
         size *= 0.8
-    return moved(mesh, points)
+    return with_points(mesh, points)
 
 
 def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, int]:
@@ -558,7 +560,7 @@ def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, 
     changed = np.zeros_like(free)
     near = cells
     for _ in range(8):
-        bad = near[_of_cells(moved(mesh, points), near, at) < STRAIGHTENED]
+        bad = near[_of_cells(with_points(mesh, points), near, at) < STRAIGHTENED]
         before = int(changed.sum())
         for k, (i, j) in enumerate(mesh.refdom.edges):
             middle = 0.5 * (points[bad[:, i]] + points[bad[:, j]])
@@ -569,7 +571,7 @@ def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, 
         if int(changed.sum()) == before:
             break
         near = cells[changed[cells].any(axis=1)]
-    return moved(mesh, points), int(changed.sum())
+    return with_points(mesh, points), int(changed.sum())
 
 
 def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
@@ -604,7 +606,7 @@ def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[M
     if (_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
         everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
         found, straight = straighten(untangle(mesh, surface, everywhere), keep, everywhere)
-    mesh, quality = found, measure(found)
+    mesh, quality = found, measure_quality(found)
     refuse_bad(quality, name)
     return mesh, straight, quality
 

@@ -147,7 +147,7 @@ class BodySpec:
     flange: Flange | None = None
 
 
-def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
+def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
     """Points of cylindrical coordinates.
 
     Parameters
@@ -162,7 +162,7 @@ def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array
 
     Examples
     --------
-    >>> cylindrical(2.0, np.array([0.0, np.pi / 2.0]), 1.0).round(12).tolist()
+    >>> points_from_cylindrical(2.0, np.array([0.0, np.pi / 2.0]), 1.0).round(12).tolist()
     [[2.0, 0.0, 1.0], [0.0, 2.0, 1.0]]
     """
     points = np.empty((*np.broadcast(r, phi, z).shape, 3))
@@ -301,32 +301,32 @@ class Groove:
         return r if self.ends is None else self.land + self.ends.depth(line, phi) * (r - self.land)
 
 
-def level(at: float) -> Placing:
+def level_line(at: float) -> Placing:
     """Curve of plane coordinates (t, at)."""
     return lambda t: np.stack([t, np.full(t.size, at)], axis=1)
 
 
-def upright(at: float) -> Placing:
+def upright_line(at: float) -> Placing:
     """Curve of plane coordinates (at, t)."""
     return lambda t: np.stack([np.full(t.size, at), t], axis=1)
 
 
-def flat(z: float) -> Placing:
+def plane_map(z: float) -> Placing:
     """Map of plane coordinates (x, y) to points at the height z [m]."""
     return lambda x: np.column_stack([x, np.full(len(x), z)])
 
 
-def circle(r: float, z: float) -> Placing:
+def circle_curve(r: float, z: float) -> Placing:
     """Curve of points on a circle of radius r [m] about the axis at the height z [m], by azimuth."""
-    return lambda t: cylindrical(r, t, z)
+    return lambda t: points_from_cylindrical(r, t, z)
 
 
-def seen(r: float) -> Placing:
+def circle_in_plane(r: float) -> Placing:
     """Curve of plane coordinates (x, y) on a circle of radius r [m] about the axis, by azimuth, for flat faces."""
-    return lambda t: cylindrical(r, t, 0.0)[:, :2]
+    return lambda t: points_from_cylindrical(r, t, 0.0)[:, :2]
 
 
-def rail(line: float, zeta: float, rg: float, at: float | None = None) -> Placing:
+def groove_line(line: float, zeta: float, rg: float, at: float | None = None) -> Placing:
     """Curve of plane coordinates along a groove, by height z [m].
 
     Parameters
@@ -364,7 +364,7 @@ def widest_gap(spec: BodySpec) -> float:
     return float(phi[k] + 0.5 * gaps[k])
 
 
-def outline(
+def outer_surfaces(
     flange: Flange, outer: float, z: tuple[float, float], least: float = SAME
 ) -> tuple[list[str], list[tuple[float, float]]]:
     """Surfaces outside a flanged nut, from its lower end to its upper one.

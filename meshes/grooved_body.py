@@ -21,14 +21,14 @@ from rollbench.meshes.fem import Meshed, Quality, arc_deviation, improve_cells, 
 from rollbench.meshes.groove import (
     BodySpec,
     Groove,
-    circle,
-    cylindrical,
-    flat,
-    level,
-    outline,
-    rail,
-    seen,
-    upright,
+    circle_curve,
+    circle_in_plane,
+    groove_line,
+    level_line,
+    outer_surfaces,
+    plane_map,
+    points_from_cylindrical,
+    upright_line,
     widest_gap,
 )
 from rollbench.meshes.groove_map import GrooveMap
@@ -44,9 +44,9 @@ from rollbench.meshes.shell import (
     Placing,
     Shell,
     Side,
-    best_of,
-    fill,
-    graded,
+    best_mesh,
+    fill_shell,
+    graded_size,
 )
 from rollbench.meshes.sockets import (
     ON_GROOVE,
@@ -54,10 +54,10 @@ from rollbench.meshes.sockets import (
     groove_lines,
     local_points,
     refuse_misfit,
-    rim,
     side_socket,
     socket_centre,
     socket_points,
+    socket_rim,
     whole_turns,
 )
 
@@ -136,7 +136,7 @@ class Surface:
             turns, off = whole_turns(m, phi, z, line)
             if socket_side != side or off > ON_GROOVE * m.ball:
                 continue
-            top = rim(self.boxes[side])
+            top = socket_rim(self.boxes[side])
             top = np.append(top, top[0])
             xi = self.boxes[side].xi[top]
             middle = phi + 2.0 * np.pi * turns + socket_centre(m, side)[2]
@@ -158,7 +158,7 @@ class Surface:
             along, gamma = (plane / scale).T
             r, zeta, turn = self.groove.unrolled(side, gamma)
             phi = along + turn
-            return cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
+            return points_from_cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
 
         loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
@@ -167,20 +167,20 @@ class Surface:
         """Triangulate a face of constant radius."""
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
-        self.shell.face(name, [loop], lambda x: cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
+        self.shell.face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
 
     def _circle(self, r: float, z: float, limit: float) -> Curve:
-        return self.shell.curve(circle(r, z), self.start, self.start + 2.0 * np.pi, limit)
+        return self.shell.curve(circle_curve(r, z), self.start, self.start + 2.0 * np.pi, limit)
 
     def _around(self, low: Curve, high: Curve, at: tuple[float, float], seam: Placing, limit: float) -> list[Side]:
         """Sides of a face between two circles at second coordinates ``at``, cut open along the curve ``seam``."""
         cut = self.shell.curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
-        begin, end = upright(self.start), upright(self.start + 2.0 * np.pi)
-        return [low.on(level(at[0])), cut.on(end), high.back(level(at[1])), cut.back(begin)]
+        begin, end = upright_line(self.start), upright_line(self.start + 2.0 * np.pi)
+        return [low.on(level_line(at[0])), cut.on(end), high.back(level_line(at[1])), cut.back(begin)]
 
     def _tube(self, name: str, r: float, low: Curve, high: Curve, z: tuple[float, float], limit: float) -> None:
         """Triangulate a closed cylinder between two circles."""
-        seam = self._around(low, high, z, lambda t: cylindrical(r, self.start, t), limit)
+        seam = self._around(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
         self._cylinder(name, r, seam, limit)
 
     def _ends(self, bounds: list[list[Side]]) -> None:
@@ -198,12 +198,12 @@ class Surface:
                 self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
             else:
                 thin = max(THICKNESS * self.spec.flange.thickness, self.shell.fine)
-                names, places = outline(self.spec.flange, r, self.z, SLIVER * thin)
+                names, places = outer_surfaces(self.spec.flange, r, self.z, SLIVER * thin)
                 circles = self._outline(names, places, limit, thin)
             for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
-                loop.insert(1 if self.spec.outer else 0, [ring.on(seen(radius))])
+                loop.insert(1 if self.spec.outer else 0, [ring.on(circle_in_plane(radius))])
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
-            self.shell.face(name, loop, flat(z), np.inf)
+            self.shell.face(name, loop, plane_map(z), np.inf)
 
     def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float) -> list[Curve]:
         """Triangulate the surface between circles at ``places``, by name; returns the circles.
@@ -219,7 +219,7 @@ class Surface:
                 self._tube(name, r, circles[k], circles[k + 1], (z, end), size)
             else:
                 outer, inner = sorted(((r, circles[k]), (other, circles[k + 1])), key=lambda x: -x[0])
-                self.shell.face(name, [[c.on(seen(x))] for x, c in (outer, inner)], flat(z), size)
+                self.shell.face(name, [[c.on(circle_in_plane(x))] for x, c in (outer, inner)], plane_map(z), size)
         return circles
 
     def _ring(self) -> list[list[Side]]:
@@ -242,10 +242,10 @@ class Surface:
 
             def seam(gamma: Array, side: int = side) -> Array:
                 r, zeta = g.profile(side, gamma)
-                return cylindrical(r, self.start, line + zeta)
+                return points_from_cylindrical(r, self.start, line + zeta)
 
             self._flank(side, line, self._around(first, last, (begin, g.edge), seam, self.flank_limit))
-        return [[c.on(seen(g.land))] for c in circles]
+        return [[c.on(circle_in_plane(g.land))] for c in circles]
 
     def _helix(self) -> list[list[Side]]:
         """Flanks and lands of all starts; returns the loops around both ends."""
@@ -257,13 +257,13 @@ class Surface:
             for place, side in enumerate(g.sides):
                 self._flank(side, thread.line, thread.flank(place))
             following = threads[(k - 1 if rg > 0.0 else k + 1) % len(threads)]
-            near, far = rail(thread.line, g.half, rg), rail(thread.line, pitch - g.half, rg)
+            near, far = groove_line(thread.line, g.half, rg), groove_line(thread.line, pitch - g.half, rg)
             pair = []
             for end, z in zip((0, -1), self.z, strict=True):
                 begin, stop = (float(x(np.array([z]))[0, 0]) for x in (near, far))
                 ends = int(thread.rails[2].nodes[end]), int(following.rails[0].nodes[end])
-                pair.append(self.shell.curve(circle(g.land, z), begin, stop, self.bend * g.land, ends))
-            low, high = pair[0].on(level(self.z[0])), pair[1].back(level(self.z[1]))
+                pair.append(self.shell.curve(circle_curve(g.land, z), begin, stop, self.bend * g.land, ends))
+            low, high = pair[0].on(level_line(self.z[0])), pair[1].back(level_line(self.z[1]))
             boundary = [low, following.rails[0].on(far), high, thread.rails[2].back(near)]
             self._cylinder("land", g.land, boundary, self.bend * g.land)
             arcs.append(pair)
@@ -277,7 +277,7 @@ class Surface:
             n = (k + step) % len(threads)
             loop += [
                 threads[k].cuts[1][end].on(threads[k].flat(1, end)),
-                arcs[k].on(seen(g.land)),
+                arcs[k].on(circle_in_plane(g.land)),
                 threads[n].cuts[0][end].back(threads[n].flat(0, end)),
             ]
             k = n
@@ -298,7 +298,7 @@ class Thread:
 
             def space(t: Array, radius: float = radius, height: float = height) -> Array:
                 phi = (t - line - height) / groove.m.rg
-                return cylindrical(groove.radius(line, radius, phi), phi, t)
+                return points_from_cylindrical(groove.radius(line, radius, phi), phi, t)
 
             first, last = shell.nodes(space(np.array(z)))
             self.rails.append(shell.curve(space, *z, limit, (int(first), int(last))))
@@ -323,7 +323,7 @@ class Thread:
 
     def _space(self, place: int, end: int) -> Placing:
         """Points of the cut of a flank (0 left, 1 right) by an end (0 low, 1 high) at angles gamma."""
-        return lambda gamma: cylindrical(*self._azimuth(place, end, gamma), self.z[end])
+        return lambda gamma: points_from_cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
         """Intersection of a flank with the plane of an end; place: 0 left, 1 right; end: 0 low, 1 high."""
@@ -336,7 +336,7 @@ class Thread:
         def cut(end: int) -> Placing:
             return lambda gamma: np.stack([self._azimuth(place, end, gamma)[1], gamma], axis=1)
 
-        apex, edge = (rail(self.line, self.zeta[k], g.m.rg, at) for k, at in ((1, g.apex), (2 * place, g.edge)))
+        apex, edge = (groove_line(self.line, self.zeta[k], g.m.rg, at) for k, at in ((1, g.apex), (2 * place, g.edge)))
         low, high = self.cuts[place]
         return [low.on(cut(0)), self.rails[2 * place].on(edge), high.back(cut(1)), self.rails[1].back(apex)]
 
@@ -369,16 +369,16 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[GroovedBody, float]:
         sizes = share * spec.fine, share * spec.coarse
-        shell = Shell(gmsh, graded(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+        shell = Shell(gmsh, graded_size(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
         surface = Surface(shell, m, spec, share)
-        body = _collected(surface, fill(shell, volume))
+        body = _collect_mesh(surface, fill_shell(shell, volume))
         off = body.deviation / m.ball if body.deviation > EXACT else 0.0
         return body, off + max(0.0, POOREST - body.quality.smallest)
 
-    return best_of("screw" if spec.outer else "nut", attempt)
+    return best_mesh("screw" if spec.outer else "nut", attempt)
 
 
-def _collected(surface: Surface, filled: Filled) -> GroovedBody:
+def _collect_mesh(surface: Surface, filled: Filled) -> GroovedBody:
     """Collect the mesh, its boundaries named; edges that would turn cells inside out are straightened."""
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)

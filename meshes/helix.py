@@ -162,10 +162,10 @@ def groove_radii(scene: Scene) -> Array:
     (4,) Array
         Groove radii [m].
     """
-    return np.array(_radii(scene))
+    return np.array(_radii_of_balls(scene))
 
 
-def _radii(scene: Scene) -> list[float]:
+def _radii_of_balls(scene: Scene) -> list[float]:
     return [scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2
 
 
@@ -192,7 +192,7 @@ def nominal_groove_centres(scene: Scene) -> Array:
     >>> (1e3 * nominal_groove_centres(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
     [0.3366, 0.3366]
     """
-    return _along_contacts(scene, [-(r - scene.balls.radius) for r in _radii(scene)])
+    return _along_contacts(scene, [-(r - scene.balls.radius) for r in _radii_of_balls(scene)])
 
 
 def nominal_contact_points(scene: Scene) -> Array:

@@ -18,7 +18,7 @@ from pathlib import Path
 OLD = 86_400.0
 
 
-def temporary(path: Path, ending: str = "tmp") -> Path:
+def temporary_name(path: Path, ending: str = "tmp") -> Path:
     """Return a temporary name next to a target, and remove abandoned ones of earlier processes.
 
     Parameters
@@ -33,8 +33,8 @@ def temporary(path: Path, ending: str = "tmp") -> Path:
     Path
         The name; nothing is created.
     """
-    clean(path, ending)
-    return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
+    remove_leftovers(path, ending)
+    return path.with_name(f".{path.name}.{_machine_name()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
 def for_group(path: Path) -> None:
@@ -64,13 +64,13 @@ def folder_for_group(path: Path) -> None:
             folder.chmod(folder.stat().st_mode | 0o050)
 
 
-def clean(path: Path, ending: str = "tmp") -> None:
+def remove_leftovers(path: Path, ending: str = "tmp") -> None:
     """Remove temporary files and folders of a target whose process is dead, or that are older than a day.
 
     Parameters
     ----------
     path : Path
-        Target, as for `temporary`.
+        Target, as for `temporary_name`.
     ending : str, default 'tmp'
         Suffix of the names.
     """
@@ -78,7 +78,7 @@ def clean(path: Path, ending: str = "tmp") -> None:
     with suppress(OSError):  # no such folder, or one that may not be listed: nothing to tidy
         for other in path.parent.iterdir():
             match = name.fullmatch(other.name)
-            if match is None or not _dead(other, match[1], int(match[2])):
+            if match is None or not _is_abandoned(other, match[1], int(match[2])):
                 continue
             if other.is_dir() and not other.is_symlink():
                 shutil.rmtree(other, ignore_errors=True)
@@ -87,10 +87,10 @@ def clean(path: Path, ending: str = "tmp") -> None:
                     other.unlink()
 
 
-def _dead(path: Path, machine: str, process: int) -> bool:
+def _is_abandoned(path: Path, machine: str, process: int) -> bool:
     """Whether nobody writes a temporary file any more."""
     try:
-        if machine != _machine():
+        if machine != _machine_name():
             return time.time() - path.lstat().st_mtime > OLD
         os.kill(process, 0)
     except ProcessLookupError:
@@ -100,5 +100,5 @@ def _dead(path: Path, machine: str, process: int) -> bool:
     return False
 
 
-def _machine() -> str:
+def _machine_name() -> str:
     return hashlib.sha256(platform.node().encode()).hexdigest()[:8]

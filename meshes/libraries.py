@@ -54,7 +54,7 @@ PAGES = ("matplotlib", "pillow", "jinja2")
 _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 
 
-def pip(package: str) -> str:
+def pip_command(package: str) -> str:
     """Command that installs a Python package, by the extra that it belongs to.
 
     Parameters
@@ -64,7 +64,7 @@ def pip(package: str) -> str:
 
     Examples
     --------
-    >>> pip("gmsh")
+    >>> pip_command("gmsh")
     "pip install 'rollbench[reference]'"
     """
     extra = EXTRA.get(package)
@@ -72,7 +72,7 @@ def pip(package: str) -> str:
 
 
 @cache
-def fault(package: str) -> str:
+def import_fault(package: str) -> str:
     """Reason why a Python package cannot be imported.
 
     Parameters
@@ -87,19 +87,19 @@ def fault(package: str) -> str:
 
     Examples
     --------
-    >>> fault("numpy"), fault("no-such-package")
+    >>> import_fault("numpy"), import_fault("no-such-package")
     ('', 'no-such-package is not installed')
     """
     try:
         import_module(_MODULES.get(package, package))
     except Exception as error:  # whatever a damaged package raises
-        if version(package) is None:
+        if installed_version(package) is None:
             return f"{package} is not installed"
         return f"{package} cannot be imported ({type(error).__name__}: {error})"
     return ""
 
 
-def version(package: str) -> str | None:
+def installed_version(package: str) -> str | None:
     """Version of an installed Python package; None where it is not installed.
 
     Parameters
@@ -113,7 +113,7 @@ def version(package: str) -> str | None:
         return None
 
 
-def install(*lists: Mapping[str, str]) -> str:
+def apt_command(*lists: Mapping[str, str]) -> str:
     """Command that installs system libraries on Debian and its derivatives.
 
     Parameters
@@ -123,14 +123,14 @@ def install(*lists: Mapping[str, str]) -> str:
 
     Examples
     --------
-    >>> install(PICTURES)
+    >>> apt_command(PICTURES)
     'apt-get install libegl1 libgl1 libxrender1'
     """
     names = dict.fromkeys(name for libraries in lists for name in libraries.values())
     return f"apt-get install {' '.join(sorted(names))}"
 
 
-def missing(libraries: Mapping[str, str]) -> list[str]:
+def missing_libraries(libraries: Mapping[str, str]) -> list[str]:
     """Names of the libraries that this process cannot load.
 
     Parameters

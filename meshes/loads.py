@@ -11,7 +11,7 @@ from rollbench.meshes.arrays import Array, Mask
 BARELY = 0.01
 
 
-def bearing(load: Array) -> Mask:
+def loaded_contacts(load: Array) -> Mask:
     """Mask of the contacts that carry more than `BARELY` (1 %) of the largest load.
 
     Parameters
@@ -26,13 +26,13 @@ def bearing(load: Array) -> Mask:
 
     Examples
     --------
-    >>> bearing(np.array([358.0, 358.0, 0.2, 0.0])).tolist()
+    >>> loaded_contacts(np.array([358.0, 358.0, 0.2, 0.0])).tolist()
     [True, True, False, False]
     """
     return np.asarray(load > BARELY * load.max(initial=0.0))
 
 
-def counted(load: Array, contacts: int = 0) -> int:
+def count_contacts(load: Array, contacts: int = 0) -> int:
     """Count the contacts that a mean load is taken over; see `mean_load`.
 
     Parameters
@@ -45,9 +45,9 @@ def counted(load: Array, contacts: int = 0) -> int:
     Returns
     -------
     int
-        ``contacts``, or the number of `bearing` contacts.
+        ``contacts``, or the number of `loaded_contacts` contacts.
     """
-    return contacts or int(np.count_nonzero(bearing(load)))
+    return contacts or int(np.count_nonzero(loaded_contacts(load)))
 
 
 def mean_load(load: Array, contacts: int = 0) -> float:
@@ -60,7 +60,7 @@ def mean_load(load: Array, contacts: int = 0) -> float:
     contacts : int, default 0
         That number (`lowfi.statics.nominal.nominal_contacts`), the same for all models, meshes and specimens of a
         scene. 0 where it is not known: loads without a scene, a set on a shaft, a screw that only its errors load.
-        Then the contacts of `bearing` count, so that a lightly loaded one changes the mean only by its own load.
+        Then the contacts of `loaded_contacts` count, so that a lightly loaded one changes the mean only by its own load.
 
     Returns
     -------
@@ -74,4 +74,4 @@ def mean_load(load: Array, contacts: int = 0) -> float:
     >>> mean_load(np.array([358.0, 358.0, 10.0, 0.0]), 2)
     363.0
     """
-    return float(load[load > 0.0].sum() / counted(load, contacts)) if (load > 0.0).any() else 0.0
+    return float(load[load > 0.0].sum() / count_contacts(load, contacts)) if (load > 0.0).any() else 0.0

@@ -21,7 +21,7 @@ import numpy as np
 TRUSTED = ("rollbench", "skfem")
 
 
-def packed(value: object) -> bytes:
+def pack_record(value: object) -> bytes:
     """Bytes of a record.
 
     Parameters
@@ -41,18 +41,18 @@ def packed(value: object) -> bytes:
 
     Examples
     --------
-    >>> unpacked(packed((1, {"a": [2.5, None]})))
+    >>> unpack_record(pack_record((1, {"a": [2.5, None]})))
     (1, {'a': [2.5, None]})
     """
     arrays: list[Any] = []
-    tree = json.dumps(_described(value, arrays))
+    tree = json.dumps(_describe_value(value, arrays))
     stream = io.BytesIO()
     np.savez(stream, np.frombuffer(tree.encode(), np.uint8), *arrays)
     return stream.getvalue()
 
 
-def unpacked(content: bytes, *packages: str) -> Any:
-    """Record of bytes that `packed` made.
+def unpack_record(content: bytes, *packages: str) -> Any:
+    """Record of bytes that `pack_record` made.
 
     Parameters
     ----------
@@ -74,12 +74,12 @@ def unpacked(content: bytes, *packages: str) -> Any:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             tree, *arrays = (file[name] for name in file.files)
-        return _unpacked(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
+        return _unpack_value(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
     except (AttributeError, EOFError, ImportError, LookupError, RecursionError, TypeError, BadZipFile, zlib.error) as error:
         raise ValueError(f"no record: {error}") from error
 
 
-def _described(value: Any, arrays: list[Any]) -> Any:
+def _describe_value(value: Any, arrays: list[Any]) -> Any:
     """JSON of a value: plain values unchanged, others as a list that begins with their kind; arrays go to ``arrays``."""
     if value is None or type(value) in (bool, int, float, str):
         return value
@@ -88,34 +88,39 @@ def _described(value: Any, arrays: list[Any]) -> Any:
         return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
     if type(value).__module__.startswith("scipy.sparse"):
         matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
-        return ["sparse", _name(type(matrix)), list(matrix.shape), *(_described(x, arrays) for x in _parts(matrix))]
+        return [
+            "sparse",
+            _class_name(type(matrix)),
+            list(matrix.shape),
+            *(_describe_value(x, arrays) for x in _matrix_parts(matrix)),
+        ]
     if type(value) in (tuple, list):
-        return [type(value).__name__, *(_described(x, arrays) for x in value)]
+        return [type(value).__name__, *(_describe_value(x, arrays) for x in value)]
     if type(value) is dict:
-        return ["dict", *([_described(k, arrays), _described(x, arrays)] for k, x in value.items())]
+        return ["dict", *([_describe_value(k, arrays), _describe_value(x, arrays)] for k, x in value.items())]
     if isinstance(value, type):
-        return ["class", _name(value)]
+        return ["class", _class_name(value)]
     if dataclasses.is_dataclass(value):
-        fields = {f.name: _described(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
-        return ["record", _name(type(value)), fields]
+        fields = {f.name: _describe_value(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
+        return ["record", _class_name(type(value)), fields]
     raise TypeError(f"{type(value).__name__} cannot be kept")
 
 
-def _parts(matrix: Any) -> tuple[Any, Any, Any]:
+def _matrix_parts(matrix: Any) -> tuple[Any, Any, Any]:
     return matrix.data, matrix.indices, matrix.indptr
 
 
-def _name(class_: type) -> str:
+def _class_name(class_: type) -> str:
     return f"{class_.__module__}:{class_.__qualname__}"
 
 
-def _unpacked(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
+def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
     if not isinstance(tree, list):
         return tree
     sort, *content = tree
 
     def unpacked(x: Any) -> Any:
-        return _unpacked(x, arrays, packages)
+        return _unpack_value(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
         "array": lambda: arrays[content[0]],
@@ -123,14 +128,16 @@ def _unpacked(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
         "tuple": lambda: tuple(map(unpacked, content)),
         "list": lambda: list(map(unpacked, content)),
         "dict": lambda: {unpacked(k): unpacked(x) for k, x in content},
-        "sparse": lambda: _class(content[0], ("scipy",))(tuple(map(unpacked, content[2:])), shape=tuple(content[1])),
-        "class": lambda: _class(content[0], packages),
-        "record": lambda: _record(_class(content[0], packages), {k: unpacked(x) for k, x in content[1].items()}),
+        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpacked, content[2:])), shape=tuple(content[1])),
+        "class": lambda: _import_class(content[0], packages),
+        "record": lambda: _build_record(
+            _import_class(content[0], packages), {k: unpacked(x) for k, x in content[1].items()}
+        ),
     }
     return makers[sort]()
 
 
-def _class(name: str, packages: tuple[str, ...]) -> Any:
+def _import_class(name: str, packages: tuple[str, ...]) -> Any:
     """Import a class by its module and name. Raises ValueError for one of another package."""
     module, _, path = name.partition(":")
     if module.split(".")[0] not in packages:
@@ -143,7 +150,7 @@ def _class(name: str, packages: tuple[str, ...]) -> Any:
     return found
 
 
-def _record(class_: type, fields: dict[str, Any]) -> Any:
+def _build_record(class_: type, fields: dict[str, Any]) -> Any:
     if not dataclasses.is_dataclass(class_) or fields.keys() != {f.name for f in dataclasses.fields(class_)}:
         raise ValueError(f"{class_.__name__}: no record of these fields")
     record = object.__new__(class_)

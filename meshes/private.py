@@ -32,16 +32,16 @@ def private_folder(root: Path, *below: str) -> Path:
         A folder cannot be made.
     """
     root.mkdir(mode=0o700, parents=True, exist_ok=True)
-    _check(root.stat(), root, shared=True)
+    _check_ownership(root.stat(), root, shared=True)
     folder = root
     for name in below:
         folder /= name
         folder.mkdir(mode=0o700, exist_ok=True)
-        _check(folder.lstat(), folder, shared=False)
+        _check_ownership(folder.lstat(), folder, shared=False)
     return folder
 
 
-def _check(status: os.stat_result, folder: Path, *, shared: bool) -> None:
+def _check_ownership(status: os.stat_result, folder: Path, *, shared: bool) -> None:
     if not hasattr(os, "getuid"):
         return
     owners = {os.getuid(), 0} if shared else {os.getuid()}

@@ -44,7 +44,7 @@ def for_one_thread() -> dict[str, str]:
 def one_thread() -> None:
     """Run linear algebra of this process and its child processes on one thread from now on."""
     if "numpy" in sys.modules:
-        for library in _loaded():
+        for library in _loaded_libraries():
             library.set_num_threads(1)
     os.environ.update(for_one_thread())
 
@@ -57,7 +57,7 @@ def held_to_one_thread() -> Iterator[None]:
         return
     import scipy.linalg  # noqa: F401 - it brings another BLAS, which must be loaded before threads are limited
 
-    libraries = [(library, library.num_threads) for library in _loaded()]
+    libraries = [(library, library.num_threads) for library in _loaded_libraries()]
     for library, _ in libraries:
         library.set_num_threads(1)
     try:
@@ -67,7 +67,7 @@ def held_to_one_thread() -> Iterator[None]:
             library.set_num_threads(before)
 
 
-def _loaded() -> list[Any]:
+def _loaded_libraries() -> list[Any]:
     """Libraries that are loaded, which read no variable any more, but those that the user has set."""
     left = for_one_thread()
     if not left:
@@ -82,7 +82,7 @@ def _loaded() -> list[Any]:
 LOOK = 0.5
 
 
-def local() -> Any:
+def local_workers() -> Any:
     """Context of joblib in which ``Parallel`` starts workers on this machine, each with linear algebra on one thread.
 
     Threads as `VARIABLES` say, where those are set. A worker ends within a second of the process that started it, however

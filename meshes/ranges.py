@@ -94,15 +94,15 @@ class Quantity:
         too_low = number <= low if self.above else number < low
         if not too_low and (number < high if self.below else number <= high):
             return number
-        advice = f"the value is too {'small' if too_low else 'large'}; a usual one is {units.show(self.example)}"
+        advice = f"the value is too {'small' if too_low else 'large'}; a usual one is {units.toml_text(self.example)}"
         raise self._refused(self.allowed, advice)
 
     def _number(self, value: object) -> float:
         """SI value in range or not; raises pydantic's error."""
         try:
-            return units.parse(value, self.dimension)
+            return units.parse_quantity(value, self.dimension)
         except units.UnitError as error:
-            allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
+            allowed = f"{units.dimension_words(self.dimension).split(',')[0]}, {self.allowed}"
             raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
 
     def written(self, value: float, added: float = 0.0) -> str | float:
@@ -212,9 +212,9 @@ class Rate(Quantity):
     def _number(self, value: object) -> float:
         rates = RATES[self.dimension]
         parts = units.number_and_unit(value) if isinstance(value, str) else None
-        unit = units.tidy(parts[1]) if parts else ""
+        unit = units.tidy_unit(parts[1]) if parts else ""
         if parts is None or unit not in rates:
-            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
+            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.toml_text(self.example)}"
             article = "an" if self.dimension[0] == "a" else "a"
             raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
         return float(parts[0]) * rates[unit]

@@ -20,7 +20,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import Meshed, mesh_of
-from rollbench.meshes.shell import session
+from rollbench.meshes.shell import gmsh_session
 
 #: Cells of the zone in depth, all as deep as they are wide.
 DEEP = 2
@@ -66,7 +66,7 @@ class SweptBody(Meshed):
     inward: Array
 
 
-def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
+def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
     """Mesh the section of a body.
 
     Parameters
@@ -86,7 +86,7 @@ def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
     cell, unit = zone.width / zone.cells, depth
     w, d, wide = zone.width / unit, DEEP * cell / unit, width / unit
     top = 1.0 - np.sqrt(1.0 - w**2) if round else 0.0
-    with session({"Mesh.SubdivisionAlgorithm": 1, "Mesh.Algorithm": 6}) as gmsh:
+    with gmsh_session({"Mesh.SubdivisionAlgorithm": 1, "Mesh.Algorithm": 6}) as gmsh:
         gmsh.model.add("section")
         geo = gmsh.model.geo
         places = ((0.0, 0.0), (w, top), (w, top + d), (0.0, d), (wide, 1.0 if round else 0.0), (0.0, 1.0), (wide, 1.0))
@@ -122,7 +122,7 @@ def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
     cells = np.searchsorted(tags[ascending], nodes).reshape(-1, 9)
     used, cells = np.unique(cells, return_inverse=True)
     points = unit * xyz.reshape(-1, 3)[ascending][used, :2]
-    on = np.flatnonzero(np.abs(_below(points, depth, round)) < 1e-6 * depth)
+    on = np.flatnonzero(np.abs(_depth_below_surface(points, depth, round)) < 1e-6 * depth)
     strip_nodes = on[points[on, 0] < zone.width + 0.25 * cell]  # even steps of y, the same in bodies that touch
     y = np.rint(points[strip_nodes, 0] / cell * 2.0) * cell / 2.0
     points[strip_nodes, 0] = y
@@ -130,12 +130,12 @@ def section(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
     return Section(points, cells.reshape(-1, 9))
 
 
-def _below(points: Array, depth: float, round: bool) -> Array:
+def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
     """Distance of a section's points below its surface [m]."""
     return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
 
 
-def _swept(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
+def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
     """Sweep a section over cells between ``lines``: section's node and distance of each node, cells in gmsh's order."""
     along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
     n = len(flat.points)
@@ -159,7 +159,7 @@ def _swept(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
     return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
 
 
-def _boundary(cells: Index, chosen: Array) -> Index:
+def _boundary_corners(cells: Index, chosen: Array) -> Index:
     """Corners of the faces of hexahedra all of whose corners are chosen nodes."""
     corners = cells[:, :8]
     quads = np.array([(0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)])
@@ -167,7 +167,7 @@ def _boundary(cells: Index, chosen: Array) -> Index:
     return np.asarray(faces[chosen[faces].all(axis=1)])
 
 
-def swept(
+def swept_body(
     flat: Section,
     zone: Zone,
     lines: Array,
@@ -197,30 +197,30 @@ def swept(
         Whether the map mirrors, as that of a cup does.
     """
     turned = Section(flat.points, flat.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else flat
-    node, along, cells = _swept(turned, lines)
+    node, along, cells = _sweep_section(turned, lines)
     points, at = place(flat.points[node], along), flat.points[node]
     depth, tiny = flat.points[:, 1].max(), 1e-9 * flat.points[:, 1].max()
-    on_top = np.abs(_below(at, depth, round)) < tiny
+    on_top = np.abs(_depth_below_surface(at, depth, round)) < tiny
     strip = on_top & (at[:, 0] <= zone.width + tiny) & (along >= reach[0] - tiny) & (along <= reach[1] + tiny)
     sides = {"y = 0": at[:, 0] < tiny, "side": at[:, 1] > depth - tiny if round else at[:, 0] > at[:, 0].max() - tiny}
-    faces = {"contact": _boundary(cells, strip), **{k: _boundary(cells, v) for k, v in sides.items()}}
+    faces = {"contact": _boundary_corners(cells, strip), **{k: _boundary_corners(cells, v) for k, v in sides.items()}}
     if round:
-        faces["end"] = _boundary(cells, along > along.max() - tiny)
+        faces["end"] = _boundary_corners(cells, along > along.max() - tiny)
     else:
-        faces["base"] = _boundary(cells, at[:, 1] > depth - tiny)
+        faces["base"] = _boundary_corners(cells, at[:, 1] > depth - tiny)
     mesh, number = mesh_of(points, cells, "Q2", faces)
     held = np.flatnonzero(strip)
     held = held[np.lexsort((at[held, 0], along[held]))]
     rows = np.unique(along[held])
     grid = held.reshape(len(rows), -1)
     near = 1e-6 * depth  # a little deeper
-    shifted = at[held] + near * _down(at[held], depth, round)
+    shifted = at[held] + near * _inward_direction(at[held], depth, round)
     inward = place(shifted, along[held]) - points[held]
     inward /= np.linalg.norm(inward, axis=1)[:, None]
     return SweptBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
 
 
-def _down(at: Array, depth: float, round: bool) -> Array:
+def _inward_direction(at: Array, depth: float, round: bool) -> Array:
     """Direction into a section at points of its surface."""
     inward = np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth
     return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))

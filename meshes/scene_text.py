@@ -59,7 +59,7 @@ def to_toml(tables: Mapping[str, Any]) -> str:
     [balls]
     count = 2
     """
-    return "\n".join(_lines(tables, "")).strip() + "\n"
+    return "\n".join(_table_lines(tables, "")).strip() + "\n"
 
 
 def scene_tables(scene: Scene) -> Table:
@@ -76,21 +76,21 @@ def scene_tables(scene: Scene) -> Table:
         Keys and tables, usual values left out.
     """
     offset = scene.errors.lead_offset
-    return given(
-        **_head(scene, scene.screw.material),
+    return given_keys(
+        **_head_table(scene, scene.screw.material),
         role=scene.role,
         members=scene.members if scene.members > 1 else None,
-        track=_track(scene),
-        screw=_body(scene, scene.screw, scene.screw.material),
-        nut=_nut(scene, scene.screw.material),
-        balls=_balls(scene, scene.screw.material),
-        errors=_errors(scene.errors),
-        supports=[*map(_support, scene.supports)],
+        track=_track_table(scene),
+        screw=_body_table(scene, scene.screw, scene.screw.material),
+        nut=_nut_table(scene, scene.screw.material),
+        balls=_balls_table(scene, scene.screw.material),
+        errors=_errors_table(scene.errors),
+        supports=[*map(_support_table, scene.supports)],
         loads=[*map(table_of, scene.loads)],
         cases=[],
         ingredients=table_of(scene.ingredients),
         solid=table_of(scene.solid, "nut_held"),
-        friction=_friction(scene.friction),
+        friction=_friction_table(scene.friction),
         motion=scene.motion and table_of(scene.motion),
         lubricant=scene.lubricant and table_of(scene.lubricant),
         circulation=scene.circulation and (table_of(scene.circulation) or {"circuits": 1}),
@@ -115,32 +115,37 @@ def axis_tables(axis: Assembly) -> Table:
         Keys and tables, usual values left out.
     """
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
-    shaft = table_of(axis.screw, "material", "groove_radius") | _material(axis.screw.material, shared)
+    shaft = table_of(axis.screw, "material", "groove_radius") | _material_key(axis.screw.material, shared)
     if axis.screw.groove_radius:
         shaft["groove_radius"] = text_of(Size, axis.screw.groove_radius)
     at, strain = axis.stiffness_at, axis.thermal_strain
     expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
     ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": text_of(Size, at)}
     joints = [
-        {"between": [j.first, j.second], "at": text_of(Size, j.at), **(_stiffness(j.stiffness) or {"springs": {}})}
+        {"between": [j.first, j.second], "at": text_of(Size, j.at), **(_stiffness_rows(j.stiffness) or {"springs": {}})}
         for j in axis.joints
     ]
-    return given(
-        **_head(axis, shared, kind="axis"),
-        screw=shaft | given(plain=[*map(table_of, axis.segments)]),
-        sets=[_set(axis, one, shared) for one in axis.sets],
+    return given_keys(
+        **_head_table(axis, shared, kind="axis"),
+        screw=shaft | given_keys(plain=[*map(table_of, axis.segments)]),
+        sets=[_set_table(axis, one, shared) for one in axis.sets],
         housings=[
-            given(name=h.name, **_support(Support(h.at, h.fixed)), **_stiffness(h.stiffness), **_acting(h.force, h.moment))
+            given_keys(
+                name=h.name,
+                **_support_table(Support(h.at, h.fixed)),
+                **_stiffness_rows(h.stiffness),
+                **_force_and_moment(h.force, h.moment),
+            )
             for h in axis.housings
         ],
         joints=joints,
-        supports=[*map(_support, axis.supports)],
+        supports=[*map(_support_table, axis.supports)],
         loads=[*map(table_of, axis.loads)],
         cases=[],
         stiffness=ask,
         heat={"warming": f"{strain / expansion:.12g} K", "expansion": expansion} if strain else {},
         ingredients=table_of(axis.ingredients, "screw", "element_length", "arm"),
-        friction=_friction(axis.friction),
+        friction=_friction_table(axis.friction),
         motion=axis.motion and table_of(axis.motion),
         lubricant=axis.lubricant and table_of(axis.lubricant),
         drive=table_of(axis.drive),
@@ -170,24 +175,24 @@ def case_table(
     Table
         Keys of the table, as the scene file has them.
     """
-    supports = [_displaced(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
+    supports = [_displaced_keys(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
     table: Table = {"share": share} if time is None else {"time": text_of(Duration, time)}
     table |= {} if speed is None else {"speed": text_of(Turning, speed)}
     table |= {} if case.loads == parts.loads else {"loads": [*map(table_of, case.loads)]}
-    before, after = _oversizes(parts), _oversizes(case)
+    before, after = _oversize_keys(parts), _oversize_keys(case)
     table |= {} if before == after else {"oversize": text_of(Deviation, after[0])}
     if isinstance(parts, Assembly) and isinstance(case, Assembly):
         each = zip(parts.housings, case.housings, strict=True)
-        table |= given(housings=[{"name": b.name} | _acting(b.force, b.moment) for a, b in each if a != b])
-    return table | given(supports=[x for x in supports if x])
+        table |= given_keys(housings=[{"name": b.name} | _force_and_moment(b.force, b.moment) for a, b in each if a != b])
+    return table | given_keys(supports=[x for x in supports if x])
 
 
-def _oversizes(parts: Scene | Assembly) -> list[float]:
+def _oversize_keys(parts: Scene | Assembly) -> list[float]:
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
-def _displaced(before: Support, after: Support) -> Table:
+def _displaced_keys(before: Support, after: Support) -> Table:
     """Keys of a support that a load case displaces differently; empty where it does not."""
     moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
     return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
@@ -196,12 +201,12 @@ def _displaced(before: Support, after: Support) -> Table:
 # --- tables
 
 
-def _head(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
+def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
     head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
-    return head | {"material": _material(material, None)["material"]}
+    return head | {"material": _material_key(material, None)["material"]}
 
 
-def _material(material: Material, shared: Material | None) -> Table:
+def _material_key(material: Material, shared: Material | None) -> Table:
     """Key of a part's material, where that is not the one that parts share."""
     if material == shared:
         return {}
@@ -209,7 +214,7 @@ def _material(material: Material, shared: Material | None) -> Table:
     return {"material": ({"unusual": True} if unusual else {}) | table_of(material)}
 
 
-def _track(scene: Scene, *, by_thrust: bool = False) -> Table:
+def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     """Table of the ball path.
 
     Of a deep groove, with the clearance from which its contact angle follows; of other grooves of one arc, thrust gives
@@ -254,24 +259,24 @@ def groove_table(radius: float, ball: float) -> Table:
     return {"groove_radius": text}
 
 
-def _body(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
+def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
     table = table_of(part, "groove_radius", "material", "flange")
-    return table | groove_table(part.groove_radius, scene.balls.radius) | _material(part.material, shared)
+    return table | groove_table(part.groove_radius, scene.balls.radius) | _material_key(part.material, shared)
 
 
-def _nut(scene: Scene, shared: Material) -> Table:
+def _nut_table(scene: Scene, shared: Material) -> Table:
     nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
-    held = given(at=at)
+    held = given_keys(at=at)
     if flange is not None and at in (None, "flange face"):
         seat = 0.5 * nut.outer_diameter, 0.5 * flange.diameter
         for name, radius, whole in zip(("inner_diameter", "outer_diameter"), flange.seat, seat, strict=True):
             held |= {} if radius == whole else {name: text_of(Size, 2.0 * radius)}
         held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
     own = {} if flange is None else {"flange": table_of(flange, "seat", "bonded", "bolts")}
-    return _body(scene, nut, shared) | own | given(held=held)
+    return _body_table(scene, nut, shared) | own | given_keys(held=held)
 
 
-def _balls(scene: Scene, shared: Material) -> Table:
+def _balls_table(scene: Scene, shared: Material) -> Table:
     """Balls by count and turns where they are spread evenly over the turns of each circuit, else by their azimuths."""
     balls, track = scene.balls, scene.track
     at, apart = balls.azimuths, [b - a for a, b in zip(balls.azimuths, balls.azimuths[1:], strict=False)]
@@ -285,37 +290,37 @@ def _balls(scene: Scene, shared: Material) -> Table:
         table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
     else:
         table |= {"azimuths": table_of(balls, "radius", "material")["azimuths"]}
-    return table | _material(balls.material, shared)
+    return table | _material_key(balls.material, shared)
 
 
-def _errors(errors: Errors, *, seed: bool = False) -> Table:
+def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
     """Errors; seed: also where it is zero."""
     listed = {str(number): text_of(Deviation, error) for number, error in errors.balls.listed}
-    balls = table_of(errors.balls, "listed") | given(listed=listed)
+    balls = table_of(errors.balls, "listed") | given_keys(listed=listed)
     sides = {side: table_of(errors.side(side)) for side in SIDES}
-    return ({"seed": errors.seed} if seed or errors.seed else {}) | given(balls=balls, **sides)
+    return ({"seed": errors.seed} if seed or errors.seed else {}) | given_keys(balls=balls, **sides)
 
 
-def _support(support: Support) -> Table:
+def _support_table(support: Support) -> Table:
     fix = [name for name, value in support.fixed if value == 0.0]
     moved = {name: text_of(Shift if name[0] == "u" else Turn, value) for name, value in support.fixed if value != 0.0}
-    return given(at=text_of(Size, support.at), fix=fix, displace=moved)
+    return given_keys(at=text_of(Size, support.at), fix=fix, displace=moved)
 
 
-def _friction(friction: Friction | None) -> Table:
+def _friction_table(friction: Friction | None) -> Table:
     if friction is None:
         return {}
-    table = table_of(friction, "assumed") | given(assumed=[*friction.assumed])
+    table = table_of(friction, "assumed") | given_keys(assumed=[*friction.assumed])
     if friction.screw == friction.nut:
         return {"coefficient": friction.screw} | {k: v for k, v in table.items() if k not in ("screw", "nut")}
     return table
 
 
-def _set(axis: Assembly, one: RollingSet, shared: Material) -> Table:
+def _set_table(axis: Assembly, one: RollingSet, shared: Material) -> Table:
     """One set; its inner groove, where that is not the shaft's."""
     parts, rollers = one.parts, isinstance(one.parts, RollerRow)
     bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
-    table = given(
+    table = given_keys(
         name=one.name,
         kind=one.kind,
         housing=one.housing,
@@ -331,27 +336,27 @@ def _set(axis: Assembly, one: RollingSet, shared: Material) -> Table:
         return table | {"rollers": row | ({} if parts.crown == float("inf") else {"crown": text_of(Size, parts.crown)})}
     inner = {}
     if parts.screw != axis.screw:
-        inner = groove_table(parts.screw.groove_radius, parts.balls.radius) | _material(
+        inner = groove_table(parts.screw.groove_radius, parts.balls.radius) | _material_key(
             parts.screw.material, axis.screw.material
         )
         if parts.screw.outer_diameter != axis.screw.outer_diameter:
             inner["outer_diameter"] = text_of(Size, parts.screw.outer_diameter)
-    return table | given(
-        track=_track(parts, by_thrust=True),
+    return table | given_keys(
+        track=_track_table(parts, by_thrust=True),
         screw=inner,
-        nut=_nut(parts, shared),
-        balls=_balls(parts, shared),
-        errors=_errors(parts.errors, seed=True),
+        nut=_nut_table(parts, shared),
+        balls=_balls_table(parts, shared),
+        errors=_errors_table(parts.errors, seed=True),
     )
 
 
-def _acting(force: Sequence[float], moment: Sequence[float]) -> Table:
+def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
     from rollbench.meshes.parts import Load
 
     return {name: text for name, text in table_of(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
 
 
-def _stiffness(matrix: Stiffness | None) -> Table:
+def _stiffness_rows(matrix: Stiffness | None) -> Table:
     if matrix is None:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
@@ -364,12 +369,12 @@ def _stiffness(matrix: Stiffness | None) -> Table:
 # --- values of fields, by their types
 
 
-def given(**table: Any) -> Table:
+def given_keys(**table: Any) -> Table:
     """Collect the keyword arguments that are neither None nor empty.
 
     Examples
     --------
-    >>> given(a=1, b=None, c="", d=[])
+    >>> given_keys(a=1, b=None, c="", d=[])
     {'a': 1}
     """
     return {name: value for name, value in table.items() if value not in (None, "", [], {})}
@@ -394,17 +399,17 @@ def text_of(of: Any, value: float) -> str | float:
 
 
 @cache
-def _quantities(record: type) -> dict[str, Quantity]:
+def _quantities_of_fields(record: type) -> dict[str, Quantity]:
     """Quantities of the fields of a record that have one."""
     hints = get_type_hints(record, include_extras=True)
-    return {name: found[0] for name, hint in hints.items() if (found := [*_inside(hint)])}
+    return {name: found[0] for name, hint in hints.items() if (found := [*_inner_type(hint)])}
 
 
-def _inside(hint: Any) -> Iterator[Quantity]:
+def _inner_type(hint: Any) -> Iterator[Quantity]:
     if isinstance(hint, Quantity):
         yield hint
     for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
-        yield from _inside(part)
+        yield from _inner_type(part)
 
 
 def table_of(record: Any, *left_out: str) -> Table:
@@ -423,45 +428,45 @@ def table_of(record: Any, *left_out: str) -> Table:
         Values by key, as the scene file has them.
     """
     of: type = type(record)
-    quantities = _quantities(of)
+    quantities = _quantities_of_fields(of)
     out = {}
     for each in fields(record):
         value = getattr(record, each.name)
         if each.name not in left_out and repr(value) != repr(each.default):  # -0 is not 0
-            out[each.name] = _value(value, quantities.get(each.name))
+            out[each.name] = _value_with_unit(value, quantities.get(each.name))
     return out
 
 
-def _value(value: Any, quantity: Quantity | None) -> Any:
+def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
     if isinstance(value, tuple):
-        return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value(x, quantity) for x in value]
+        return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
     return quantity.written(value) if quantity is not None and isinstance(value, float) else value
 
 
 # --- text
 
 
-def _lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
+def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
     """Lines of a table: its plain keys, then the tables in it."""
     inner = {}
     for name, value in table.items():
         tables = isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict))
-        if tables and (not path or len(_shown(value)) > LINE):
+        if tables and (not path or len(_toml_value(value)) > LINE):
             inner[name] = value
         else:
-            yield f"{name} = {_shown(value, wrapped=True)}"
+            yield f"{name} = {_toml_value(value, wrapped=True)}"
     for name, value in inner.items():
         for one in [value] if isinstance(value, dict) else value:
             yield from ("", f"[{path}{name}]" if isinstance(value, dict) else f"[[{path}{name}]]")
-            yield from _lines(one, f"{path}{name}.")
+            yield from _table_lines(one, f"{path}{name}.")
 
 
-def _shown(value: Any, *, wrapped: bool = False) -> str:
+def _toml_value(value: Any, *, wrapped: bool = False) -> str:
     """Write a value in TOML; wrapped: a long list gets a line for each entry."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{name} = {_shown(x)}" for name, x in value.items()) + " }"
+        return "{ " + ", ".join(f"{name} = {_toml_value(x)}" for name, x in value.items()) + " }"
     if isinstance(value, list):
-        entries = [_shown(x) for x in value]
+        entries = [_toml_value(x) for x in value]
         short = f"[{', '.join(entries)}]"
         return short if len(short) <= LINE or not wrapped else "[\n" + "".join(f"  {x},\n" for x in entries) + "]"
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:

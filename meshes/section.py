@@ -289,7 +289,7 @@ def needed_stations(scene: Scene) -> Array:
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
-def merge(stations: Array, exact: Array) -> Array:
+def merge_stations(stations: Array, exact: Array) -> Array:
     """Sort stations and drop those within `MERGE` of the one before.
 
     Parameters
@@ -320,7 +320,7 @@ def merge(stations: Array, exact: Array) -> Array:
     return np.array(keep)
 
 
-def _steps(start: float, end: float, length: float) -> Array:
+def _steps_between(start: float, end: float, length: float) -> Array:
     count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 
@@ -349,17 +349,17 @@ def fixed_partition(scene: Scene, *others: Scene) -> Array:
     Lin (2019), section 2.4.1, Tables 2.1 and 2.2.
     """
     parts, at, longest = [], 0.0, 2.0 * min(x.track.pitch_radius for x in (scene, *others))
-    for inside in sorted((_inside(x) for x in (scene, *others)), key=lambda x: float(x[0])):
+    for inside in sorted((_nodes_in_nut(x) for x in (scene, *others)), key=lambda x: float(x[0])):
         if inside[0] - at > MERGE:
-            parts.append(_steps(at, inside[0], longest)[:-1])
+            parts.append(_steps_between(at, inside[0], longest)[:-1])
         parts.append(inside)
         at = float(inside[-1])
     if scene.screw.length - at > MERGE:
-        parts.append(_steps(at, scene.screw.length, longest)[1:])
+        parts.append(_steps_between(at, scene.screw.length, longest)[1:])
     return np.unique(np.concatenate(parts))
 
 
-def _inside(scene: Scene) -> Array:
+def _nodes_in_nut(scene: Scene) -> Array:
     """Nodes in the nut [m]."""
     nut = scene.nut
     low, high = nut.position - nut.length / 2.0, nut.position + nut.length / 2.0
@@ -367,7 +367,7 @@ def _inside(scene: Scene) -> Array:
         count = max(1, floor(nut.length / SOURCE_ELEMENT + 1e-9))
         half = min(count * SOURCE_ELEMENT, nut.length) / 2.0
         return np.linspace(nut.position - half, nut.position + half, count + 1)
-    return _steps(low, high, scene.ingredients.element_length)
+    return _steps_between(low, high, scene.ingredients.element_length)
 
 
 def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tuple[Array, int]:
@@ -395,9 +395,9 @@ def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tu
     held = np.array([s.at for s in scene.supports])
     if scene.ingredients.partition == "nodal":
         ends = np.array([0.0, scene.screw.length])
-        nodes = merge(np.concatenate([needed, ends]), held)
+        nodes = merge_stations(np.concatenate([needed, ends]), held)
     else:
-        nodes = merge(np.concatenate([fixed_partition(scene), needed_stations(scene)]), held)
+        nodes = merge_stations(np.concatenate([fixed_partition(scene), needed_stations(scene)]), held)
     return (nodes, 0) if everything else enclosing_nodes(nodes, needed)
 
 

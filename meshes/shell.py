@@ -3,7 +3,7 @@
 Curves are divided once, gmsh triangulates the plane faces between them and fills the closed surface with tetrahedra, and
 the midpoints of the edges on the surface are moved onto it. Units inside: mm (gmsh), metres outside.
 
-gmsh has one state for a process: `session` begins it quietly and ends it whatever happens.
+gmsh has one state for a process: `gmsh_session` begins it quietly and ends it whatever happens.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTet1
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import moved, second_order, with_faces
+from rollbench.meshes.fem import second_order, with_faces, with_points
 from rollbench.meshes.sockets import SocketMesh
 
 #: Signals that gmsh resets to what the system does on them.
@@ -30,7 +30,7 @@ RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
 
 
 @contextmanager
-def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
+def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
     """Run gmsh in a context, under some options.
 
     A gmsh that runs already takes the options too, and goes on running afterwards.
@@ -53,7 +53,7 @@ def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any
     ImportError
         gmsh, or a system library that it needs, is missing.
     """
-    gmsh = _gmsh()
+    gmsh = _import_gmsh()
     started = not gmsh.isInitialized()
     if started:
         numbers = [getattr(signal, name) for name in RESET if hasattr(signal, name)]
@@ -72,7 +72,7 @@ def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any
             gmsh.finalize()
 
 
-def _gmsh() -> Any:
+def _import_gmsh() -> Any:
     try:
         import gmsh
     except (ImportError, OSError) as error:
@@ -240,7 +240,7 @@ class Shell:
         Parameters
         ----------
         gmsh : Any
-            gmsh in a `session`.
+            gmsh in a `gmsh_session`.
         size : Placing
             Edge length [m] at points ``(n, 3)`` [m].
         fine : float
@@ -318,7 +318,7 @@ class Shell:
             size = np.minimum(self.size(space(at[:, :2])), limit)
             return size if stretch is None else size * stretch(at[:, :2])
 
-        sizes = callback(lengths, 0.3 * self.fine, FACE_BLOCK)
+        sizes = size_callback(lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
         number = np.concatenate([boundary, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
@@ -370,7 +370,7 @@ class Shell:
         return np.concatenate(edges), np.concatenate(points)
 
 
-def callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Callable[..., float]:
+def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Callable[..., float]:
     """Size callback for gmsh that evaluates many points at once and caches them.
 
     Parameters
@@ -410,13 +410,13 @@ def triangulate(
     Parameters
     ----------
     gmsh : Any
-        gmsh in a `session`.
+        gmsh in a `gmsh_session`.
     counts : Sequence[int]
         Number of nodes of each closed loop, the outer one first.
     plane : (n, 2) Array
         Nodes of the loops, one after another [m].
     sizes : Callable[..., float]
-        Size callback, by `callback`.
+        Size callback, by `size_callback`.
     algorithm : int
         gmsh's algorithm.
 
@@ -472,13 +472,13 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
     Parameters
     ----------
     gmsh : Any
-        gmsh in a `session`.
+        gmsh in a `gmsh_session`.
     points : (n, 3) Array
         Nodes of the surface [m].
     tris : (t, 3) Index
         Its triangles.
     sizes : Callable[..., float]
-        Size callback, by `callback`.
+        Size callback, by `size_callback`.
     algorithm : int
         gmsh's algorithm.
 
@@ -596,7 +596,7 @@ def turned_right(points: Array, cells: Index) -> Index:
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
 
 
-def freed(shell: Shell, points: Array, cells: Index) -> Index:
+def drop_flat_cells(shell: Shell, points: Array, cells: Index) -> Index:
     """Drop flat tetrahedra on the surface; the shell's triangles are changed to match.
 
     A cell with two triangles of the same smooth face has no volume along their common edge once that is curved. It is
@@ -643,7 +643,7 @@ def freed(shell: Shell, points: Array, cells: Index) -> Index:
     return cells
 
 
-def fill(shell: Shell, algorithm: int) -> Filled:
+def fill_shell(shell: Shell, algorithm: int) -> Filled:
     """Fill a shell with second-order tetrahedra that grow away from it.
 
     Parameters
@@ -676,10 +676,10 @@ def fill(shell: Shell, algorithm: int) -> Filled:
         distance, node = tree.query(x)
         return np.asarray(np.minimum(shell.size(x), near[node] + INWARD * distance))
 
-    cells, inner = tetrahedra(shell.gmsh, points, tris, callback(lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm)
+    cells, inner = tetrahedra(shell.gmsh, points, tris, size_callback(lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm)
     cells = turned_right(np.concatenate([points, inner]), cells)
     corners = np.concatenate([shell.points, inner])
-    cells = freed(shell, corners, cells)
+    cells = drop_flat_cells(shell, corners, cells)
     used = np.zeros(len(corners), dtype=bool)
     used[: len(shell.points)] = True
     used[cells] = True
@@ -692,10 +692,10 @@ def fill(shell: Shell, algorithm: int) -> Filled:
     number = filled.middle(edges)[::-1]  # of an edge's midpoints the first one counts
     points = straight.doflocs.T.copy()
     points[number] = exact[::-1]
-    return replace(filled, mesh=moved(straight, points))
+    return replace(filled, mesh=with_points(straight, points))
 
 
-def graded(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:
+def graded_size(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:
     """Edge length that grows with the distance from points.
 
     Parameters
@@ -723,7 +723,7 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
     return size
 
 
-def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
+def best_mesh(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
     """Mesh with the algorithms and sizes of `ATTEMPTS` until one has no faults; else take that with the smallest fault.
 
     Parameters
@@ -746,7 +746,7 @@ def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, flo
     failures: list[str] = []
     attempts: list[tuple[Body, float]] = []
     for plane, volume, share in ATTEMPTS:
-        with session(OPTIONS) as gmsh:
+        with gmsh_session(OPTIONS) as gmsh:
             try:
                 attempts.append(attempt(gmsh, plane, volume, share))
             except Exception as error:  # gmsh raises nothing more special

@@ -115,8 +115,8 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
     square, inside = np.array(squares), place(np.array([[0.0, 0.5, 0.0]]))[0]
     best = (-1.0, np.zeros(0), xi)
     for share in RAISED:
-        raised = bulging(xi, share)
-        height = _ridges(place(raised), square, inside)
+        raised = bulge_faces(xi, share)
+        height = _ridge_heights(place(raised), square, inside)
         best = max(best, (float(np.abs(height).min()), height, raised), key=lambda x: x[0])
         if best[0] >= RIDGE:
             break
@@ -156,7 +156,7 @@ def side_socket(
     return SocketMesh(left.xi * AZIMUTH_TURNED, turned, face, left.edges), raised * AZIMUTH_TURNED
 
 
-def bulging(xi: Array, share: float) -> Array:
+def bulge_faces(xi: Array, share: float) -> Array:
     """Local coordinates of a socket's faces moved outwards; the rim stays.
 
     Parameters
@@ -178,7 +178,7 @@ def bulging(xi: Array, share: float) -> Array:
     return np.stack([a * side, u + share * bottom, b * end], axis=1)
 
 
-def _ridges(points: Array, square: Index, inside: Array) -> Array:
+def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
     """How far the first diagonal of quadrilaterals ``(s, 4)`` lies outside the second, over their lengths ``(s,)``."""
     a, b, c, d = (points[square[:, k]] for k in range(4))
     out = np.cross(c - a, d - b)
@@ -198,7 +198,7 @@ def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
     return SocketMesh(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), owner, edges)
 
 
-def rim(socket: SocketMesh) -> Index:
+def socket_rim(socket: SocketMesh) -> Index:
     """Corners around the open top of a socket, in order.
 
     Parameters
@@ -440,7 +440,7 @@ def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
     return np.array(gaps), np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
-def _largest(fits: Callable[[float], bool]) -> float:
+def _largest_share(fits: Callable[[float], bool]) -> float:
     """Largest share in [0, 1] that fits, by bisection; 0 where none does."""
     if fits(1.0):
         return 1.0
@@ -451,7 +451,7 @@ def _largest(fits: Callable[[float], bool]) -> float:
     return low if low > 1e-6 else 0.0
 
 
-def _hull(m: GrooveMap, size: SocketSize, side: int) -> Array:
+def _hull_points(m: GrooveMap, size: SocketSize, side: int) -> Array:
     """Points all over a socket of the ball at azimuth 0, z = 0, ``(n, 3)`` [m]."""
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
@@ -476,11 +476,11 @@ def wall_left(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float
     float
         [m]; negative where the socket reaches through the wall.
     """
-    r = np.hypot(*_hull(m, size, side)[:, :2].T)
+    r = np.hypot(*_hull_points(m, size, side)[:, :2].T)
     return float(r.min() - beyond if side < 2 else beyond - r.max())
 
 
-def reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
+def socket_reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
     """Distances along z by which sockets reach below and above the ball's centre [m].
 
     Parameters
@@ -497,7 +497,7 @@ def reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float
     below, above : float
         [m].
     """
-    z = np.concatenate([_hull(m, size, s)[:, 2] for s in sides])
+    z = np.concatenate([_hull_points(m, size, s)[:, 2] for s in sides])
     return float(-z.min()), float(z.max())
 
 
@@ -525,7 +525,7 @@ def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
     pitch = 2.0 * np.pi * abs(m.rg) / m.starts
     distances = []
     for side in sides:
-        x = _hull(m, size, side)
+        x = _hull_points(m, size, side)
         r, zeta = np.hypot(x[:, 0], x[:, 1]), x[:, 2] - m.rg * np.arctan2(x[:, 1], x[:, 0])
         other = side ^ 1
         x3, z3 = m.roll(r, zeta - m.signs[side, 1] * pitch)
@@ -585,7 +585,7 @@ def fitted_socket(
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
     least = max((need[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
     wide = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
-    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut, wide.gamma, need[0])
+    gamma, why_gamma = _narrowed_width(m, sides, land_screw, land_nut, wide.gamma, need[0])
     size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
@@ -599,7 +599,7 @@ def fitted_socket(
             depth = share * wide.depth
             return wall_left(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
-        depth = wide.depth * _largest(thick)
+        depth = wide.depth * _largest_share(thick)
         if depth < size.depth:
             size = replace(size, depth=depth)
             wall = wall_left(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
@@ -620,7 +620,7 @@ def fitted_socket(
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
     def inside(share: float, away: float = AWAY) -> bool:
-        below, above = reach(m, scaled(share), sides)
+        below, above = socket_reach(m, scaled(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
     def just_inside(share: float) -> bool:
@@ -637,7 +637,7 @@ def fitted_socket(
         ),
         (clear, f"the next turn of the groove is {mm(2.0 * np.pi * abs(m.rg) / m.starts)} on; raise the lead"),
     ):
-        share = _largest(fits)
+        share = _largest_share(fits)
         if share < 1.0:
             size = scaled(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
@@ -655,7 +655,7 @@ def fitted_socket(
     return size
 
 
-def _narrowed(
+def _narrowed_width(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
     """Half width of sockets allowed by edges and apexes of the grooves, and which of them limits it.
@@ -752,7 +752,7 @@ def refuse_misfit(
         if gaps.size and gaps.min() <= 2.0 * size.phi:
             first, second = pairs[gaps.round(9).argmin()] + 1
             raise ValueError(f"the sockets of balls {first} and {second} overlap along the track: {remedy}")
-        below, above = reach(m, size, (side,))
+        below, above = socket_reach(m, size, (side,))
         if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
             raise ValueError(f"a socket of side {SIDES[side]} reaches a flat end of the body: {remedy}")
     if sides and turn_left(m, size, sides) <= 0.0:

@@ -127,7 +127,7 @@ def _check_lands(scene: Scene, land: float, depth: float) -> None:
     )
 
 
-def dimensions(scene: Scene) -> Dimensions:
+def solid_dimensions(scene: Scene) -> Dimensions:
     """Dimensions of a scene's solid parts; what the scene leaves out is assumed.
 
     Parameters

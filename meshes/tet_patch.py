@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.shell import MM, session
+from rollbench.meshes.shell import MM, gmsh_session
 from rollbench.meshes.sockets import SocketMesh
 
 #: Edge of gmsh's Delaunay tetrahedra over the one asked for (cube root of mean volumes).
@@ -113,15 +113,15 @@ def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
     if not (0.0 < max(box.zone) < 1.0 and min(box.zone) > 0.0):
         raise ValueError(f"contact zone of half widths {box.zone} in a patch of 1 x 1: must lie between 0 and 1")
     begin = perf_counter()
-    with session(OPTIONS) as gmsh:
+    with gmsh_session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
-        inner, ring = _geometry(gmsh, box, socket)
-        _sizes(gmsh, box)
+        inner, ring = _add_geometry(gmsh, box, socket)
+        _set_sizes(gmsh, box)
         gmsh.model.mesh.generate(3)
-        return _collect(gmsh, box, inner, ring, begin)
+        return _collect_arrays(gmsh, box, inner, ring, begin)
 
 
-def _sizes(gmsh: Any, box: TetBox) -> None:
+def _set_sizes(gmsh: Any, box: TetBox) -> None:
     """Element sizes: `fine` within the body of influence, growing with the distance from it; smaller on request."""
     across, along, depth = (MM * length for length in box.influence)
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
@@ -137,7 +137,7 @@ def _sizes(gmsh: Any, box: TetBox) -> None:
     field.setAsBackgroundMesh(finest)
 
 
-def _faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
+def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
     """Corners in local coordinates and polygons of the faces towards the body."""
     if socket is None:
         corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
@@ -146,7 +146,7 @@ def _faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
     return socket.xi, triangles
 
 
-def _rim(corners: Array, polygons: list[list[int]]) -> list[int]:
+def _rim_corners(corners: Array, polygons: list[list[int]]) -> list[int]:
     """Corners around the open top, in order."""
     sides: dict[tuple[int, int], int] = {}
     for p in polygons:
@@ -168,10 +168,10 @@ def _rim(corners: Array, polygons: list[list[int]]) -> list[int]:
     return loop
 
 
-def _geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
+def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
     """Bound the box by plane faces; returns the surfaces of the contact zone and of the ring around it."""
     geo = gmsh.model.geo
-    corners, polygons = _faces(socket)
+    corners, polygons = _socket_faces(socket)
     scale = MM * np.array([box.width[0], box.depth, box.width[1]])
     points = {i: geo.addPoint(*(scale * corners[i])) for i in sorted({i for p in polygons for i in p})}
     lines: dict[tuple[int, int], int] = {}
@@ -190,14 +190,14 @@ def _geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, i
     a, b = scale[0] * box.zone[0], scale[2] * box.zone[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([loop(_rim(corners, polygons)), zone])
+    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([loop(_rim_corners(corners, polygons)), zone])
     shell = [inner, ring, *(geo.addPlaneSurface([loop(p)]) for p in polygons)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring
 
 
-def _collect(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
+def _collect_arrays(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
     """Arrays of the mesh in local coordinates."""
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)

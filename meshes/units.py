@@ -145,11 +145,11 @@ class UnitError(ValueError):
     def __init__(self, value: object, dimension: str, reason: str, advice: str = "") -> None:
         """Compose the message from value, reason, what was expected and advice."""
         self.reason = reason
-        self.advice = advice or f"write a number and a unit, e.g. {example(dimension)}"
-        super().__init__(f"{show(value)} {reason}; expected {expected(dimension)}; {self.advice}")
+        self.advice = advice or f"write a number and a unit, e.g. {example_quantity(dimension)}"
+        super().__init__(f"{toml_text(value)} {reason}; expected {dimension_words(dimension)}; {self.advice}")
 
 
-def expected(dimension: str) -> str:
+def dimension_words(dimension: str) -> str:
     """Text that names a dimension, with an example.
 
     Parameters
@@ -159,26 +159,26 @@ def expected(dimension: str) -> str:
 
     Examples
     --------
-    >>> expected("length")
+    >>> dimension_words("length")
     'a length, e.g. "20 mm"'
     """
     article = "an" if dimension[0] in "aeiou" else "a"
-    return f"{article} {dimension}, e.g. {example(dimension)}"
+    return f"{article} {dimension}, e.g. {example_quantity(dimension)}"
 
 
-def example(dimension: str) -> str:
+def example_quantity(dimension: str) -> str:
     """Return an example of a quantity as written in a scene file: in quotes if it has a unit.
 
     Examples
     --------
-    >>> example("pressure"), example("number")
+    >>> example_quantity("pressure"), example_quantity("number")
     ('"210 GPa"', '0.28')
     """
     unit, text = DIMENSIONS[dimension]
     return f'"{text}"' if unit else text
 
 
-def show(value: object) -> str:
+def toml_text(value: object) -> str:
     """Text of a value as written in a TOML file: text in quotes, booleans in lower case, the rest by ``str``.
 
     Parameters
@@ -188,7 +188,7 @@ def show(value: object) -> str:
 
     Examples
     --------
-    >>> show(["5 kN", True, 3])
+    >>> toml_text(["5 kN", True, 3])
     '["5 kN", true, 3]'
     """
     if isinstance(value, str):
@@ -196,13 +196,13 @@ def show(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):
-        return "[" + ", ".join(show(v) for v in value) + "]"
+        return "[" + ", ".join(toml_text(v) for v in value) + "]"
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{k} = {show(v)}" for k, v in value.items()) + " }"
+        return "{ " + ", ".join(f"{k} = {toml_text(v)}" for k, v in value.items()) + " }"
     return str(value)
 
 
-def parse(value: object, dimension: str) -> float:
+def parse_quantity(value: object, dimension: str) -> float:
     """SI value of a quantity that is given as text.
 
     The conversion is done in decimals and rounded once: ``parse("3.254 mm", "length") == 3.254e-3``.
@@ -227,13 +227,13 @@ def parse(value: object, dimension: str) -> float:
 
     Examples
     --------
-    >>> parse("20 mm", "length"), parse("5 kN", "force"), parse("200 N/um", "stiffness")
+    >>> parse_quantity("20 mm", "length"), parse_quantity("5 kN", "force"), parse_quantity("200 N/um", "stiffness")
     (0.02, 5000.0, 200000000.0)
-    >>> parse("2 lbf in", "moment"), parse("45 deg", "angle")
+    >>> parse_quantity("2 lbf in", "moment"), parse_quantity("45 deg", "angle")
     (0.2259696580552334, 0.7853981633974483)
     """
     if dimension == "number":
-        return _plain(value)
+        return _plain_number(value)
     if isinstance(value, bool) or not isinstance(value, str):
         missing = isinstance(value, (int, float)) and not isinstance(value, bool)
         raise UnitError(value, dimension, "has no unit" if missing else "is not text")
@@ -242,22 +242,22 @@ def parse(value: object, dimension: str) -> float:
 
 @lru_cache(maxsize=1024)
 def _of_text(value: str, dimension: str) -> float:
-    """`parse` of a text: ends of ranges are read with every value, and a sweep reads one scene again and again."""
-    number, unit = _split(value, dimension)
+    """`parse_quantity` of a text: ends of ranges are read with every value, and a sweep reads one scene again and again."""
+    number, unit = _split_number_and_unit(value, dimension)
     if not unit:
         raise UnitError(value, dimension, "has no unit")
-    kind, above, below = _factor(unit)
+    kind, above, below = _unit_factor(unit)
     if kind != dimension:
         if kind:
-            raise UnitError(value, dimension, f"is {expected(kind).split(',')[0]}")
-        raise UnitError(value, dimension, "has no such unit", _nearest(unit, dimension))
+            raise UnitError(value, dimension, f"is {dimension_words(kind).split(',')[0]}")
+        raise UnitError(value, dimension, "has no such unit", _nearest_unit_advice(unit, dimension))
     result = math.radians(float(number)) if unit == "deg" else float(number * above / below)
     if not math.isfinite(result):
         raise UnitError(value, dimension, "is too large to be a number")
     return result
 
 
-def _plain(value: object) -> float:
+def _plain_number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         advice = COMMA if isinstance(value, str) and has_comma(value) else "write a number without quotes or unit"
         raise UnitError(value, "number", "is not a plain number", advice)
@@ -309,20 +309,20 @@ def has_comma(text: str) -> bool:
     return _COMMA.match(text) is not None
 
 
-def _split(value: str, dimension: str) -> tuple[Decimal, str]:
+def _split_number_and_unit(value: str, dimension: str) -> tuple[Decimal, str]:
     """Split a text into number and tidied unit; raises UnitError unless it begins with a plain finite number."""
     if has_comma(value):
         raise UnitError(value, dimension, "has a comma in its number", COMMA)
     parts = number_and_unit(value)
     if parts is None:
         if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):
-            advice = f"write a finite number, e.g. {example(dimension)}"
+            advice = f"write a finite number, e.g. {example_quantity(dimension)}"
             raise UnitError(value, dimension, "is not finite", advice)
         raise UnitError(value, dimension, "does not begin with a plain number")
-    return Decimal(parts[0]), tidy(parts[1])
+    return Decimal(parts[0]), tidy_unit(parts[1])
 
 
-def tidy(unit: str) -> str:
+def tidy_unit(unit: str) -> str:
     """Write a unit in its one spelling: micro, degree, and products with a space.
 
     Parameters
@@ -332,7 +332,7 @@ def tidy(unit: str) -> str:
 
     Examples
     --------
-    >>> tidy("Nmm"), tidy("N*m"), tidy("µm"), tidy("in-lbf")
+    >>> tidy_unit("Nmm"), tidy_unit("N*m"), tidy_unit("µm"), tidy_unit("in-lbf")
     ('N mm', 'N m', 'um', 'lbf in')
     """
     unit = re.sub(r"\s*(?:(?<!\*)\*(?!\*)|·|\s)\s*", " ", unit.replace("μ", "µ").strip())
@@ -342,14 +342,14 @@ def tidy(unit: str) -> str:
 
 
 @lru_cache(maxsize=256)
-def _factor(unit: str) -> tuple[str, Decimal, Decimal]:
+def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
     """Dimension of a product or quotient of units, "" if none here, and what to multiply and to divide by for SI."""
     above, below = Decimal(1), Decimal(1)
     powers: tuple[int, ...] = (0,) * 5
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
         for name in product.split() or [""]:
             match = _FACTOR.fullmatch(name)
-            found = match and _single(match[1])
+            found = match and _single_unit_factor(match[1])
             if not match or not found:
                 return "", above, below
             of, over, under = found
@@ -361,8 +361,8 @@ def _factor(unit: str) -> tuple[str, Decimal, Decimal]:
     return next((of for of in DIMENSIONS if _POWERS.get(of) == powers), ""), above, below
 
 
-def _single(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """Like `_factor` for one unit, with or without prefix, singular or plural; None for an unknown unit."""
+def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
+    """Like `_unit_factor` for one unit, with or without prefix, singular or plural; None for an unknown unit."""
     for whole in (name, name.removesuffix("s")):
         for prefix, tens in PREFIXES.items():
             if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:
@@ -372,7 +372,7 @@ def _single(name: str) -> tuple[str, Decimal, Decimal] | None:
     return None
 
 
-def _nearest(unit: str, dimension: str) -> str:
+def _nearest_unit_advice(unit: str, dimension: str) -> str:
     """Advice naming the nearest common unit of the dimension, or all of them."""
     import difflib
 

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.libraries import PICTURES, install
+from rollbench.meshes.libraries import PICTURES, apt_command
 
 TIMEOUT = 180.0  # s; two seconds are usual
-ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})"
+ADVICE = f"install the off-screen OpenGL libraries (Debian: {apt_command(PICTURES)})"
 
 #: Directions and intensities of lights.
 Lights = Sequence[tuple[Array, float]]

@@ -12,7 +12,7 @@ from html import escape
 
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 from rollbench.reports.content import Sketch
 
 #: Colours: those of `panels.THEME` follow the page, the faces of steel stay.
@@ -211,7 +211,7 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
 
 def _draw_fixed_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
     """Return rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
-    solid = dimensions(scene)
+    solid = solid_dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
         return [], True
     if scene.nut.flange and solid.nut_held.startswith("flange face"):

@@ -10,7 +10,7 @@ from rollbench.lowfi.friction.whole.circuit import balls_of
 from rollbench.lowfi.friction.whole.losses import ball_path
 from rollbench.lowfi.friction.whole.run import Setting
 from rollbench.lowfi.statics.nominal import beam_loads
-from rollbench.meshes.errors import draw
+from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
 
 MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
@@ -23,7 +23,7 @@ WAVES = Errors(
 def setting(scene, friction=MU, motion=TURN, solve=beam_loads):
     """A run of a scene with a rigid or beam screw, compiled kernels."""
     scene = replace(scene, motion=motion)
-    drawn = draw(scene)
+    drawn = draw_errors(scene)
     balls = balls_of(scene, friction, motion, drawn)
     return Setting(scene, friction, motion, drawn, balls, lambda met, at: solve(scene, met, at, "compiled"))
 

@@ -33,7 +33,7 @@ from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout, reduced_lead
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.sockets import local_points
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 #: Scenes by number of the survey (None: lin-case1), distances of the last ball from the face in ball radii, levels.
 CASES = ((None, (1.02, 1.1, 1.2, 1.35, 1.6, 2.0), (1, 2, 3, 4)), (6, (1.1, 1.3), (1,)), (89, (1.02, 1.2), (1,)))
@@ -73,7 +73,7 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
         nut=replace(scene.nut, length=2.0 * HALF * r),
         solid=replace(scene.solid, nut_held="left face"),
     )
-    m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), dimensions(near), near.nut
+    m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), solid_dimensions(near), near.nut
     sides = tuple(s for s in needed_sides(scene) if s >= 2)
     size = choose_socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)

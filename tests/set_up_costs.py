@@ -38,7 +38,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import one_thread
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 #: What a stage spends its time on: names of functions and the modules that call them; the dense algebra is a part of the
 #: elimination.
@@ -154,7 +154,7 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     track = replace(scene.track, pitch_radius=share * scene.track.pitch_radius)
     screw, nut = (replace(x, outer_diameter=x.outer_diameter + away) for x in (scene.screw, scene.nut))
     near = replace(scene, track=track, screw=screw, nut=nut)
-    m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions(near)
+    m, layout, dims = GrooveMap.of(near), ball_layout(near), solid_dimensions(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
     return condense_side(*condense_side_arguments(near, m, dims, meshes, wanted[0], choices)).local
 

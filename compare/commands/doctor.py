@@ -106,7 +106,7 @@ def check_requirements() -> dict[str, str]:
 
 
 def _check_packages() -> Iterator[Check]:
-    from rollbench.meshes.libraries import EXTRA, ONLY_FOR, fault, pip, version
+    from rollbench.meshes.libraries import EXTRA, ONLY_FOR, import_fault, installed_version, pip_command
 
     needed = check_requirements()
     if not needed:
@@ -114,16 +114,16 @@ def _check_packages() -> Iterator[Check]:
             "rollbench", "missing", "not installed", "versions of packages are not known", "pip install . installs it"
         )
     for name, least in needed.items():
-        present, wanted, lack = version(name), f"'{name}>={least}'", ""
+        present, wanted, lack = installed_version(name), f"'{name}>={least}'", ""
         state: State = "missing"
         advice, licence = f"pip install {wanted}", f" ({STRICT[name]})" if name in STRICT else ""
         if present is None:
             lack = "not installed"
             if name in EXTRA:
-                advice, state = pip(name), "optional"
+                advice, state = pip_command(name), "optional"
         elif _version_numbers(present) < _version_numbers(least):
             lack = f"{present}, older than {least}"
-        elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_check_graphics`
+        elif name != "gmsh" and (broken := import_fault(name)):  # gmsh: see `_check_graphics`
             lack, advice = f"{present}, {broken}", f"pip install --force-reinstall {wanted}"
         cost = ONLY_FOR.get(name, "rollbench does not run")
         yield _report_finding(name, f"{present}, at least {least}{licence}", lack, cost, advice, state)
@@ -141,14 +141,14 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def _check_graphics() -> Iterator[Check]:
-    from rollbench.meshes.libraries import ONLY_FOR, PICTURES, install, version
+    from rollbench.meshes.libraries import ONLY_FOR, PICTURES, apt_command, installed_version
     from rollbench.reports import offscreen
 
-    if version("gmsh"):
+    if installed_version("gmsh"):
         yield _report_finding("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
-    if version("pyvista"):
+    if installed_version("pyvista"):
         lack, cost = offscreen.drawing_fault(), ONLY_FOR["pyvista"]
-        yield _report_finding("off-screen rendering", "a picture was drawn", lack, cost, install(PICTURES))
+        yield _report_finding("off-screen rendering", "a picture was drawn", lack, cost, apt_command(PICTURES))
 
 
 def _check_programs() -> Iterator[Check]:

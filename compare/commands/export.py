@@ -149,7 +149,7 @@ def run_export(
     need_gmsh()
     need_packages("scikit-fem")
     from rollbench.compare.studies.export import BLOCK, BODIES, SOCKETS, exported_parts, part_mesh, result_fields
-    from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, reduced, write_mesh
+    from rollbench.meshes.exchange.mesh_files import FORMATS, is_reduced, mesh_format, need_package, write_mesh
 
     if part not in exported_parts(scene):
         raise ArgumentError("part", part, ", ".join(exported_parts(scene)), "choose one of these")
@@ -160,8 +160,8 @@ def run_export(
     elif out.suffix == "":
         out = out.with_name(f"{out.name}.{form or 'vtu'}")
     try:
-        form = form_of(out, form)
-        need(form)
+        form = mesh_format(out, form)
+        need_package(form)
     except ValueError:
         allowed = ", ".join(f".{name}" for name in FORMATS)
         raise ArgumentError("out", str(out), f"a name ending in {allowed}", "or give `format`") from None
@@ -178,9 +178,9 @@ def run_export(
     try:
         if ball is not None and part.startswith(("screw", "patch-S")):
             from rollbench.hifi.fields import refuse_beyond_low_end
-            from rollbench.meshes.solid import dimensions
+            from rollbench.meshes.solid import solid_dimensions
 
-            refuse_beyond_low_end(scene, dimensions(scene))
+            refuse_beyond_low_end(scene, solid_dimensions(scene))
         mesh = part_mesh(scene, part, level, cache)
         if ball is not None:
             fields = result_fields(scene, part, level, ball - 1, cache)
@@ -196,7 +196,7 @@ def run_export(
 
     nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[kind_of(mesh)]}"
     lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
-    if reduced(mesh, form):
+    if is_reduced(mesh, form):
         lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
     return Answer(parts=lines)
 

@@ -68,7 +68,7 @@ def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
     from rollbench.compare.files import write_new
     from rollbench.compare.scenes import scene_file
     from rollbench.compare.scenes.from_rexs import tables_of
-    from rollbench.meshes.scene_text import given as filled
+    from rollbench.meshes.scene_text import given_keys as filled
     from rollbench.meshes.scene_text import to_toml
 
     pairs = {}

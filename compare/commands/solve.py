@@ -175,7 +175,7 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
     if not choices.stiffness_at:
         return model, 0.0
     try:
-        return model, units.parse(choices.stiffness_at, "length")
+        return model, units.parse_quantity(choices.stiffness_at, "length")
     except ValueError as error:
         allowed = "a length with its unit"
         raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None

@@ -8,7 +8,7 @@ from pathlib import Path
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, JudgedQuantity
 from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
-from rollbench.meshes.units import UnitError, expected, parse
+from rollbench.meshes.units import UnitError, dimension_words, parse_quantity
 
 VALUE_COLUMNS = ("quantity", "value", "unit")
 
@@ -93,9 +93,13 @@ def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma
         raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to `loads`")
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
-        value = _life_in_revolutions(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])
+        value = (
+            _life_in_revolutions(text.split(" ")[0], unit)
+            if quantity is LIFE
+            else parse_quantity(text, DIMENSIONS[quantity])
+        )
     except UnitError as error:
-        allowed, advice = expected(DIMENSIONS[quantity]), decimal_comma_advice(error.advice, f"{number},{unit}")
+        allowed, advice = dimension_words(DIMENSIONS[quantity]), decimal_comma_advice(error.advice, f"{number},{unit}")
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     except ValueError:
         allowed, advice = f"a number and one of: {', '.join(LIVES)}", decimal_comma_advice(VALUE_EXAMPLE, text)
@@ -120,7 +124,7 @@ def _life_in_revolutions(number: str, unit: str) -> float:
 def _number_in_si(where: str, dimension: str) -> float | None:
     """Return a text such as ``5 kN`` as a number in SI; None if its unit is not of the dimension."""
     try:
-        value = parse(where, dimension)
+        value = parse_quantity(where, dimension)
     except UnitError:
         return None
     return value if value > 0.0 or dimension == "length" else None

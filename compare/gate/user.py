@@ -54,7 +54,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.units import parse
+from rollbench.meshes.units import parse_quantity
 
 #: Names of notes above the table of a reference file.
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
@@ -141,7 +141,7 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
         return np.zeros_like(given.load), "whose uncertainty is taken as zero: it states none"
     share = re.fullmatch(r"([0-9.eE+-]+)\s*(?:%|percent)", note)
     try:
-        size = 0.01 * float(share[1]) * mean if share else parse(note, "force")
+        size = 0.01 * float(share[1]) * mean if share else parse_quantity(note, "force")
     except ValueError:  # a UnitError too
         size = float("nan")
     if not 0.0 <= size < float("inf"):

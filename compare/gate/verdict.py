@@ -23,7 +23,7 @@ from rollbench.compare.models.comparison import RULE, Loads, gate_points
 from rollbench.compare.quantities import split_unit
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import bearing, mean_load
+from rollbench.meshes.loads import loaded_contacts, mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import Stated, record
 from rollbench.meshes.quantity import quantity as stated
@@ -300,7 +300,7 @@ def judge(
                 reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}"
             )
         ]
-    reached = bearing(reference.load)
+    reached = loaded_contacts(reference.load)
     contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
     kind, at = decisive_contact(points, limits.largest)
@@ -433,7 +433,7 @@ def _contact_quantity_verdict(
     reference, bars = contact_quantity_of_reference(scene, ref, q)
     chosen = np.array([side in given.flanks for side in SIDES])
     if q is ANGLE:
-        judge = bearing(ref.load) & bearing(given.load) & chosen & np.isfinite(reference)
+        judge = loaded_contacts(ref.load) & loaded_contacts(given.load) & chosen & np.isfinite(reference)
         errors, shares = np.degrees(value - reference), np.degrees(bars)
     else:
         judge = ((ref.load > 0.0) | (value > 0.0)) & chosen

@@ -20,7 +20,7 @@ from rollbench.compare import files
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ DESCRIPTORS = (
         "wall of the nut over the pitch radius",
         "",
         0.1,
-        lambda s: (s.nut.outer_diameter / 2.0 - dimensions(s).land) / s.track.pitch_radius,
+        lambda s: (s.nut.outer_diameter / 2.0 - solid_dimensions(s).land) / s.track.pitch_radius,
     ),
     Descriptor("lead over the pitch diameter", "", 0.25, lambda s: s.track.lead / (2.0 * s.track.pitch_radius)),
     Descriptor("ball over the pitch diameter", "", 0.06, lambda s: s.balls.radius / s.track.pitch_radius),
@@ -213,7 +213,7 @@ def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> 
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.dimensions`).
+        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
     """
     ring = scene.track.lead == 0.0
     out = []
@@ -240,7 +240,7 @@ def outside(scene: Scene) -> tuple[str, ...]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.dimensions`).
+        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
         return (f"what was compared is not known, because references/{PLACES} is absent or damaged: reinstall rollbench",)

@@ -21,7 +21,7 @@ from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma, parse, tidy
+from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma, parse_quantity, tidy_unit
 
 COLUMNS = ("ball", "flank", "newton")
 
@@ -107,12 +107,12 @@ def column(head: str) -> Column:
 
 def _column_in_unit(name: str, text: str, dimension: str) -> Column:
     """Return the column of a quantity with the unit in a text; an empty column if the unit does not fit."""
-    unit = tidy(text.strip(" _[]()/"))
+    unit = tidy_unit(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
     for spelt in (FOLDED.get(unit.lower(), unit), unit.lower()):
         with suppress(UnitError):
-            return Column(name, parse(f"1 {spelt}", dimension))
+            return Column(name, parse_quantity(f"1 {spelt}", dimension))
     return Column("")
 
 

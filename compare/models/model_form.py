@@ -42,7 +42,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Loads
@@ -186,9 +186,9 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.dimensions`).
+        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
     """
-    dims, R, layout, load = dimensions(scene), scene.track.pitch_radius, ball_layout(scene), result.load
+    dims, R, layout, load = solid_dimensions(scene), scene.track.pitch_radius, ball_layout(scene), result.load
     flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)

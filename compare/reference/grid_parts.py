@@ -56,7 +56,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 FILE = "grid_parts.json"
 
@@ -332,7 +332,7 @@ def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
     out = np.zeros_like(load)
     if scene.solid.nut != "elastic" or scene.track.lead == 0.0:
         return out
-    r, held = scene.balls.radius, dimensions(scene).nut_held
+    r, held = scene.balls.radius, solid_dimensions(scene).nut_held
     z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
     soft = [2.0 / 3.0 * unit.approach for unit in hertz_units(scene)]
     known, unit = read_lip(shipped_store()), 1.0 / (scene.nut.material.youngs_modulus * r)

@@ -20,7 +20,7 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.processes import local, one_thread, restarts_unsaid
+from rollbench.meshes.processes import local_workers, one_thread, restarts_unsaid
 
 #: A job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
@@ -147,7 +147,7 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    with local():  # max_nbytes: no read-only arguments
+    with local_workers():  # max_nbytes: no read-only arguments
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:

@@ -29,7 +29,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Operation, Scene
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 #: Largest size of a run's file [bytes], and deepest nesting of brackets; the largest shipped one has a tenth, and 4.
 LARGEST, DEEPEST = 8_000_000, 8
@@ -303,7 +303,7 @@ def _meshed(
 ) -> tuple[object, ...]:
     """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions."""
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
-    dims = dimensions(scene)
+    dims = solid_dimensions(scene)
     low, high = dims.ends(scene)
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
     hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import Dimensions, dimensions, groove_depths
+from rollbench.meshes.solid import Dimensions, groove_depths, solid_dimensions
 
 Change = Callable[[Scene], Scene]
 #: "modelling": an idealisation, or a dimension that the source does not print; "numerical": a choice of method or
@@ -69,7 +69,7 @@ def solid(**changes: Any) -> Change:
 
 def scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
     """Return a function that changes a scene's solid dimension by a factor and a shift [m]."""
-    return lambda scene: solid(**{name: take(dimensions(scene)) * factor + shift})(scene)
+    return lambda scene: solid(**{name: take(solid_dimensions(scene)) * factor + shift})(scene)
 
 
 def longer(leads: float) -> Change:
@@ -84,7 +84,7 @@ def held_ring(half: Literal["inner", "outer"]) -> Change:
     """
 
     def change(scene: Scene) -> Scene:
-        face, flange = dimensions(scene).nut_held, scene.nut.flange
+        face, flange = solid_dimensions(scene).nut_held, scene.nut.flange
         if flange is not None and face.startswith("flange"):
             low, high = flange.seat
             seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)

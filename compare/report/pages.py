@@ -20,7 +20,7 @@ from rollbench.compare.reference.store import load_run
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores, gmsh_fault
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.libraries import MESHING, PICTURES, install
+from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import drawing_fault as drawing_fault
@@ -194,7 +194,7 @@ def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tup
     fault = gmsh_fault() if meshing else ""
     if fault:
         names = tuple(f"{part.name} ({part.meshed})" if part.meshed else part.name for part in meshing)
-        left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
+        left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", apt_command(MESHING, PICTURES)))
         out |= {part.name for part in meshing if part.meshes}
     return [part for part in parts if part.name not in out], left
 
@@ -205,7 +205,7 @@ def missing_features(sections: Iterable[Section]) -> list[LeftOut]:
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
     ):
-        left.append(LeftOut(("3D pictures",), why, install(PICTURES)))
+        left.append(LeftOut(("3D pictures",), why, apt_command(PICTURES)))
     return left
 
 

@@ -76,29 +76,29 @@ def read_course(text: str) -> Course:
     pairs = [units.number_and_unit(end) for end in ends]
     if len(pairs) < 2 or any(pair is None for pair in pairs):
         raise ArgumentError(
-            "curve", units.show(text), FORM, 'e.g. `curve="-3000N:3000N"`, or 0:1.5 times the scene\'s loads'
+            "curve", units.toml_text(text), FORM, 'e.g. `curve="-3000N:3000N"`, or 0:1.5 times the scene\'s loads'
         )
     factors = not any(pair and pair[1] for pair in pairs)
     try:
-        low, high = (float(end) if factors else units.parse(end, "force") for end in ends)
+        low, high = (float(end) if factors else units.parse_quantity(end, "force") for end in ends)
     except ValueError as error:
-        raise ArgumentError("curve", units.show(text), FORM, str(error)) from None
+        raise ArgumentError("curve", units.toml_text(text), FORM, str(error)) from None
     points, direction, at = POINTS, AXES["z"], None
     for word in further:
         kind = (units.number_and_unit(word) or ("", ""))[1]
         if word.isdigit():
             points = int(word)
         elif word in AXES or kind in ("deg", "°", "rad"):
-            turn = 0.0 if word in AXES else units.parse(word, "angle")
+            turn = 0.0 if word in AXES else units.parse_quantity(word, "angle")
             direction = AXES.get(word, (math.cos(turn), math.sin(turn), 0.0))
         else:
             at = _direction_of_word(word) if kind else word
     if not (low < high and 2 <= points <= MOST):
         allowed = f"LOW below HIGH, and 2 to {MOST} points"
-        raise ArgumentError("curve", units.show(text), allowed, f"give {FORM}")
+        raise ArgumentError("curve", units.toml_text(text), allowed, f"give {FORM}")
     if factors and (direction != AXES["z"] or at is not None):
         raise ArgumentError(
-            "curve", units.show(text), "forces with a unit", "factors keep direction and place of the loads"
+            "curve", units.toml_text(text), "forces with a unit", "factors keep direction and place of the loads"
         )
     return Course(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
@@ -106,9 +106,9 @@ def read_course(text: str) -> Course:
 def _direction_of_word(word: str) -> float:
     """Return a station [m] from its text; ArgumentError for anything else."""
     try:
-        return units.parse(word, "length")
+        return units.parse_quantity(word, "length")
     except ValueError as error:
-        raise ArgumentError("curve", units.show(word), FORM, str(error)) from None
+        raise ArgumentError("curve", units.toml_text(word), FORM, str(error)) from None
 
 
 @record(kw_only=True)

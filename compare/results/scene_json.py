@@ -25,7 +25,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.loads import counted, mean_load
+from rollbench.meshes.loads import count_contacts, mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
@@ -264,7 +264,7 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     i, s = np.unravel_index(int(load.argmax()), load.shape)
     empty = int((~loaded.any(axis=1)).sum())
     ends = carried.max(), mean, carried.min()
-    return as_json(LoadSums(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), counted(load, contacts), empty))
+    return as_json(LoadSums(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), count_contacts(load, contacts), empty))
 
 
 def roller_loads(load: Array) -> dict[str, Any] | None:

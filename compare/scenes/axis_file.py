@@ -286,12 +286,12 @@ def _roller_end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
         advice = "write the height of the rib contact above the cone's race, usually 0.05 to 0.2 of the roller's diameter"
         yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
     elif r.end_radius is not None:
-        from rollbench.lowfi.bearings.rib import rib_height, rib_of
+        from rollbench.lowfi.bearings.rib import rib_geometry, rib_height
         from rollbench.lowfi.rollers import tapered
 
         row = _roller_row(r, Material(2e11, 0.3))  # the geometry does not depend on the moduli
         try:
-            rib_of(tapered(row), r.end_radius, rib_height(row))
+            rib_geometry(tapered(row), r.end_radius, rib_height(row))
         except ValueError as error:
             advice = "correct end_radius or rib_height; usual radii are 0.8 to 0.95 of the distance from the apex"
             yield Fault((f"{at}.end_radius",), str(error), advice)

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ValidationError
 from rollbench.compare import files
 from rollbench.compare.errors import SceneError
 from rollbench.compare.scenes.keys import tidy_schema
-from rollbench.meshes.units import show
+from rollbench.meshes.units import toml_text
 
 #: Lengths that differ by less than this [m] count as equal.
 TOLERANCE = 1e-9
@@ -93,7 +93,7 @@ def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultTe
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
         present = ((name, value) for name in names if (value := _value_at(raw, name)) is not None)
         key, given = next(present, (fault.keys[-1], None))
-        value = fault.value or ("nothing" if given is None else show(given))
+        value = fault.value or ("nothing" if given is None else toml_text(given))
         half = key not in fault.keys and key.endswith("diameter")
         allowed = f"{fault.allowed}, as a radius" if half else fault.allowed
         out.append(FaultText(key, value, allowed, fault.advice))
@@ -250,7 +250,7 @@ def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str
     else:
         meant = near[0] if near else ""
         advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it, or move it to its table"
-    return FaultText(_key_path(where), show(fault["input"]), ", ".join(known), advice), meant
+    return FaultText(_key_path(where), toml_text(fault["input"]), ", ".join(known), advice), meant
 
 
 def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
@@ -262,7 +262,7 @@ def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
     other = next((o for key, (o, *_) in ALIASES.items() if _key_path(where) == key and o.endswith("diameter")), "")
     if kind == "missing" and other:
         advice += f", or {other.split('.')[-1]}"
-    return FaultText(_key_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
+    return FaultText(_key_path(where), "nothing" if kind == "missing" else toml_text(fault["input"]), allowed, advice)
 
 
 def schema_part(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
@@ -286,7 +286,7 @@ def _allowed_values(node: Mapping[str, Any]) -> str:
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:
-        return ", ".join([*(show(v) for v in node["enum"]), *([node["x-or"]] if "x-or" in node else [])])
+        return ", ".join([*(toml_text(v) for v in node["enum"]), *([node["x-or"]] if "x-or" in node else [])])
     if node.get("type") == "boolean":
         return "true, false"
     if node.get("type") == "integer":
@@ -304,14 +304,14 @@ def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object
     if "enum" in node and isinstance(given, str):
         near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
         if near:
-            return f"did you mean {show(near[0])}?"
+            return f"did you mean {toml_text(near[0])}?"
     table = "properties" in node
     examples = node.get("examples", [])
     if kind == "missing":
         if table:
             return f"add a [{name}] table; rollbench new FILE writes a scene with all of them"
-        return f"add {name} = {show(examples[0])}" if examples else f"add {name}"
-    return f"write e.g. {show(examples[0])}" if examples else "see the key in the output of: rollbench schema"
+        return f"add {name} = {toml_text(examples[0])}" if examples else f"add {name}"
+    return f"write e.g. {toml_text(examples[0])}" if examples else "see the key in the output of: rollbench schema"
 
 
 def known_key_for(name: str) -> str:

@@ -25,7 +25,7 @@ from rollbench.meshes.ranges import (
     Size,
     Turning,
 )
-from rollbench.meshes.units import UnitError, parse
+from rollbench.meshes.units import UnitError, parse_quantity
 
 # --- what a catalogue gives in place of what the physics takes is rewritten before the keys are read
 
@@ -75,7 +75,7 @@ def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
     if not isinstance(table, dict) or diameter not in table or radius in table:
         return table
     try:
-        half = 0.5 * parse(table[diameter], "length")
+        half = 0.5 * parse_quantity(table[diameter], "length")
     except UnitError:
         half = 1e-3
     return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}

@@ -22,7 +22,7 @@ from rollbench.compare.scenes.key_checks import choice_faults
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.one_arc import as_one_arc
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.units import show
+from rollbench.meshes.units import toml_text
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.schema import AxisKeys
@@ -56,13 +56,13 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     if kind is None and FOREIGN & raw.keys() and not bodies:
         name = sorted(FOREIGN & raw.keys())[0]
         advice = f'[{name}] belongs to a kind that only rollbench friction solves: write e.g. kind = "{KINDS[0]}"'
-        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, KINDS)), advice)
+        raise SceneError(origin, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
     if kind is None or kind in WHOLE:
         return single_set_scene(raw, origin)
     if kind not in KINDS:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
-        advice = f"did you mean {show(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
-        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *KINDS))), advice)
+        advice = f"did you mean {toml_text(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
+        raise SceneError(origin, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *KINDS))), advice)
     from rollbench.compare.scenes.friction_kinds.table import kind_named
 
     of = kind_named(kind)

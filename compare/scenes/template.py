@@ -20,7 +20,7 @@ from rollbench.compare.scenes.duty_cycle import KINDS, WHOLE
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.keys import tidy_schema
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.meshes.units import show
+from rollbench.meshes.units import toml_text
 
 #: Shipped scenes whose values the templates take; the template of a ball screw is written by hand.
 EXAMPLES = {
@@ -136,7 +136,7 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
             yield f"[[{where}]]"
             yield from _table_lines(_referenced_table(entry["items"], defs), defs, content[0], f"{where}.")
         for row in () if isinstance(content, dict) else content[1:]:
-            yield from ("", f"[[{where}]]", *(f"{key} = {show(value)}" for key, value in row.items()))
+            yield from ("", f"[[{where}]]", *(f"{key} = {toml_text(value)}" for key, value in row.items()))
 
 
 def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
@@ -145,12 +145,12 @@ def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
     elif "enum" in entry:
-        text += f" ({', '.join(map(show, entry['enum']))})"
+        text += f" ({', '.join(map(toml_text, entry['enum']))})"
     if value is not None:
-        yield f"{name} = {show(value)}  # {text}"
+        yield f"{name} = {toml_text(value)}  # {text}"
         return
     shown = entry["examples"][0] if entry.get("examples") else entry.get("default")
-    yield f"# {name} = {show(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
+    yield f"# {name} = {toml_text(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
 
 
 def _description(entry: Node) -> str:

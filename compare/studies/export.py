@@ -64,15 +64,15 @@ def placed_sets(described: Solvable) -> list[PlacedSet]:
     """Return each set of a scene at its position, with its stretch of shaft in the reference; ValueError for rollers."""
     from rollbench.hifi.several_sets import meshed_bodies
     from rollbench.meshes.exchange.step_files import PlacedSet
-    from rollbench.meshes.solid import dimensions
+    from rollbench.meshes.solid import solid_dimensions
 
     if isinstance(described, Scene):
-        return [PlacedSet(described, 0.0, dimensions(described).ends(described))]
+        return [PlacedSet(described, 0.0, solid_dimensions(described).ends(described))]
     out = []
     for s, bodies in zip(described.sets, meshed_bodies(described), strict=True):
         if not isinstance(s.parts, Scene):
             raise ValueError(f"{s.name} has rollers: only balls and their grooves are written")
-        low, high = dimensions(bodies.bodies).ends(bodies.bodies)
+        low, high = solid_dimensions(bodies.bodies).ends(bodies.bodies)
         out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
     return out
 
@@ -103,10 +103,10 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     """
     if part == BLOCK:
         from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
-        from rollbench.meshes.block import Influence, tetrahedra
+        from rollbench.meshes.block import Influence, tetrahedral_block
 
         influence = Influence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
-        return keep_boundaries(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
+        return keep_boundaries(tetrahedral_block(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
         return _whole_body(scene, part, level)
     from rollbench.hifi.bodies.coarse import mesh_of_order
@@ -115,10 +115,10 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
     from rollbench.meshes.sockets import local_points
-    from rollbench.meshes.solid import dimensions
+    from rollbench.meshes.solid import solid_dimensions
 
     settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
-    meshes = mesh_parts(scene, m, ball_layout(scene), dimensions(scene), sides, settings, Cache(cache))
+    meshes = mesh_parts(scene, m, ball_layout(scene), solid_dimensions(scene), sides, settings, Cache(cache))
     bodies: dict[str, Any] = {"ball": meshes.ball, "screw": meshes.screw, "nut": meshes.nut}
     if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
@@ -203,10 +203,10 @@ def _whole_body(scene: Scene, part: str, level: int) -> Mesh:
     from rollbench.meshes.groove import BodySpec
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
-    from rollbench.meshes.solid import dimensions
+    from rollbench.meshes.solid import solid_dimensions
 
     settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
-    layout, dims, middle = ball_layout(scene), dimensions(scene), np.zeros((1, 2))
+    layout, dims, middle = ball_layout(scene), solid_dimensions(scene), np.zeros((1, 2))
     if part == "ball":
         near = np.concatenate([sphere_points(m, side, m.ball, middle) for side in sides])
         body = whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))

@@ -42,7 +42,7 @@ from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import local
+from rollbench.meshes.processes import local_workers
 from rollbench.reports.content import Cell, Row
 
 ENERGY = "energy solver"
@@ -354,7 +354,7 @@ def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, 
     from joblib import Parallel, delayed
 
     every, rows = extreme_cases(), list[Attempt]()
-    with local():
+    with local_workers():
         workers = Parallel(n_jobs=n_jobs, return_as="generator")
     for i, found in enumerate(workers(delayed(_case_rows)(c) for c in every)):
         rows += found

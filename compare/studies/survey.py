@@ -45,8 +45,8 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import dimensions
-from rollbench.meshes.units import show
+from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.units import toml_text
 
 #: Seed of the survey.
 SEED = 20360
@@ -239,13 +239,13 @@ def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
 def _toml_text(scene: Mapping[str, Any]) -> str:
     """Return keys of a scene as TOML: plain values and lists, then tables and lists of tables."""
     plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _is_list_of_tables(v)}
-    lines = [f"{k} = {show(v)}" for k, v in plain.items()]
+    lines = [f"{k} = {toml_text(v)}" for k, v in plain.items()]
     for name, value in scene.items():
         if isinstance(value, Mapping):
-            lines += ["", f"[{name}]", *(f"{k} = {show(v)}" for k, v in value.items())]
+            lines += ["", f"[{name}]", *(f"{k} = {toml_text(v)}" for k, v in value.items())]
         elif _is_list_of_tables(value):
             for row in value:
-                lines += ["", f"[[{name}]]", *(f"{k} = {show(v)}" for k, v in row.items())]
+                lines += ["", f"[[{name}]]", *(f"{k} = {toml_text(v)}" for k, v in row.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -335,7 +335,7 @@ def scene_features(scene: Scene) -> Record:
         "balls_per_turn": round(scene.ball_count / filled_turns(scene), 2),
         "low_face_radii": round(float((half + z.min()) / r), 3),
         "high_face_radii": round(float((half - z.max()) / r), 3),
-        "nut_held": dimensions(scene).nut_held,
+        "nut_held": solid_dimensions(scene).nut_held,
         "contact_angle_deg": round(float(np.degrees(scene.track.contact_angle)), 2),
         "conformity_screw": round(scene.screw.groove_radius / (2.0 * r), 4),
         "conformity_nut": round(scene.nut.groove_radius / (2.0 * r), 4),

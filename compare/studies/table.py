@@ -153,9 +153,9 @@ def _station_of(given: str | float | None, scene: Scene | Assembly) -> tuple[flo
     if given is None or given == "":
         return None, of
     try:
-        station = float(given) if isinstance(given, int | float) else units.parse(given, "length")
+        station = float(given) if isinstance(given, int | float) else units.parse_quantity(given, "length")
     except ValueError as error:
-        allowed = ", ".join(("a length with its unit", *map(units.show, names)))
+        allowed = ", ".join(("a length with its unit", *map(units.toml_text, names)))
         raise ArgumentError("stiffness_at", str(given), allowed, str(error)) from None
     if not 0.0 <= station <= scene.screw.length:
         raise ArgumentError(

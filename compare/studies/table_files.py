@@ -20,7 +20,7 @@ from rollbench.compare.quantities import count_of, quantities
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_from_json
 from rollbench.compare.scenes.scene_file import read_text
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.libraries import fault, pip
+from rollbench.meshes.libraries import import_fault, pip_command
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.reports.content import Figure, Panel, Series
 
@@ -42,8 +42,8 @@ def need_format(path: Path) -> None:
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
     package = FORMATS[path.suffix]
-    if package and (reason := fault(package)):
-        raise ArgumentError("out", str(path), f"{package} for {path.suffix} ({reason})", pip(package))
+    if package and (reason := import_fault(package)):
+        raise ArgumentError("out", str(path), f"{package} for {path.suffix} ({reason})", pip_command(package))
 
 
 def write_table(path: Path, table: Table) -> None:

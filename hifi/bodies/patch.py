@@ -21,7 +21,7 @@ from skfem import ElementLineP2, Mesh, condense
 from rollbench.hifi.elements.forms import CurvedMap, assemble, contact_weights, elasticity, mean_weights
 from rollbench.hifi.linear_algebra import compliance, factor
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.fem import Meshed, freedoms_on, kind_of, mesh_of, points_of, tensor_grid, with_boundaries, with_points
 from rollbench.meshes.sockets import SocketMesh
 from rollbench.meshes.tet_patch import LocalTets, signed_volumes
 
@@ -199,11 +199,11 @@ def build_patch(
     """
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
     points, interface, tie, nodes = _place_nodes(points_of(grid), place, socket)
-    mesh = moved(grid, points)
+    mesh = with_points(grid, points)
     if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
         grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
         points, interface, tie, nodes = _place_nodes(points_of(grid), place, socket)
-        mesh = moved(grid, points)
+        mesh = with_points(grid, points)
     xi = points_of(grid)
     top = np.abs(xi[:, 1]) < 1e-12
     inside = (np.abs(xi[:, 0]) <= zone[0] + 1e-9) & (np.abs(xi[:, 2]) <= zone[1] + 1e-9)
@@ -277,7 +277,7 @@ def _named_patch(
     zone[contact] = True
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     boundaries = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
-    mesh = named(mesh, {name: outer[on] for name, on in boundaries.items()})
+    mesh = with_boundaries(mesh, {name: outer[on] for name, on in boundaries.items()})
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 

@@ -28,7 +28,7 @@ from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements.forms import assemble, elasticity, nodal_areas
 from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
+from rollbench.meshes.block import BlockMesh, Influence, hexahedral_block, tetrahedral_block
 from rollbench.meshes.fem import freedoms_on, nodes_on
 
 #: Right-hand sides solved at once.
@@ -300,10 +300,10 @@ def solve_hertz_contact(
         order = int(element[1])
         edge = np.array([a, b, b]) / b_over_h
         core = (1.15 * a, 1.15 * b, 0.0)
-        mesh = hexahedra(order, tuple(edge / order), core, size * a, GROWTH ** (1.0 / refinement))
+        mesh = hexahedral_block(order, tuple(edge / order), core, size * a, GROWTH ** (1.0 / refinement))
     elif element in ("P1", "P2"):
         influence = Influence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
-        mesh = tetrahedra(int(element[1]), influence, size * a)
+        mesh = tetrahedral_block(int(element[1]), influence, size * a)
     else:
         raise ValueError(f"element {element!r}: must be one of P1, P2, Q1, Q2")
     return solve_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
@@ -328,7 +328,7 @@ def solve_hertz_contact_like_lin(job: HertzJob) -> HertzRun:
     """
     start = perf_counter()
     radius = SOURCE_RADIUS
-    mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
+    mesh = tetrahedral_block(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
     return solve_on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
 
 

@@ -31,7 +31,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
 from rollbench.meshes.one_arc import sides_of_arc
 from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 #: Expected semi-axes are rounded to this length [m], so that similar scenes share their patches.
 ROUNDING = 5e-6
@@ -338,7 +338,7 @@ def _contact_modulus(first: Material, second: Material) -> float:
 def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
-    rigid = any(s.scene.ingredients.screw == "rigid" or dimensions(s.scene).screw_held == "bore" for s in sets)
+    rigid = any(s.scene.ingredients.screw == "rigid" or solid_dimensions(s.scene).screw_held == "bore" for s in sets)
     acted = frame.stations
     nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
     thread, e = next((s.scene for s in sets if s.scene.track.lead > 0.0), first), first.screw.material

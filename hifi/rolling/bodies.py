@@ -47,14 +47,14 @@ from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import freedoms_on, moved, nodes_on, points_of
+from rollbench.meshes.fem import freedoms_on, nodes_on, points_of, with_points
 from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
-from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
+from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, socket_centre, socket_reach
 
 #: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
 INNER, OUTER = 0, 2
@@ -137,7 +137,7 @@ def mesh_contact_pieces(
     size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
     size = replace(size, cuts=CUTS)
     lines, local = _patch_lines_and_zone(m, size, side, zone)
-    half = max(reach(m, size, (side,))) + BEYOND * ball
+    half = max(socket_reach(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
     body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
@@ -442,7 +442,7 @@ def matched_half_space(
     )
     points = points_of(block.mesh).copy()
     points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
-    block = replace(block, mesh=moved(block.mesh, points))
+    block = replace(block, mesh=with_points(block.mesh, points))
     return half_space_response(block, traction_loads(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import moved, named, points_of, tensor_grid
+from rollbench.meshes.fem import points_of, tensor_grid, with_boundaries, with_points
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def _named_contact_body(
     """
     flat = tensor_grid(x, y, z, "Q2")
     xi = points_of(flat)
-    mesh = moved(flat, points)
+    mesh = with_points(flat, points)
     outer = mesh.boundary_facets()
     corners = xi[mesh.facets[:, outer]]  # (4, faces, 3)
     top = np.all(np.abs(corners[..., 2]) < 1e-12, axis=0)
@@ -121,7 +121,7 @@ def _named_contact_body(
     nodes = np.flatnonzero(
         (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
     )
-    return ContactBody(named(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
+    return ContactBody(with_boundaries(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
 
 
 def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:

@@ -22,7 +22,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import merge, screw_section, tube_section
+from rollbench.meshes.section import merge_stations, screw_section, tube_section
 
 #: Newton steps after which the axial model is given up.
 MAX_ITERATIONS = 100
@@ -71,7 +71,7 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
     pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
     held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}
     loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
-    nodes = merge(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
+    nodes = merge_stations(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
     n = nodes.size
     width = 2 if elastic_nut else 1
     # screw node j is unknown width * j; the nut's motion at the same station follows it

@@ -127,12 +127,12 @@ class Deck:
         return sum(len(b.points) for b in self.bodies)
 
 
-def number(value: float) -> str:
+def deck_number(value: float) -> str:
     """Write a number in at most 20 characters, the most that CalculiX reads.
 
     Examples
     --------
-    >>> number(-1.2345678901234567e-105), len(number(-1.2345678901234567e-105))
+    >>> deck_number(-1.2345678901234567e-105), len(deck_number(-1.2345678901234567e-105))
     ('-1.234567890123e-105', 20)
     """
     return f"{value:.12e}"
@@ -237,11 +237,11 @@ def deck_text(deck: Deck, unit: str = "mm") -> str:
     ValueError
         A name is bad or comes twice.
     """
-    text = "\n".join(_write(deck, UNITS[unit])) + "\n"
+    text = "\n".join(_deck_lines(deck, UNITS[unit])) + "\n"
     return text.encode("ascii", "replace").decode("ascii")
 
 
-def _write(deck: Deck, units: Units) -> Iterator[str]:
+def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
     names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.nodes, *b.faces)]
     ends = [f"{s.name}_{what}" for s in deck.sections for what in ("MOVE", "TURN")]
     checked_names([*(b.name for b in deck.bodies), *names, *ends])
@@ -252,35 +252,35 @@ def _write(deck: Deck, units: Units) -> Iterator[str]:
     nodes = cells = 0
     for body in deck.bodies:
         starts[body.name] = nodes, cells
-        yield from _body(body, nodes, cells, units)
+        yield from _body_lines(body, nodes, cells, units)
         nodes, cells = nodes + len(body.points), cells + len(body.cells)
     for body in deck.bodies:
         yield from (f"*MATERIAL, NAME=MAT_{body.name}", "*ELASTIC")
-        yield f"{number(body.material.youngs_modulus / units.stress)}, {number(body.material.poissons_ratio)}"
+        yield f"{deck_number(body.material.youngs_modulus / units.stress)}, {deck_number(body.material.poissons_ratio)}"
         yield f"*SOLID SECTION, ELSET={body.name}, MATERIAL=MAT_{body.name}"
     references: dict[str, int] = {}
     for section in deck.sections:
         references[section.name] = nodes
-        yield from _section(section, deck, starts, nodes, units)
+        yield from _section_lines(section, deck, starts, nodes, units)
         nodes += 2
     for body in deck.bodies:
         for first, second, axis in (body.alike + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]).tolist():
             yield from ("*EQUATION", "2", f"{first}, {axis}, 1.0, {second}, {axis}, -1.0")
     springs = [(starts[b.name][0] + int(n), axis) for b in deck.bodies for n in b.weak for axis in range(AXES)]
     springs += [(references[s.name], f) for s in deck.sections for f in s.weak]
-    yield from _springs(springs, cells, deck.spring, units)
-    yield from _contacts(deck, units)
+    yield from _spring_lines(springs, cells, deck.spring, units)
+    yield from _contact_lines(deck, units)
     yield "*BOUNDARY"
     yield from (f"{name}, 1, 3" for name in deck.fixed)
     yield from (f"{name}, 2, 2" for name in deck.mirrored)
-    yield from _held(deck, references, units, moved=False)
-    yield from _step(deck, references, units)
+    yield from _motion_lines(deck, references, units, moved=False)
+    yield from _step_lines(deck, references, units)
 
 
-def _body(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
+def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
     yield f"*NODE, NSET={body.name}_ALL"
     for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
-        yield f"{k}, {number(x[0])}, {number(x[1])}, {number(x[2])}"
+        yield f"{k}, {deck_number(x[0])}, {deck_number(x[1])}, {deck_number(x[2])}"
     yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
     for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
         yield from data_lines([k, *row])
@@ -292,12 +292,12 @@ def _body(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]
         yield from (f"{cell + cells + 1}, S{face}" for cell, face in element_faces(body.cells, corners).tolist())
 
 
-def _section(
+def _section_lines(
     section: RigidSection, deck: Deck, starts: dict[str, tuple[int, int]], reference: int, units: Units
 ) -> Iterator[str]:
     """Two nodes, whose displacements are the section's translation and rotation, and u = t + theta x r of all others."""
     body = next(b for b in deck.bodies if b.name == section.body)
-    place = ", ".join(number(x) for x in (section.point / units.length).tolist())
+    place = ", ".join(deck_number(x) for x in (section.point / units.length).tolist())
     for k, motion in enumerate(("MOVE", "TURN"), start=1):
         yield f"*NODE, NSET={section.name}_{motion}"
         yield f"{reference + k}, {place}"
@@ -310,10 +310,10 @@ def _section(
             terms += [(reference + 2, b, -r[c]), (reference + 2, c, r[b])]
             yield "*EQUATION"
             yield str(len(terms))
-            yield ", ".join(f"{n}, {k + 1}, {number(value)}" for n, k, value in terms)
+            yield ", ".join(f"{n}, {k + 1}, {deck_number(value)}" for n, k, value in terms)
 
 
-def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
+def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
     """Weak springs at (node from 0, freedom): a section's rotations are the displacements of its second node."""
     for freedom in range(2 * AXES):
         nodes = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
@@ -323,32 +323,32 @@ def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, u
             value = stiffness * WEAK_ARM**2 / units.length if turn else stiffness * units.length
             yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
             yield from (f"{cells + k}, {node}" for k, node in enumerate(nodes, start=1))
-            yield from (f"*SPRING, ELSET={name}", str(axis + 1), number(value))
+            yield from (f"*SPRING, ELSET={name}", str(axis + 1), deck_number(value))
             cells += len(nodes)
 
 
-def _held(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
+def _motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
     """Return the prescribed motions of the sections: zero or, if ``moved``, nonzero (Abaqus: only inside a step)."""
     for section in deck.sections:
         for freedom, value in section.held:
             if (value != 0.0) == moved:
                 node, axis = references[section.name] + freedom // AXES + 1, freedom % AXES + 1
-                tail = f", {number(value / units.length if freedom < AXES else value)}" if moved else ""
+                tail = f", {deck_number(value / units.length if freedom < AXES else value)}" if moved else ""
                 yield f"{node}, {axis}, {axis}{tail}"
 
 
-def _contacts(deck: Deck, units: Units) -> Iterator[str]:
+def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
     yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
-    yield number(deck.stiffness / units.stress * units.length)
+    yield deck_number(deck.stiffness / units.stress * units.length)
     for contact in deck.contacts:
         yield "*CONTACT PAIR, INTERACTION=FRICTIONLESS, TYPE=SURFACE TO SURFACE"
         yield f"{contact.slave}, {contact.master}"
 
 
-def _step(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
+def _step_lines(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
     yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
     yield from ("*CONTROLS, PARAMETERS=TIME INCREMENTATION", PATIENCE)
-    moved = list(_held(deck, references, units, moved=True))
+    moved = list(_motion_lines(deck, references, units, moved=True))
     if moved:
         yield from ("*BOUNDARY", *moved)
     for section in deck.sections:
@@ -356,7 +356,7 @@ def _step(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]
         loads = [(k, v if k < AXES else v / units.length) for k, v in enumerate(section.load.tolist()) if v]
         if loads:
             yield "*CLOAD"
-            yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {number(v)}" for k, v in loads)
+            yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {deck_number(v)}" for k, v in loads)
     for contact in deck.contacts:
         yield from (f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}", "CFN")
     for section in deck.sections:

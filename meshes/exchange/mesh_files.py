@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.exchange.deck import data_lines, element_faces, number, set_lines
-from rollbench.meshes.leftovers import temporary
-from rollbench.meshes.libraries import pip
+from rollbench.meshes.exchange.deck import data_lines, deck_number, element_faces, set_lines
+from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.libraries import pip_command
 from rollbench.meshes.node_order import VTK
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "
 """Formats of mesh files by their suffix, without the dot."""
 
 
-def form_of(path: Path, form: str = "") -> str:
+def mesh_format(path: Path, form: str = "") -> str:
     """Format of a mesh file, one of `FORMATS`.
 
     Parameters
@@ -58,7 +58,7 @@ def form_of(path: Path, form: str = "") -> str:
 
     Examples
     --------
-    >>> form_of(Path("screw.VTU"))
+    >>> mesh_format(Path("screw.VTU"))
     'vtu'
     """
     found = form or path.suffix.lower().removeprefix(".")
@@ -68,7 +68,7 @@ def form_of(path: Path, form: str = "") -> str:
     raise ValueError(f"{path.name}: {f'format {form!r}' if form else f'suffix {path.suffix!r}'}, expected one of {wanted}")
 
 
-def need(form: str) -> None:
+def need_package(form: str) -> None:
     """Raise ImportError, with the remedy, if a package that writes the format is missing.
 
     Parameters
@@ -80,10 +80,10 @@ def need(form: str) -> None:
         try:
             import_module(package)
         except ImportError as error:
-            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: {pip(package)}") from error
+            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: {pip_command(package)}") from error
 
 
-def reduced(mesh: Mesh, form: str) -> bool:
+def is_reduced(mesh: Mesh, form: str) -> bool:
     """Whether a format holds only part of a mesh: .inp and .med have no 27-node hexahedron.
 
     Parameters
@@ -131,7 +131,7 @@ def write_mesh(
     Names are written too: the region as a group of cells, in .vtu as the cell field ``region`` of zeros; the mesh's
     boundaries as faces with a physical group in .msh, as groups of faces and of nodes in .med, as surfaces and groups of
     nodes in .inp, as point fields ``boundary <name>`` of 0 and 1 in .vtu; in .vtu and .msh also as the cell fields by
-    which `skfem.Mesh.load` knows them. Where a format is `reduced`, the face and centre nodes of 27-node hexahedra are
+    which `skfem.Mesh.load` knows them. Where a format is `is_reduced`, the face and centre nodes of 27-node hexahedra are
     left out (20 nodes).
 
     Parameters
@@ -159,8 +159,8 @@ def write_mesh(
     from rollbench.meshes.fem import cells_of, faces_of, kind_of, points_of
 
     path = Path(path)
-    form = form_of(path, form)
-    need(form)
+    form = mesh_format(path, form)
+    need_package(form)
     fields = {name: np.asarray(v) for name, v in (fields or {}).items()}
     points = points_of(mesh)
     for name, values in fields.items():
@@ -169,13 +169,13 @@ def write_mesh(
     cell, order = VTK[kind_of(mesh)]
     cells, faces = cells_of(mesh)[:, order], {name: faces_of(mesh, name) for name in mesh.boundaries or {}}
     marks = _skfem_fields(mesh, region) if form in ("vtu", "msh") else {}
-    if reduced(mesh, form):
+    if is_reduced(mesh, form):
         cell = "hexahedron20"
         used, cells = np.unique(cells[:, :20], return_inverse=True)
         points, cells = points[used], cells.reshape(-1, 20)
         fields = {name: values[used] for name, values in fields.items()}
         faces = {name: np.searchsorted(used, members[:, :8]) for name, members in faces.items()}
-    fresh = temporary(path, f"{form}.tmp")
+    fresh = temporary_name(path, f"{form}.tmp")
     try:
         if form == "inp":
             if fields:
@@ -235,13 +235,13 @@ def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
     fields["gmsh:physical"] = [np.full(*x) for x in zip(sizes, groups, strict=True)]
     fields["gmsh:geometrical"] = [np.full(size, tag) for size, (_, tag) in zip(sizes, entities, strict=True)]
     names = zip((region or "other", *faces), groups, entities, strict=True)
-    owners = _owners([members for _, members in blocks], len(plain.points))
+    owners = _owning_sets([members for _, members in blocks], len(plain.points))
     points = {**plain.point_data, "gmsh:dim_tags": np.array(entities)[owners]}
     field_data = {name: np.array([group, dimension]) for name, group, (dimension, _) in names}
     return meshio.Mesh(plain.points, blocks, points, fields, field_data)
 
 
-def _owners(cells: list[Index], count: int) -> Index:
+def _owning_sets(cells: list[Index], count: int) -> Index:
     """One of the sets of ``cells`` for every node ``(count,)``, the smallest that has it, so that each set has a node."""
     nodes = [np.unique(members) for members in cells]
     owner = np.zeros(count, dtype=np.int64)
@@ -269,12 +269,12 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
     cell_families = {-1: [region]} if region else {}
     if faces:
         belongs = np.stack([np.isin(np.arange(len(plain.points)), members) for members in faces.values()])
-        points["point_tags"], node_families = _families(belongs, list(faces))
+        points["point_tags"], node_families = _family_numbers(belongs, list(faces))
         every = np.concatenate(list(faces.values()))
         _, first, place = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_inverse=True)
         belongs = np.zeros((len(faces), len(first)), dtype=bool)
         belongs[np.repeat(np.arange(len(faces)), list(map(len, faces.values()))), place.ravel()] = True
-        numbers, families = _families(belongs, list(faces))
+        numbers, families = _family_numbers(belongs, list(faces))
         blocks.append((_FACES[every.shape[1]], every[first]))
         tags.append(-1 - numbers)
         cell_families |= {-1 - number: names for number, names in families.items()}
@@ -284,7 +284,7 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
     return mesh
 
 
-def _families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
+def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
     """Assign MED's families to things that belong to groups.
 
     Parameters
@@ -317,7 +317,9 @@ def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mappin
     20 characters: thirteen digits are 1e-12 of the mesh's size.
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
-    text += [f"{k}, {number(x)}, {number(y)}, {number(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)]
+    text += [
+        f"{k}, {deck_number(x)}, {deck_number(y)}, {deck_number(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)
+    ]
     text.append(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[cell]}")
     for k, row in enumerate((cells + 1).tolist(), start=1):
         text += data_lines([k, *row])

@@ -2,7 +2,7 @@
 
 Balls and bodies of revolution are exact solids, flanks of helical grooves B-spline surfaces through exact arcs: a flank
 is a loft through its arcs, `SECTIONS` to a turn. An arc lies in the plane normal to the helix, so that its ends at apex
-and land are on the surface too. `distance` measures how far the loft deviates between its sections.
+and land are on the surface too. `largest_distance` measures how far the loft deviates between its sections.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
-from rollbench.meshes.shell import session
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.shell import gmsh_session
+from rollbench.meshes.solid import solid_dimensions
 
 #: Sections of a loft to a turn of the helix.
 SECTIONS = 48
@@ -64,36 +64,36 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
         A file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with _model() as gmsh:
+    with _gmsh_model() as gmsh:
         for scene, shift, ends in sets:
-            body = _ring if scene.track.lead == 0.0 else _blank
-            for radius, centre in _balls(scene):
+            body = _add_ring if scene.track.lead == 0.0 else _add_tube
+            for radius, centre in _add_balls(scene):
                 gmsh.model.occ.addSphere(*(MM * centre), MM * radius)
             body(gmsh, scene, ends, screw=True)
-            body(gmsh, scene, _faces(scene, shift), screw=False)
+            body(gmsh, scene, _face_positions(scene, shift), screw=False)
         gmsh.model.occ.synchronize()
-        _write(gmsh, path)
+        _write_model(gmsh, path)
     if all(scene.track.lead == 0.0 for scene, _, _ in sets):
         return {path: 0.0}
     grooves, worst = path.with_name(f"{path.stem}-grooves.step"), 0.0
-    with _model() as gmsh:
+    with _gmsh_model() as gmsh:
         for scene, shift, ends in sets:
             for side in range(len(SIDES)):
-                faces = ends if side < 2 else _faces(scene, shift)
-                worst = max(worst, _flank(gmsh, scene, side, faces, shift if side >= 2 else 0.0))
-        _write(gmsh, grooves)
+                faces = ends if side < 2 else _face_positions(scene, shift)
+                worst = max(worst, _add_flank(gmsh, scene, side, faces, shift if side >= 2 else 0.0))
+        _write_model(gmsh, grooves)
     return {path: 0.0, grooves: worst}
 
 
 @contextmanager
-def _model() -> Iterator[Any]:
-    with session() as gmsh:
+def _gmsh_model() -> Iterator[Any]:
+    with gmsh_session() as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.model.add("step")
         yield gmsh
 
 
-def _write(gmsh: Any, path: Path) -> None:
+def _write_model(gmsh: Any, path: Path) -> None:
     """Write the model's file, and suppress the output of OpenCASCADE."""
     sys.stdout.flush()
     kept = os.dup(1)
@@ -106,37 +106,38 @@ def _write(gmsh: Any, path: Path) -> None:
         os.close(kept)
 
 
-def _balls(scene: Scene) -> Iterator[tuple[float, Array]]:
+def _add_balls(scene: Scene) -> Iterator[tuple[float, Array]]:
     layout = ball_layout(scene)
     yield from zip(specimen(scene, layout).ball_radius.tolist(), layout.centre, strict=True)
 
 
-def _faces(scene: Scene, shift: float) -> tuple[float, float]:
+def _face_positions(scene: Scene, shift: float) -> tuple[float, float]:
     half = scene.nut.length / 2.0
     return scene.nut.position - half + shift, scene.nut.position + half + shift
 
 
-def _radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
+def _wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
     """Radii of the land and of the other side of the wall [m]."""
-    dims = dimensions(scene)
+    dims = solid_dimensions(scene)
     if screw:
         return scene.screw.outer_diameter / 2.0, scene.screw.bore / 2.0 or dims.hole
     return dims.land, scene.nut.outer_diameter / 2.0
 
 
-def _blank(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
+def _add_tube(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
     """Add a tube without its groove."""
     occ, (low, high) = gmsh.model.occ, ends
-    inner, outer = sorted(_radii(scene, screw=screw))
+    inner, outer = sorted(_wall_radii(scene, screw=screw))
     tubes = [(3, occ.addCylinder(0, 0, MM * low, 0, 0, MM * (high - low), MM * r)) for r in (outer, inner)]
     occ.cut(tubes[:1], tubes[1:])
 
 
-def _ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
+def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
     """Add a ring with its groove, by turning its half section."""
-    occ, (land, wall), z = gmsh.model.occ, _radii(scene, screw=screw), scene.nut.position
+    occ, (land, wall), z = gmsh.model.occ, _wall_radii(scene, screw=screw), scene.nut.position
     left, right = (
-        _arc(scene, side, np.array([apex_angle(scene, side), land_angle(scene, side, land)])) for side in _sides(screw)
+        _flank_points(scene, side, np.array([apex_angle(scene, side), land_angle(scene, side, land)]))
+        for side in _flanks_of_body(screw)
     )
     R = scene.track.pitch_radius
 
@@ -146,7 +147,7 @@ def _ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) ->
     corners = [point(wall, ends[0]), point(land, ends[0]), point(R + left[1, 0], z + left[1, 1])]
     apex = point(R + left[0, 0], z + left[0, 1])
     corners += [apex, point(R + right[1, 0], z + right[1, 1]), point(land, ends[1]), point(wall, ends[1])]
-    middles = [point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_sides(screw))]]
+    middles = [point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
     lines += [occ.addCircleArc(corners[2], middles[0], apex), occ.addCircleArc(apex, middles[1], corners[4])]
     lines += [occ.addLine(a, b) for a, b in ((corners[4], corners[5]), (corners[5], corners[6]), (corners[6], corners[0]))]
@@ -154,11 +155,11 @@ def _ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) ->
     occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, 2.0 * pi)
 
 
-def _sides(screw: bool) -> tuple[int, int]:
+def _flanks_of_body(screw: bool) -> tuple[int, int]:
     return (0, 1) if screw else (2, 3)
 
 
-def _arc(scene: Scene, side: int, gamma: Array) -> Array:
+def _flank_points(scene: Scene, side: int, gamma: Array) -> Array:
     """Points ``(k, 2)`` (x3, z3) [m] of a flank at angles gamma ``(k,)`` [rad]."""
     drawn = specimen(scene, ball_layout(scene))
     (sx, sz), c = SIDE_SIGNS[side], drawn.centre[0, side]
@@ -192,35 +193,35 @@ def land_angle(scene: Scene, side: int, land: float) -> float:
     low, high = apex_angle(scene, side), pi / 2.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        point = _surface(scene, side, np.array([middle]), 0.0, 0.0)[0]
+        point = _flank_points_at_azimuth(scene, side, np.array([middle]), 0.0, 0.0)[0]
         low, high = (middle, high) if sign * (np.hypot(point[0], point[1]) - land) > 0.0 else (low, middle)
     return low
 
 
-def _surface(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
+def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
     """Points ``(k, 3)`` [m] of a flank in the section at an azimuth [rad]; shift: of the nut along z [m]."""
     z = scene.nut.position + shift + reduced_lead(scene.track) * (azimuth - scene.track.phase)
     at = layout_at(scene.track, np.array([azimuth]), np.array([z]))
-    x3, z3 = _arc(scene, side, gamma).T
+    x3, z3 = _flank_points(scene, side, gamma).T
     return np.asarray(at.centre + x3[:, None] * at.radial + z3[:, None] * at.binormal)
 
 
-def _flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
+def _add_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
     """Add a flank's loft between the sections through two ends; returns its largest distance [m] from the exact surface."""
     occ, lead = gmsh.model.occ, reduced_lead(scene.track)
-    land = _radii(scene, screw=side < 2)[0]
+    land = _wall_radii(scene, screw=side < 2)[0]
     gamma = np.linspace(apex_angle(scene, side), land_angle(scene, side, land), 3)
     first, last = sorted(scene.track.phase + (z - scene.nut.position - shift) / lead for z in ends)
     wires = []
     for azimuth in np.linspace(first, last, 1 + int(np.ceil((last - first) / (2.0 * pi) * SECTIONS))):
-        points = [occ.addPoint(*(MM * p)) for p in _surface(scene, side, gamma, float(azimuth), shift)]
+        points = [occ.addPoint(*(MM * p)) for p in _flank_points_at_azimuth(scene, side, gamma, float(azimuth), shift)]
         wires.append(occ.addWire([occ.addCircleArc(*points, center=False)]))
     surfaces = [tag for dim, tag in occ.addThruSections(wires, makeSolid=False, maxDegree=3) if dim == 2]
     occ.synchronize()
-    return max(distance(gmsh, scene, side, tag, shift) for tag in surfaces)
+    return max(largest_distance(gmsh, scene, side, tag, shift) for tag in surfaces)
 
 
-def distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: int = 120) -> float:
+def largest_distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: int = 120) -> float:
     """Largest distance of a surface of gmsh's model from a flank's exact surface.
 
     Parameters

@@ -19,11 +19,20 @@ from skfem import Mesh
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, sphere
 from rollbench.meshes.fem import Meshed, Quality, improve_cells, nodes_on
-from rollbench.meshes.groove import BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
+from rollbench.meshes.groove import (
+    BodySpec,
+    Groove,
+    circle_curve,
+    circle_in_plane,
+    level_line,
+    plane_map,
+    points_from_cylindrical,
+    upright_line,
+)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import FLANK, Surface
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import BEND, POOREST, WALL, Curve, Placing, Shell, Side, best_of, fill
+from rollbench.meshes.shell import BEND, POOREST, WALL, Curve, Placing, Shell, Side, best_mesh, fill_shell
 from rollbench.meshes.sockets import SocketSize, socket_points
 
 #: Azimuths [rad] of the two parts of the cut.
@@ -86,9 +95,9 @@ class HalfRing:
         )
         limits = [self.behind_limit, self.behind_limit, *[self.land_limit] * 5]
         limits[3:6] = [min(self.land_limit, self.flank_limit)] * 3
-        nodes = [shell.nodes(cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
+        nodes = [shell.nodes(points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
         self.arcs = [
-            shell.curve(circle(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))) for k in range(7)
+            shell.curve(circle_curve(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))) for k in range(7)
         ]
         self.corners, self.line = corners, line
         self.cuts = [[self._edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)]
@@ -104,7 +113,7 @@ class HalfRing:
 
         def space(t: Array) -> Array:
             r, z = self._straight(k, t)
-            return cylindrical(r, phi, z)
+            return points_from_cylindrical(r, phi, z)
 
         return self.shell.curve(space, 0.0, 1.0, limit, ends)
 
@@ -117,7 +126,7 @@ class HalfRing:
 
     def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
         r, zeta = self.groove.profile(self._side(k), gamma)
-        return cylindrical(r, phi, self.line + zeta)
+        return points_from_cylindrical(r, phi, self.line + zeta)
 
     def _straight(self, k: int, t: Array) -> tuple[Array, Array]:
         """Radius and z along a straight edge."""
@@ -136,13 +145,13 @@ class HalfRing:
 
         def at(t: Array, phi: float) -> Array:
             place = begin + (end - begin) * t if k not in (3, 4) else t
-            return upright(phi)(place)
+            return upright_line(phi)(place)
 
         first, last = (cut[k] for cut in self.cuts)
         return [
-            self.arcs[k].on(level(begin)),
+            self.arcs[k].on(level_line(begin)),
             last.on(lambda t: at(t, CUT[1])),
-            self.arcs[(k + 1) % 7].back(level(end)),
+            self.arcs[(k + 1) % 7].back(level_line(end)),
             first.back(lambda t: at(t, CUT[0])),
         ]
 
@@ -152,7 +161,7 @@ class HalfRing:
         for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
             limit = self.behind_limit if k == 0 else self.land_limit
-            self._swept(name, k, (begin, end), np.array([r, 1.0]), _cylinder(r), limit)
+            self._swept(name, k, (begin, end), np.array([r, 1.0]), _cylinder_curve(r), limit)
         for k in (3, 4):
             side = self._side(k)
             scale = np.array([self.corners[4, 0], float(self.groove.m.radius[side])])
@@ -174,24 +183,24 @@ class HalfRing:
             return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
 
         loop = [
-            self.arcs[k].on(seen(float(self.corners[k, 0]))),
+            self.arcs[k].on(circle_in_plane(float(self.corners[k, 0]))),
             last.on(edge(-1.0)),
-            self.arcs[(k + 1) % 7].back(seen(float(self.corners[(k + 1) % 7, 0]))),
+            self.arcs[(k + 1) % 7].back(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
             first.back(edge(1.0)),
         ]
-        self.shell.face(name, [loop], flat(float(self.corners[k, 1])), np.inf)
+        self.shell.face(name, [loop], plane_map(float(self.corners[k, 1])), np.inf)
 
     def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
 
 
-def _cylinder(r: float) -> Placing:
-    return lambda x: cylindrical(r, x[:, 0] / r, x[:, 1])
+def _cylinder_curve(r: float) -> Placing:
+    return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
 def _section_space(phi: float) -> Placing:
-    return lambda x: cylindrical(x[:, 0], phi, x[:, 1])
+    return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
 def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
@@ -259,7 +268,7 @@ class WholeBody(Meshed):
         return {name: nodes_on(self.mesh, name) for name in sorted(self.mesh.boundaries)}
 
 
-def grid(half: tuple[float, float], step: float) -> Array:
+def grid_in_ellipse(half: tuple[float, float], step: float) -> Array:
     """Points of a square grid inside an ellipse about 0, its rim included.
 
     Parameters
@@ -375,7 +384,7 @@ def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBod
     """
     plain, groove = replace(spec, sockets=()), Groove.of(m, spec)
     name = "screw" if spec.outer else "nut"
-    return _meshed(name, lambda shell, share: Surface(shell, m, plain, share, groove), refinement)
+    return _fill_surface(name, lambda shell, share: Surface(shell, m, plain, share, groove), refinement)
 
 
 def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:
@@ -401,7 +410,7 @@ def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody
         No attempt of gmsh gives a good mesh.
     """
     ball_map = replace(m, ball=radius)
-    return _meshed("ball", lambda shell, share: sphere(ball_map, shell, [], share), refinement)
+    return _fill_surface("ball", lambda shell, share: sphere(ball_map, shell, [], share), refinement)
 
 
 def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
@@ -427,7 +436,7 @@ def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody
         As `whole_body`, and for a helix or a ring without bore.
     """
     name = "inner ring" if spec.outer else "outer ring"
-    return _meshed(name, lambda shell, share: HalfRing(shell, m, spec, share), refinement)
+    return _fill_surface(name, lambda shell, share: HalfRing(shell, m, spec, share), refinement)
 
 
 def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
@@ -452,18 +461,18 @@ def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
     ValueError
         No attempt of gmsh gives a good mesh.
     """
-    return _meshed("ball", lambda shell, share: half_sphere(radius, shell, share, sign), refinement)
+    return _fill_surface("ball", lambda shell, share: half_sphere(radius, shell, share, sign), refinement)
 
 
-def _meshed(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> WholeBody:
+def _fill_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> WholeBody:
     """Fill a surface; edges that would turn cells inside out are straightened."""
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[WholeBody, float]:
         shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)
         surface(shell, share)
-        filled = fill(shell, volume)
+        filled = fill_shell(shell, volume)
         free = np.zeros(0, dtype=np.int64)
         mesh, moved, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), free)
         return WholeBody(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
 
-    return best_of(name, attempt)
+    return best_mesh(name, attempt)

@@ -22,7 +22,7 @@ from rollbench.compare.errors import SceneError
 from rollbench.compare.reference.store import sealed, unsealed
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.condensed import CondensedBodies, load_condensed
-from rollbench.meshes.leftovers import temporary
+from rollbench.meshes.leftovers import temporary_name
 
 #: What a mutated file may become.
 READ, REFUSED, CRASHED, CHANGED = "read as before", "refused", "traceback", "other numbers read"
@@ -166,7 +166,7 @@ def kills(seed: int, count: int) -> Iterator[FileOutcome]:
                 child.wait()
             text = path.read_text(encoding="utf-8") if path.exists() else ""
             whole = text == "" or (len(text) == 400_000 and len(set(text)) == 1)
-            temporary(path)  # what the next writer does first
+            temporary_name(path)  # what the next writer does first
             left = [p.name for p in Path(folder).iterdir() if p != path]
             yield FileOutcome("kill", "whole" if whole else "half-written", whole and not left, ", ".join(left))
 

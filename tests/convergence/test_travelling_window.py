@@ -6,7 +6,7 @@ from tests.helpers import small_screw
 
 from rollbench.lowfi.friction.whole.run import WINDOW, Travelling
 from rollbench.lowfi.statics.nominal import elastic_loads
-from rollbench.meshes.errors import draw
+from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 
 SCENE = small_screw(6, 1.2, force=(150.0, 0.0, 400.0))
@@ -19,7 +19,7 @@ def loads_at(by, **how):
     start, track = ball_layout(SCENE), SCENE.track
     azimuth, station = start.azimuth + by, start.z + reduced_lead(track) * by
     layout, radius = layout_at(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
-    found = elastic_loads(SCENE, draw(SCENE).at(SCENE, azimuth, azimuth, station, radius), layout, **how)
+    found = elastic_loads(SCENE, draw_errors(SCENE).at(SCENE, azimuth, azimuth, station, radius), layout, **how)
     assert found.converged
     return found.load
 

@@ -29,12 +29,12 @@ from rollbench.hifi.meshing.settings import Settings, expected_contacts, round_u
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import measure
+from rollbench.meshes.fem import measure_quality
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
 from rollbench.meshes.sockets import local_points
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 
 def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **changes):
@@ -130,8 +130,8 @@ def sockets_of(scene, cuts):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
     settings, small = replace(settings_of([scene], 1), cuts=cuts), shortened(scene)
     m, layout, sides = GrooveMap.of(small), ball_layout(small), needed_sides(scene)
-    meshes = mesh_parts(small, m, layout, dimensions(small), sides, settings)
-    whole = choose_socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions(scene), settings)
+    meshes = mesh_parts(small, m, layout, solid_dimensions(small), sides, settings)
+    whole = choose_socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, solid_dimensions(scene), settings)
     assert (meshes.size.gamma, meshes.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
     return m, meshes, settings, sides
 
@@ -148,7 +148,7 @@ def check_patches(scene, cuts):
         ball = mesh_patch(
             meshes, meshes.ball.sockets[side], ball_socket_and_map(m, meshes.size, side, meshes.zone)[1], settings
         )
-        assert min(measure(x.mesh).smallest for x in (groove, ball)) > 0.1
+        assert min(measure_quality(x.mesh).smallest for x in (groove, ball)) > 0.1
         found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
         np.testing.assert_allclose(found, wanted, atol=1e-9)
 

@@ -18,7 +18,7 @@ from rollbench.hifi.meshing.part_meshes import choose_socket_size
 from rollbench.hifi.meshing.settings import expected_contacts
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 #: Two of the fewest contacts: without preload, and with clearance.
 SMALL = (69, 136)
@@ -50,7 +50,7 @@ def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
     assert 1.0 <= scene_features(scene)["low_face_radii"] < 1.14
     settings = settings_of([scene], 1)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
-    size = choose_socket_size(scene, m, layout, needed_sides(scene), dimensions(scene), settings)
+    size = choose_socket_size(scene, m, layout, needed_sides(scene), solid_dimensions(scene), settings)
     assert size.gamma * m.radius.min() >= settings.reach[0]
     assert size.phi * m.R >= settings.reach[1]
 

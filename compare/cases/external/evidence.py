@@ -31,8 +31,8 @@ from rollbench.hifi.rolling.verification import (
     solve_steady_rolling,
     solve_steady_rolling_as_contact,
 )
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, curvatures, of_angle, thrust_state
-from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, relative_curvatures, thrust_state
+from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded_rows
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
@@ -42,7 +42,7 @@ from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import FREEDOMS, Friction, Motion, Scene
-from rollbench.meshes.units import parse
+from rollbench.meshes.units import parse_quantity
 
 #: Beginning of the names of tables and scenes of this kind.
 PREFIX = "external-"
@@ -58,7 +58,7 @@ def input_in_SI(case: str, key: str, quantity: str) -> float:
 
     Raises KeyError for one that is not there.
     """
-    return parse(inputs()[case][key], quantity)
+    return parse_quantity(inputs()[case][key], quantity)
 
 
 def assumptions() -> dict[str, tuple[str, ...]]:
@@ -164,7 +164,7 @@ def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
 
 def _pair(bearing: BallBearing, preload: float) -> BearingSet:
     """Return two opposed bearings, preloaded against each other by a force [N]."""
-    return preloaded(BallRow(bearing), (1, -1), preload)
+    return preloaded_rows(BallRow(bearing), (1, -1), preload)
 
 
 @cache
@@ -215,7 +215,7 @@ def snfa(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     case = inputs()["snfa"]
     row = [1e3 * input_in_SI("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _spindle("snfa", [*row, case["balls"]], float(case["conformity"]))
-    loads = [parse(text, "force") for text in case["preloads"]]
+    loads = [parse_quantity(text, "force") for text in case["preloads"]]
     right = [1e-6 * equilibrium(_pair(bearing, p)).stiffness for p in loads]
     still = [1e-6 * frozen_rigidity(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
@@ -316,7 +316,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     angle = np.arccos(inputs()["nsk"]["cosine"])
     findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
-    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
+    inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, np.array(angle)))
     cube = float(np.cbrt(input_in_SI("nsk", "normal_load", "force")))
     findings.number("approach_outer", 1e6 * float(outer.C) * cube**2)
     findings.number("approach_inner", 1e6 * float(inner.C) * cube**2)

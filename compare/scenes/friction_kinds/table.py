@@ -32,7 +32,7 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import (
 from rollbench.compare.scenes.keys import without_null
 from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
 from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
-from rollbench.lowfi.friction.linear.bearing import deviations
+from rollbench.lowfi.friction.linear.bearing import angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.ranges import (
     Azimuth,
@@ -47,7 +47,7 @@ from rollbench.meshes.ranges import (
     Turning,
     quantity_of,
 )
-from rollbench.meshes.scene_text import given, groove_table, table_of, text_of
+from rollbench.meshes.scene_text import given_keys, groove_table, table_of, text_of
 
 TABLE = {
     "bearing ball": SceneKind(BearingBallKeys, bearings.bearing_ball_faults, bearings.bearing_ball_record),
@@ -90,7 +90,7 @@ Table = dict[str, Any]
 
 def scene_tables(scene: KindScene) -> Table:
     """Return keys and tables of a scene of any of these kinds."""
-    head = given(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
+    head = given_keys(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
         case BearingBallScene():
             return head | _ball_tables(scene)
@@ -131,7 +131,7 @@ def _hertz_table(groove: ScrewGroove) -> Table:
 def _ball_tables(scene: BearingBallScene) -> Table:
     b = scene.bearing
     creep = text_of(Creep, scene.creep) if scene.creep else None
-    law = given(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
+    law = given_keys(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
     return {
         "material": _material_table(b.young, b.poisson),
         **_body_tables(b, 0.0 - b.clearance),
@@ -177,7 +177,7 @@ def _linear_tables(scene: LinearScene) -> Table:
         "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
     }
     if isinstance(scene, LinearPairScene):
-        mated = b.contact_angle + deviations(np.full(2, scene.deviation), mated=True)
+        mated = b.contact_angle + angle_deviations(np.full(2, scene.deviation), mated=True)
         angles = {"deviation": text_of(Theta, scene.deviation), "mated": bool(np.array_equal(mated, scene.angles))}
         return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side[0])}}
     chain = [
@@ -203,7 +203,7 @@ def _screw_tables(groove: ScrewGroove, of: Any, angles: Table) -> Table:
         **_hertz_table(groove),
         "load": {"force": text_of(Force, of.force[0]), "direction": direction},
         "motion": speed | ({"turns": "nut"} if by_nut else {}),
-        "friction": {"coefficient": groove.mu, **given(balls=groove.mu_balls), "coupling": of.coupling},
+        "friction": {"coefficient": groove.mu, **given_keys(balls=groove.mu_balls), "coupling": of.coupling},
     }
 
 

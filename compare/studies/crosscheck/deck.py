@@ -25,7 +25,7 @@ from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection
 from rollbench.meshes.exchange.whole_bodies import (
     Refinement,
     WholeBody,
-    grid,
+    grid_in_ellipse,
     groove_points,
     half_ball,
     half_body,
@@ -39,7 +39,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, lead_angle, nominal_groove_centres
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import SocketSize, socket_coordinates
-from rollbench.meshes.solid import Dimensions, dimensions
+from rollbench.meshes.solid import Dimensions, solid_dimensions
 
 #: Semi-axes of the refined zone and of the slave's and master's faces, over those of the expected ellipse; the zones of the
 #: faces are also wider by some elements.
@@ -111,7 +111,7 @@ def _fine_zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[fl
 
 def fine_zone(place: Place, fine: float) -> Array:
     """Return points that fill the refined zone of a contact, (k, 2) across and along [m]."""
-    return grid((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
+    return grid_in_ellipse((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
 def flank_faces(m: GrooveMap, mesh: WholeBody, place: Place, fine: float) -> Index:
@@ -300,7 +300,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     places, short = contact_places(scene, found.load, sides)
     fine = short / options.b_over_h
     try:
-        dims = dimensions(scene)
+        dims = solid_dimensions(scene)
         meshed = _mesh_rings(scene, dims, drawn, m, places, fine, options)
         meshed += _mesh_balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:

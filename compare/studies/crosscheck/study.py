@@ -32,7 +32,7 @@ from rollbench.compare.studies.crosscheck.results import (
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, deck_text
-from rollbench.meshes.libraries import version
+from rollbench.meshes.libraries import installed_version
 from rollbench.meshes.parts import SIDES, Scene
 
 #: Name of the files of deck and results in their folder.
@@ -225,7 +225,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
             f"{options_label(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
             f"{outcome.seconds:.0f} s"
         )
-    return CrossData(scene.name, scene_key(scene.name), __version__, version("gmsh") or "", tuple(runs))
+    return CrossData(scene.name, scene_key(scene.name), __version__, installed_version("gmsh") or "", tuple(runs))
 
 
 def make_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:

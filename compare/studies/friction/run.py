@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History,
 from rollbench.lowfi.friction.whole.circuit import balls_of
 from rollbench.lowfi.friction.whole.run import AGAIN, Setting, in_motion
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw
+from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
 
 #: Number of rows of the table in the terminal.
@@ -83,7 +83,7 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
         raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a run in time", advice)
-    drawn = draw(scene, member)
+    drawn = draw_errors(scene, member)
     try:
         balls = balls_of(scene, friction, motion, drawn, member)
     except ValueError as error:

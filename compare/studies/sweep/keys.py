@@ -21,7 +21,7 @@ from scipy.stats import qmc
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.units import COMMA, has_comma, number_and_unit, show
+from rollbench.meshes.units import COMMA, has_comma, number_and_unit, toml_text
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 
@@ -133,7 +133,7 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
 
 def _refused_key(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
     """Return the error for a refused text or value of `vary`."""
-    return ArgumentError("vary", show(value), allowed, advice)
+    return ArgumentError("vary", toml_text(value), allowed, advice)
 
 
 def _read_variation(text: str) -> Vary:

@@ -15,7 +15,7 @@ from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_u
 from rollbench.lowfi.jit import CONTACT, afterwards, cached, loaded
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw
+from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -56,7 +56,7 @@ def neighbours(
     ValueError
         Balls that overlap.
     """
-    track, drawn = scene.track, draw(scene, member)
+    track, drawn = scene.track, draw_errors(scene, member)
     all_balls = balls_of(scene, friction, drive, drawn, member)
     on_arc = np.flatnonzero(all_balls.number >= 0)
     order = all_balls.number[on_arc]

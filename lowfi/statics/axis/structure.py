@@ -17,7 +17,7 @@ from rollbench.meshes.section import (
     BeamSection,
     enclosing_nodes,
     fixed_partition,
-    merge,
+    merge_stations,
     screw_section,
     tube_section,
 )
@@ -70,8 +70,8 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     if assembly.ingredients.partition != "nodal" and on_shaft:
         extra = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
         scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
-        return enclosing_nodes(merge(np.concatenate([fixed_partition(*scenes), extra]), held), np.array(needed))[0]
-    nodes = merge(np.array([*needed, *steps]), held)
+        return enclosing_nodes(merge_stations(np.concatenate([fixed_partition(*scenes), extra]), held), np.array(needed))[0]
+    nodes = merge_stations(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
         away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
         nodes = np.sort(np.array([low, away]))

@@ -96,7 +96,7 @@ def test_every_package_that_may_be_absent_is_of_an_extra_and_is_tried():
 
 
 def test_kernels_are_interpreted_without_numba(monkeypatch, capsys):
-    monkeypatch.setattr(libraries, "fault", lambda name: f"{name} is not installed")
+    monkeypatch.setattr(libraries, "import_fault", lambda name: f"{name} is not installed")
     jit._numba_works.cache_clear()
     try:
         assert jit.kernels(jit.CONTACT, compiled=True) is jit.kernels(jit.CONTACT, compiled=False)

@@ -34,7 +34,7 @@ def test_what_lacks_is_named_with_its_cost_and_remedy(command, monkeypatch: pyte
     bad = {check["name"]: check for check in data["checks"] if check["state"] == "missing"}
     assert (code, data["complete"], set(bad)) == (1, False, {"meshing", "memory"})
     assert "libgomp.so.1" in bad["meshing"]["found"]
-    assert bad["meshing"]["advice"] == libraries.install(libraries.MESHING)
+    assert bad["meshing"]["advice"] == libraries.apt_command(libraries.MESHING)
     assert "no 3D meshes" in bad["meshing"]["cost"]
     assert bad["memory"]["found"] == "1.5 GB free"
 
@@ -44,9 +44,9 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
     monkeypatch.setattr(doctor, "check_requirements", lambda: {"matplotlib": "3.9"})
-    libraries.fault.cache_clear()
+    libraries.import_fault.cache_clear()
     (check,) = doctor._check_packages()
-    libraries.fault.cache_clear()
+    libraries.import_fault.cache_clear()
     assert check.state == "missing"
     assert "RuntimeError: half installed" in check.found
     assert "compare, mesh-study, sweep and the curve of solve write tables without figures" in check.cost

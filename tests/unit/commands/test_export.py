@@ -165,7 +165,7 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
         if part == "ball":
             assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
         if part == "nut":
-            land = solid.dimensions(TWO).land
+            land = solid.solid_dimensions(TWO).land
             tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
             groove = 0.5 * np.pi * (TWO.nut.groove_radius) ** 2 * TWO.nut.length / TWO.track.lead
             groove *= np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)

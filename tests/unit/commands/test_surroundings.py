@@ -13,7 +13,7 @@ from rollbench.compare import cli, errors, files
 from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
-from rollbench.meshes.leftovers import temporary
+from rollbench.meshes.leftovers import temporary_name
 from rollbench.reports.cells import escape_formula
 
 
@@ -70,15 +70,15 @@ def test_kernels_are_not_kept_where_the_cache_cannot_be_written(tmp_path, monkey
 
 def test_what_a_killed_process_left_is_removed(tmp_path):
     path = tmp_path / "a.json"
-    mine = temporary(path)
+    mine = temporary_name(path)
     left = Path(str(mine).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
-    folder = Path(str(temporary(path, "new")).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    folder = Path(str(temporary_name(path, "new")).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
     folder.mkdir()
     (folder / "x").write_text("half")
     for other in (mine, left, tmp_path / ".a.json.notes.tmp"):
         other.write_text("half")
     files.replace_file(path, "whole")
-    temporary(path, "new")
+    temporary_name(path, "new")
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
 
 

@@ -90,7 +90,7 @@ def test_a_nut_beyond_the_thread_is_a_row_with_its_reason(travel):
     _, found = travel
     assert [place["nut.position_mm"] for place in found.places] == [100.0, 500.0, 900.0]
     assert [row.converged for row in found.rows] == [True, True, False]
-    assert "nut.position: got \"900 mm\"" in found.rows[2].status
+    assert 'nut.position: got "900 mm"' in found.rows[2].status
 
 
 def test_a_load_without_equilibrium_is_a_row_with_its_reason(tmp_path, command):

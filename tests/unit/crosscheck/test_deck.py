@@ -22,9 +22,9 @@ from rollbench.meshes.exchange.deck import (
     Deck,
     DeckBody,
     RigidSection,
+    deck_number,
     deck_text,
     element_faces,
-    number,
     outer_faces,
 )
 
@@ -77,7 +77,7 @@ def stack(stiffness: float = 1e16) -> Deck:
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_numbers_fit_calculix_and_keep_twelve_digits(value):
-    text = number(value)
+    text = deck_number(value)
     assert len(text) <= 20
     assert float(text) == pytest.approx(value, rel=1e-12, abs=0.0)
 

@@ -21,7 +21,7 @@ from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import draw, specimen
+from rollbench.meshes.errors import draw_errors, specimen
 from rollbench.meshes.helix import ball_layout, reduced_lead
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
 
@@ -203,7 +203,7 @@ def test_loads_again_are_those_of_a_single_solution():
 
 def test_what_is_refused():
     scene = crowded()
-    drawn = draw(scene)
+    drawn = draw_errors(scene)
     large = replace(drawn, ball_radius=drawn.ball_radius + 20e-6)
     with pytest.raises(ValueError, match="overlap"):
         balls_of(scene, MU, TURN, large)

@@ -14,14 +14,14 @@ from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket
 from rollbench.hifi.meshing.settings import expected_contacts, hertz_units
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 CASE = catalogue.scene("lin-case1")
 
 
 def prepared(scene=CASE, **changes):
     """What `enlarged` reads of a set-up."""
-    parts = {"map": GrooveMap.of(scene), "layout": ball_layout(scene), "dims": dimensions(scene)}
+    parts = {"map": GrooveMap.of(scene), "layout": ball_layout(scene), "dims": solid_dimensions(scene)}
     return SimpleNamespace(scene=scene, **parts, sides=(0, 3), settings=replace(settings_of([scene], 1), **changes))
 
 

@@ -21,7 +21,7 @@ from rollbench.hifi.meshing.settings import (
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 CASE = catalogue.scene("lin-case1")
 RING = catalogue.scene("bearing-9")
@@ -146,7 +146,7 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
 
 def test_sockets_take_cuts_and_reach_from_the_settings():
     case = small_screw(4)
-    m, layout, dims = GrooveMap.of(case), ball_layout(case), dimensions(case)
+    m, layout, dims = GrooveMap.of(case), ball_layout(case), solid_dimensions(case)
     size = choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
     assert size.cuts == (4, 3, 4)
     assert size.gamma > 0.3

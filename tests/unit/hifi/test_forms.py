@@ -20,7 +20,7 @@ from rollbench.hifi.elements.forms import (
     stiffness_quadrature,
 )
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import freedoms_on, mesh_of, moved, nodes_on, points_of, tensor_grid
+from rollbench.meshes.fem import freedoms_on, mesh_of, nodes_on, points_of, tensor_grid, with_points
 
 E, NU = 210e9, 0.28
 LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)
@@ -40,7 +40,7 @@ def straight(kind):
 @pytest.fixture(params=KINDS)
 def curved(request):
     mesh = straight(request.param)
-    return moved(mesh, distorted(points_of(mesh)))
+    return with_points(mesh, distorted(points_of(mesh)))
 
 
 def test_fast_assembly_is_scikit_fems_own_and_elasticity_hookes_law(curved, monkeypatch):
@@ -81,7 +81,7 @@ def test_curved_map_is_scikit_fems(curved):
         np.testing.assert_allclose(ours.detDF(X, tind) / theirs.detDF(X, tind), 1.0, rtol=1e-12)
     with pytest.raises(ValueError, match="points of faces"):
         ours.invF(ours.F(X, cells), cells)
-    far = moved(curved, 2e-5 * points_of(curved) + 16e-3)  # where scikit-fem's own tolerance is below round-off
+    far = with_points(curved, 2e-5 * points_of(curved) + 16e-3)  # where scikit-fem's own tolerance is below round-off
     assert nodal_areas(far, "all").sum() == pytest.approx(4e-10 * nodal_areas(curved, "all").sum(), rel=1e-9)
 
 
@@ -181,4 +181,4 @@ def contact(kind):
         grid = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)]).oriented()
     mesh = with_contact(grid)
     x, nodes = points_of(mesh), nodes_on(mesh, "contact")
-    return moved(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes
+    return with_points(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes

@@ -18,7 +18,7 @@ from rollbench.hifi.elements.forms import cell_basis as space
 from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, nodal_share_form
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
-from rollbench.meshes.roller_body import Zone, on_race, on_roller, section, swept
+from rollbench.meshes.roller_body import Zone, on_race, on_roller, section_mesh, swept_body
 
 E, NU = 207e9, 0.3
 #: Radius and half length of a roller, depth of a ring [m]; half-width of a contact.
@@ -31,16 +31,16 @@ LINES = MIDDLE + HALF * np.array([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0])
 
 
 def cylinder():
-    flat = section(ZONE, R, R, round=True)
-    return swept(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_roller(R, ANGLE, np.zeros_like), round=True)
+    flat = section_mesh(ZONE, R, R, round=True)
+    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_roller(R, ANGLE, np.zeros_like), round=True)
 
 
 def slab(count):
     """Return a race so far from the apex that it is nearly flat, and its half width."""
     angle = np.radians(30.0)
     width = MIDDLE * np.sin(angle) * np.sin(np.pi / count)
-    flat = section(ZONE, width, DEPTH, round=False)
-    return swept(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_race(MIDDLE, angle, 1.0), mirrored=True), width
+    flat = section_mesh(ZONE, width, DEPTH, round=False)
+    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_race(MIDDLE, angle, 1.0), mirrored=True), width
 
 
 def middle_approach(body, matrix, load):

@@ -15,7 +15,7 @@ from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.sockets import SocketSize
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 SCENE = catalogue.scene("unseen-16x5")
 LENGTH = 48e-3
@@ -23,7 +23,7 @@ LENGTH = 48e-3
 
 def test_a_load_on_a_section_moves_it_as_beam_theory_has_it_and_rigid_motions_are_found_exactly() -> None:
     """Own flexibility of a section inside: a load on a few nodes of the hole turns these far more than the section."""
-    m, radii = GrooveMap.of(SCENE), (dimensions(SCENE).hole, SCENE.screw.outer_diameter / 2.0)
+    m, radii = GrooveMap.of(SCENE), (solid_dimensions(SCENE).hole, SCENE.screw.outer_diameter / 2.0)
     spec = BodySpec(*radii, m.z0, m.z0 + LENGTH, True, (), SocketSize(0.3, 1e-3, 0.05), 4e-3, 4e-3)
     mesh, z = build_body(m, spec).mesh, m.z0 + 0.4 * LENGTH
     rows = section_motion_matrix(mesh, z) @ rigid_modes(points_of(mesh), np.array([0.0, 0.0, z]))

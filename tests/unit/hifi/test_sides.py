@@ -18,7 +18,7 @@ from rollbench.hifi.meshing.part_meshes import mesh_parts, mesh_patch, patch_nor
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import AZIMUTH_TURNED, local_points
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 pytestmark = pytest.mark.xdist_group("both flanks")
 
@@ -34,7 +34,7 @@ def flanks(_one_submodel):
 def condensed(wanted, settings):
     """Map and meshes of the two balls, and the condensed sides: all four, or the first of those that are wanted."""
     scene = two_balls()
-    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
+    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
     meshes = mesh_parts(scene, m, layout, dims, wanted, settings)
     pick = wanted if len(wanted) == 4 else wanted[:1]
     return m, meshes, {s: condense_side(*condense_side_arguments(scene, m, dims, meshes, s, settings)) for s in pick}

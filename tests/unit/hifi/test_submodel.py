@@ -20,7 +20,7 @@ from rollbench.hifi.bodies.coarse import (
 )
 from rollbench.hifi.bodies.patch import PatchLines, build_patch, condense_patch, pressure_mean_rows
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import moved, points_of
+from rollbench.meshes.fem import points_of, with_points
 
 pytestmark = pytest.mark.xdist_group("submodel")
 
@@ -51,7 +51,7 @@ def condensed():
 
 def turned(piece):
     """The piece in another frame: its nodes turned, its patch left in its own frame."""
-    return replace(piece, mesh=moved(piece.mesh, points_of(piece.mesh) @ TURN.T), rotation=TURN)
+    return replace(piece, mesh=with_points(piece.mesh, points_of(piece.mesh) @ TURN.T), rotation=TURN)
 
 
 @pytest.mark.parametrize("rotated", [False, True])

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
 from rollbench.meshes import cache as module
-from rollbench.meshes.cache import Cache, key_of
+from rollbench.meshes.cache import Cache, content_key
 from rollbench.meshes.private import private_folder
 
 
@@ -46,7 +46,7 @@ SPARSE = sp.random(30, 20, 0.2, random_state=1, format="csr")
 @pytest.fixture
 def _named_sources(monkeypatch):
     """Sources of a package are told by its name."""
-    monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
+    monkeypatch.setattr(module, "sources_digest", lambda name: f"code of {name}")
 
 
 def never(build):
@@ -109,19 +109,21 @@ def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path:
 def test_key_covers_builder_class_versions_and_sources(monkeypatch):
     steel = Inner("steel", np.eye(3))
     equal = Inner("steel", np.eye(3))
-    assert key_of(record, (steel, steel), Record) == key_of(record, (steel, equal), Record), "one part or two like ones"
-    key = key_of(record, (RECIPE,), Record)
-    assert key_of(record, (RECIPE,), Record) == key
-    assert key_of(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
-    assert key_of(record, (RECIPE, None), Record) != key
-    assert key_of(record, (RECIPE,), Inner) != key
-    assert key_of(record, ({"a": 1, "b": 3.0},), Record) == key_of(record, ({"b": 3, "a": 1},), Record)
+    assert content_key(record, (steel, steel), Record) == content_key(record, (steel, equal), Record), (
+        "one part or two like ones"
+    )
+    key = content_key(record, (RECIPE,), Record)
+    assert content_key(record, (RECIPE,), Record) == key
+    assert content_key(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
+    assert content_key(record, (RECIPE, None), Record) != key
+    assert content_key(record, (RECIPE,), Inner) != key
+    assert content_key(record, ({"a": 1, "b": 3.0},), Record) == content_key(record, ({"b": 3, "a": 1},), Record)
     told = {"_version": ("gmsh", "scikit-fem", "rollbench"), "sources": ("rollbench.meshes", "tests")}
     real = {of: getattr(module, of) for of in told}
     for of, package in [(of, package) for of, packages in told.items() for package in packages]:
         with monkeypatch.context() as patch:
             patch.setattr(module, of, lambda name, p=package, real=real[of]: "0.0" if name == p else real(name))
-            assert key_of(record, (RECIPE,), Record) != key
+            assert content_key(record, (RECIPE,), Record) != key
 
 
 def test_a_builder_without_a_name_of_its_own_is_refused(tmp_path: Path):
@@ -137,16 +139,16 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
     def digest(name: str, text: str, time: float = 1.0) -> str:
         (tmp_path / "grown" / name).write_text(text)
         os.utime(tmp_path / "grown" / name, (time, time))
-        module.sources.cache_clear()
-        return module.sources("grown")
+        module.sources_digest.cache_clear()
+        return module.sources_digest("grown")
 
     first = digest("__init__.py", "x = 1")
     assert digest("__init__.py", "x = 1", 2.0) == first
     assert len({first, digest("__init__.py", "x = 2"), digest("more.py", "x = 2"), digest("more.py", "")}) == 4
     later = module._BEGAN + 1.0  # changed while running: shared with nobody
     assert digest("more.py", "", later) != digest("more.py", "", later)
-    assert module.sources("builtins") == ""
-    module.sources.cache_clear()
+    assert module.sources_digest("builtins") == ""
+    module.sources_digest.cache_clear()
 
 
 def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch):

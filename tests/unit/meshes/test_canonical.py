@@ -28,7 +28,7 @@ FROZEN_THEN = tomllib.loads(Path(__file__).with_name("frozen_defaults.toml").rea
 @pytest.mark.parametrize("name", sorted(FROZEN_THEN))
 def test_frozen_defaults_stay(name: str) -> None:
     """A default that is changed is written `usual(FORMER, now=NEW)`: the former one stays frozen."""
-    frozen = module._usual(RECORDS[name])
+    frozen = module._frozen_default_texts(RECORDS[name])
     assert {field: frozen.get(field) for field in FROZEN_THEN[name]} == FROZEN_THEN[name]
 
 
@@ -80,7 +80,7 @@ def test_a_new_field_changes_no_key_of_records_runs_and_bodies(name: str, monkey
     keys = key_of(scene, "land", cell, (0, 3)), bodies_key(scene, cell, (0, 3))
     later = with_field(RECORDS[name], "added", 0.25)
     monkeypatch.setitem(FROZEN, name, FROZEN.get(name, {}) | {"added": 0.25})
-    monkeypatch.setattr(module, "_usual", module._usual.__wrapped__)
+    monkeypatch.setattr(module, "_frozen_default_texts", module._frozen_default_texts.__wrapped__)
     for key, record in RECORDS.items():
         changed_record = as_class(example(record), later)
         assert canonical(changed_record) == before[key], key
@@ -108,7 +108,7 @@ def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name
 def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     field: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rollbench.compare.reference.store.dimensions", lambda _: example(RECORDS["Dimensions"]))
+    monkeypatch.setattr("rollbench.compare.reference.store.solid_dimensions", lambda _: example(RECORDS["Dimensions"]))
     scene = catalogue.scene("lin-case3-offset")
     value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
     assert key_of(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != key_of(scene, "", {}, (0, 3))

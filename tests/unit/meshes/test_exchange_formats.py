@@ -11,7 +11,7 @@ import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
 from rollbench.meshes import shell
-from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, reduced, write_mesh
+from rollbench.meshes.exchange.mesh_files import FORMATS, is_reduced, mesh_format, write_mesh
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, points_of
 
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
@@ -25,7 +25,7 @@ FACES_27 = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3)
 
 @pytest.fixture
 def gmsh():
-    with shell.session() as program:
+    with shell.gmsh_session() as program:
         yield program
 
 
@@ -113,7 +113,7 @@ def test_cells_are_where_they_were(form, name, tmp_path: Path):
     block = volume_cells(again)
     ordered(again.points, block.data, turned=form == "med")
     cells = cells_of(mesh)
-    assert block.data.shape == (len(cells), 20 if reduced(mesh, form) else cells.shape[1])
+    assert block.data.shape == (len(cells), 20 if is_reduced(mesh, form) else cells.shape[1])
     ours = points_of(mesh)[cells[:, : {"P": 4, "Q": 8}[name[0]]]]
     theirs = again.points[block.data[:, : ours.shape[1]]]
     np.testing.assert_allclose(theirs.mean(axis=1), ours.mean(axis=1), atol=1e-12)
@@ -128,7 +128,7 @@ def test_cells_are_where_they_were(form, name, tmp_path: Path):
 def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
     mesh = example(name)
     points, cells = points_of(mesh), cells_of(mesh)
-    count = 20 if reduced(mesh, form) else cells.shape[1]
+    count = 20 if is_reduced(mesh, form) else cells.shape[1]
     write_mesh(tmp_path / f"c.{form}", mesh, {"u": points}, region="body")
     gmsh.merge(str(tmp_path / f"c.{form}"))
     tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -244,7 +244,7 @@ def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):
     mesh = example("P1")
     write_mesh(tmp_path / "mesh.dat", mesh, form="msh")
     assert (tmp_path / "mesh.dat").read_bytes().startswith(b"$MeshFormat")
-    assert form_of(Path("a.VTU")) == "vtu"
+    assert mesh_format(Path("a.VTU")) == "vtu"
     for name, options, why in (
         ("a.stl", {}, r"suffix '\.stl', expected one of \.vtu, \.msh, \.med, \.inp"),
         ("a.vtu", {"form": "stl"}, "format 'stl'"),

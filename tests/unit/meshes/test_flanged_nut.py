@@ -12,11 +12,11 @@ from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.exchange.whole_bodies import Refinement, whole_body
 from rollbench.meshes.fem import nodes_on, points_of
-from rollbench.meshes.groove import BodySpec, outline
+from rollbench.meshes.groove import BodySpec, outer_surfaces
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange
 from rollbench.meshes.sockets import SocketSize
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 
 CASE = catalogue.scene("lin-case1")
 LAND, WALL, ENDS = 17e-3, 24e-3, (388e-3, 412e-3)
@@ -64,7 +64,7 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
     pull[3 * lands + 2] = 1.0 / lands.size
     for bolts in (0, 24, 6, 3):
         nut = replace(CASE.nut, flange=replace(FLANGE, seat=(24e-3, 33e-3), bolts=bolts))
-        T = nut_transform(mesh, dimensions(replace(CASE, nut=nut)))  # type: ignore[arg-type]
+        T = nut_transform(mesh, solid_dimensions(replace(CASE, nut=nut)))  # type: ignore[arg-type]
         given.append(float(pull @ (T @ factor((T.T @ K @ T).tocsc())(T.T @ pull))))
     assert given == sorted(given)
     assert 1.2 * given[0] < given[1] < 1.5 * given[2]
@@ -74,7 +74,7 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
 def test_a_sliver_of_a_flange_is_not_meshed() -> None:
     """Circles closer than the deviation of their edges crossed, and gmsh did not come to an end."""
     thin = Flange(66e-3, 6e-3, (24.01e-3, 32.99e-3), "left", 0.01e-3)
-    assert outline(thin, WALL, ENDS, 0.1e-3) == WHOLE_FACE
-    assert set(outline(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
+    assert outer_surfaces(thin, WALL, ENDS, 0.1e-3) == WHOLE_FACE
+    assert set(outer_surfaces(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
     nut = body(replace(FLANGE, seat=(24e-3, FLANGE.diameter / 2.0 - 15e-6)))
     assert np.hypot(*points_of(nut.mesh)[nodes_on(nut.mesh, "seat")][:, :2].T).max() == pytest.approx(FLANGE.diameter / 2.0)

@@ -8,7 +8,7 @@ import sys
 import gmsh
 import pytest
 
-from rollbench.meshes.shell import RESET, session
+from rollbench.meshes.shell import RESET, gmsh_session
 
 #: Sends this process what gmsh resets, in a session and after it, and counts what its own handlers are told.
 PROGRAM = """
@@ -39,16 +39,16 @@ def test_signals_are_handled_as_before_in_a_session_and_after_it():
 def test_a_pipe_that_nobody_reads_is_an_error_in_a_session_too():
     reads, writes = os.pipe()
     os.close(reads)
-    with session(), pytest.raises(BrokenPipeError):
+    with gmsh_session(), pytest.raises(BrokenPipeError):
         os.write(writes, b"word")
     os.close(writes)
 
 
 def test_a_session_ends_with_an_error_and_leaves_one_that_runs():
     def stopped():
-        with session({"Mesh.Optimize": 0}):
+        with gmsh_session({"Mesh.Optimize": 0}):
             assert gmsh.option.getNumber("Mesh.Optimize") == 0
-            with session():
+            with gmsh_session():
                 pass
             assert gmsh.isInitialized()
             raise ValueError("stop")
@@ -60,7 +60,7 @@ def test_a_session_ends_with_an_error_and_leaves_one_that_runs():
 
 def test_a_session_prints_nothing(capfd):
     """gmsh writes to the process's standard output, where a command prints its answer or JSON."""
-    with session() as program:
+    with gmsh_session() as program:
         program.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
         program.model.occ.synchronize()
         program.model.mesh.generate(3)

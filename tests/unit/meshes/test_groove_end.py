@@ -13,7 +13,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.sockets import SocketSize, groove_lines, socket_points
-from rollbench.meshes.solid import RUN_OUT, WHOLE, dimensions
+from rollbench.meshes.solid import RUN_OUT, WHOLE, solid_dimensions
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 
@@ -85,6 +85,6 @@ def test_a_nut_whose_groove_ends_is_sound(hand):
 def test_the_groove_of_a_ring_does_not_end():
     ring = small_screw(5, lead=0.0)
     with pytest.raises(ValueError, match="nut_groove"):
-        dimensions(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
+        solid_dimensions(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
     with pytest.raises(ValueError, match="ring"):
         GrooveEnds.of(GrooveMap.of(ring), (), SIZE)

@@ -9,7 +9,7 @@ from tests.fe_meshes import KINDS, LOCAL, jacobians
 
 from rollbench.hifi.elements.forms import assemble, elasticity
 from rollbench.meshes import fem
-from rollbench.meshes.fem import mesh_of, moved, points_of
+from rollbench.meshes.fem import mesh_of, points_of, with_points
 
 pytestmark = pytest.mark.xdist_group("shaken meshes")
 
@@ -70,7 +70,7 @@ def test_measure_counts_and_places_the_worst_cell():
     flat = REGULAR.copy()
     flat[3] = flat[:3].mean(axis=0) + 0.02 * (flat[3] - flat[:3].mean(axis=0))
     points = np.concatenate([REGULAR, REGULAR + 5.0, flat - 5.0])
-    found = fem.measure(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
+    found = fem.measure_quality(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
     assert (found.cells, found.nodes, found.worst) == (3, 12, 2)
     assert found.median == pytest.approx(1.0)
     assert 0.0 < found.smallest < 0.1
@@ -93,7 +93,7 @@ def bent(by):
     points, middle = points_of(mesh).copy(), corners[:2].mean(axis=0)
     at = int(np.abs(points - middle).sum(axis=1).argmin())
     points[at] += by * (corners[2:4].mean(axis=0) - middle)
-    return moved(mesh, points), np.array([*number[:2], at])
+    return with_points(mesh, points), np.array([*number[:2], at])
 
 
 def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
@@ -113,7 +113,7 @@ def test_a_cell_that_is_turned_inside_out_between_its_nodes_is_straightened():
     straight = MeshTet2.from_mesh(mesh_of(corners, np.arange(4)[None], "P1")[0])
     points = points_of(straight).copy()
     points[straight.dofs.element_dofs[4:, 0]] += np.random.default_rng(703).uniform(-0.3, 0.3, (6, 3))
-    mesh = moved(straight, points)
+    mesh = with_points(straight, points)
     assert fem.scaled_jacobians(mesh).min() > 0.0
     with pytest.raises(ValueError, match="inside out"):
         assemble(elasticity(1.0, 0.3), mesh)

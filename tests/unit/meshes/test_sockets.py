@@ -18,10 +18,10 @@ from rollbench.meshes.sockets import (
     fitted_socket,
     local_points,
     refuse_misfit,
-    rim,
     socket_coordinates,
     socket_mesh,
     socket_points,
+    socket_rim,
     track_gaps,
 )
 
@@ -75,7 +75,7 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
             assert mesh.edges[pair] == tri[3 + k]
             np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
             count[pair] = count.get(pair, 0) + 1
-    loop = rim(mesh).tolist()
+    loop = socket_rim(mesh).tolist()
     around = {tuple(sorted(p)) for p in zip(loop, [*loop[1:], loop[0]], strict=True)}
     assert {pair for pair, times in count.items() if times == 1} == around
     assert set(count.values()) == {1, 2}

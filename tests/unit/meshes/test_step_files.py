@@ -13,7 +13,7 @@ from rollbench.meshes.helix import ball_layout
 
 def volumes(path):
     """Sorted volumes [mm3] of a file's solids, and how many surfaces it has."""
-    with shell.session() as gmsh:
+    with shell.gmsh_session() as gmsh:
         gmsh.model.occ.importShapes(str(path))
         gmsh.model.occ.synchronize()
         return sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(3)), len(gmsh.model.getEntities(2))

@@ -34,7 +34,7 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = nut_transform(body, solid.dimensions(replace(CASE1, solid=parts.Solid(nut_held=where))))
+        T = nut_transform(body, solid.solid_dimensions(replace(CASE1, solid=parts.Solid(nut_held=where))))
         fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
         x, y, z = body.points[np.unique(fixed // 3)].T
         assert fixed.size == 3 * x.size  # in all three directions

@@ -59,7 +59,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     found = [key_of(replace(CASE1, **x), "", mesh, sides) for x in ({"nut": longer}, {"solid": other}, {"loads": ()})]
     found += [key_of(CASE1, "", asdict(settings_of([CASE1], 2)), sides), key_of(CASE1, "land", mesh, sides)]
     found += [key_of(CASE1, "", mesh, (0, 1, 2, 3)), key_of(CASE1, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
-    assumed = replace(solid.dimensions(CASE1), hole=2.0 * solid.dimensions(CASE1).hole)
+    assumed = replace(solid.solid_dimensions(CASE1), hole=2.0 * solid.solid_dimensions(CASE1).hole)
     for name, value in (
         ("versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
         ("SCHEMA", -1),

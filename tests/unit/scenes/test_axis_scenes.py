@@ -15,7 +15,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.friction_kinds import table as kind_table
 from rollbench.compare.scenes.template import AXES, BEARINGS, template
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.units import show
+from rollbench.meshes.units import toml_text
 
 ROLLERS = own_text("rollers")
 
@@ -56,7 +56,7 @@ def test_one_set_that_stands_is_a_plain_scene():
     tables = [("", {k: v for k, v in raw.items() if k not in ("supports", "loads")})]
     tables += [(f"[[{k}]]", row) for k in ("supports", "loads") for row in raw[k]]
     tables += [("[[sets]]", {"name": "nut"} | one)]
-    lines = [line for head, table in tables for line in (head, *(f"{k} = {show(v)}" for k, v in table.items()))]
+    lines = [line for head, table in tables for line in (head, *(f"{k} = {toml_text(v)}" for k, v in table.items()))]
     assert scene_file.parse_scene("\n".join(lines), "lin-nominal-4p1.toml") == plain
 
 

@@ -18,23 +18,23 @@ def read(text: str, lead: str = "20 mm"):
 def test_a_flange_holds_its_nut_by_its_whole_face_unless_the_file_says_more() -> None:
     scene = read(FLANGE)
     assert scene.nut.flange == parts.Flange(72e-3, 11e-3, (24e-3, 36e-3))
-    dims = solid.dimensions(scene)
+    dims = solid.solid_dimensions(scene)
     assert (dims.nut_held, dims.held_radii) == ("flange face", (24e-3, 36e-3))
     assert "bonded to a rigid housing all over its annulus, 48 to 72 mm in diameter" in " ".join(dims.assumed)
-    bolted = solid.dimensions(read(FLANGE + "[nut.held]\nbolts = 6\n"))
+    bolted = solid.solid_dimensions(read(FLANGE + "[nut.held]\nbolts = 6\n"))
     assert bolted.nut_held == "flange face, 6 bolts"
     assert "low-order models hold the whole annulus" in " ".join(bolted.assumed)
     fit = FLANGE + 'side = "right"\ncentring = "10 mm"\n[nut.held]\nouter_diameter = "60 mm"\ncentring = "bonded"\n'
     scene = read(fit)
     assert scene.nut.flange == parts.Flange(72e-3, 11e-3, (24e-3, 30e-3), "right", 10e-3, bonded=True)
-    assert solid.dimensions(scene).nut_held == "flange face and centring"
+    assert solid.solid_dimensions(scene).nut_held == "flange face and centring"
     at = pytest.approx([0.427, 0.416, 0.406])
     assert scene.nut.flange.stations(0.373, 0.427) == at
 
 
 def test_the_face_at_a_flange_reaches_as_far_as_the_flange() -> None:
     for side, radius in (("left", 36e-3), ("right", 24e-3)):
-        dims = solid.dimensions(read(FLANGE + f'side = "{side}"\n[nut.held]\nat = "left face"\n'))
+        dims = solid.solid_dimensions(read(FLANGE + f'side = "{side}"\n[nut.held]\nat = "left face"\n'))
         assert dims.held_radii == pytest.approx((17e-3, radius))
 
 

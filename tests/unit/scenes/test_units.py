@@ -32,13 +32,13 @@ OTHERS = {
 
 @pytest.mark.parametrize("dimension", EXACT)
 def test_table_is_exact(dimension):
-    assert {text: units.parse(text, dimension) for text in EXACT[dimension]} == EXACT[dimension]
+    assert {text: units.parse_quantity(text, dimension) for text in EXACT[dimension]} == EXACT[dimension]
 
 
 @pytest.mark.parametrize("dimension", OTHERS)
 def test_other_units_and_products_are_read(dimension):
     expected = OTHERS[dimension]
-    assert {text: units.parse(text, dimension) for text in expected} == pytest.approx(expected, rel=1e-15)
+    assert {text: units.parse_quantity(text, dimension) for text in expected} == pytest.approx(expected, rel=1e-15)
 
 
 #: How mass and time are read, which no key of a scene is: in a force.
@@ -58,15 +58,15 @@ def test_every_unit_is_that_of_pint(unit):
         if (of == "temperature difference" and prefix) or {name, unit} & ELSE or (prefix and name in units.UNITS):
             continue  # a point of pint's scale has no prefix; a unit of its own: ft, min
         theirs, zero = (registry.Quantity(x, "*".join(text.format(name).split()[1:])).to_base_units() for x in (1.0, 0.0))
-        assert units.parse(text.format(name), dimension) == pytest.approx((theirs - zero).magnitude, rel=1e-12, abs=0.0), (
-            name
-        )
+        assert units.parse_quantity(text.format(name), dimension) == pytest.approx(
+            (theirs - zero).magnitude, rel=1e-12, abs=0.0
+        ), name
 
 
 @pytest.mark.parametrize("text", ["3 mm2", "3 kg", "3 s", "3 N m/rad", "3 lbmm", "3 mm/", "3 m m-1"])
 def test_what_is_of_no_dimension_here_is_no_unit(text):
     with pytest.raises(units.UnitError, match="has no such unit"):
-        units.parse(text, "length")
+        units.parse_quantity(text, "length")
 
 
 #: Why values of a dimension are refused.
@@ -98,5 +98,7 @@ REFUSED = {
 )
 def test_refusals_name_value_dimension_and_example(value, dimension, reason):
     with pytest.raises(units.UnitError, match=reason) as caught:
-        units.parse(value, dimension)
-    assert all(words in str(caught.value) for words in (units.show(value), dimension, units.example(dimension)))
+        units.parse_quantity(value, dimension)
+    assert all(
+        words in str(caught.value) for words in (units.toml_text(value), dimension, units.example_quantity(dimension))
+    )

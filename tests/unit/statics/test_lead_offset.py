@@ -14,7 +14,7 @@ from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displac
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.meshes.errors import beyond_step, draw
+from rollbench.meshes.errors import beyond_step, draw_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Errors, Load, Support
 
@@ -71,7 +71,7 @@ def test_one_nut_is_two_nuts_of_which_one_is_shifted():
 def test_a_ball_that_travels_meets_the_half_it_is_in():
     scene = halves()
     z = np.array([-9e-3, 9e-3]) + scene.nut.position
-    met = draw(scene).at(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
+    met = draw_errors(scene).at(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
     step = met.centre[1] - met.centre[0]
     np.testing.assert_allclose(step[:2], 0.0, atol=1e-15)
     along = slope_of(scene) / np.sin(scene.track.contact_angle)

@@ -26,19 +26,19 @@ from rollbench.lowfi.bearings.axis import (
     TorqueBudget,
     acceleration_torque,
     angular_speed,
-    arrangement,
     axis_stiffness,
+    equal_rows,
     equilibrium,
     lift_off_force,
     shaft_inertia,
     shaft_stiffness,
+    shaft_tension,
     support_loads,
-    tension,
     unloading_warming,
 )
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.units import parse
+from rollbench.meshes.units import parse_quantity
 
 #: Station of the left end's middle [m], and positions of the nut over the length between the ends.
 FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
@@ -59,7 +59,7 @@ class Layout:
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
             return bearings.bearing_set(self.kind, end)
-        return arrangement(BallRow(bearings.ball_bearing()), directions, 0.0)
+        return equal_rows(BallRow(bearings.ball_bearing()), directions, 0.0)
 
 
 TRIPLEX = Layout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
@@ -153,9 +153,9 @@ def every_place(study: Study) -> Iterator[tuple[Layout, float, Ends, Ends]]:
 
 
 #: Lead [m] and rapid traverse [m/s] of 5.1, counts a turn, torque of the motor [in-lbf], reduced preload of 5.3 [N].
-LEAD, TRAVERSE = parse("14 mm", "length"), 800.0 * bearings.INCH / 60.0
+LEAD, TRAVERSE = parse_quantity("14 mm", "length"), 800.0 * bearings.INCH / 60.0
 
-COUNTS, MOTOR, REDUCED = 40000.0, 159.0, parse("750 lbf", "force")
+COUNTS, MOTOR, REDUCED = 40000.0, 159.0, parse_quantity("750 lbf", "force")
 
 #: Density of steel [kg/m^3], for the inertia that the source does not print.
 STEEL = 7850.0
@@ -165,7 +165,7 @@ KINDS = ("ball", "taper")
 
 def pull() -> float:
     """Return the tension [N] of the stretched screw between rigid supports: the load of either end."""
-    return tension(bearings.axis(), bearings.STRETCH)
+    return shaft_tension(bearings.axis(), bearings.STRETCH)
 
 
 @cache
@@ -211,7 +211,7 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
         }
     )
     stiff = {kind: end_state(kind, "left", "stretch").stiffness for kind in KINDS}
-    elastic = [tension(bearings.axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
+    elastic = [shaft_tension(bearings.axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
     e.number("F", pull() / bearings.POUND, words)
     e.number("F_end", pull() / bearings.POUND, as_printed=0.5 * round(pull() / bearings.POUND, -1))

@@ -17,14 +17,14 @@ from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import points_in_bolt_circles
 from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.loads import mean_load
-from rollbench.meshes.solid import dimensions
+from rollbench.meshes.solid import solid_dimensions
 from rollbench.reports.content import Table
 
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
     scene = catalogue.scene(scene_name("bnf-4010-5"))
     found = holding.fixations(scene)
-    held = [dimensions(x).nut_held for x in found.values()]
+    held = [solid_dimensions(x).nut_held for x in found.values()]
     flange = ["flange face"] * 3 + ["flange face, 6 bolts", "flange face and centring"]
     assert held == ["left face", "right face", "outer surface", *flange]
     for other in found.values():
@@ -143,7 +143,7 @@ def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) 
 def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     """Of points spread evenly over the annulus, the share that is held is that of the circles' areas."""
     scene = holding.fixations(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
-    low, high = dimensions(scene).held_radii
+    low, high = solid_dimensions(scene).held_radii
     x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
     held = points_in_bolt_circles(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
     width = high - low

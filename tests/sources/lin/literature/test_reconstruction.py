@@ -13,7 +13,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load_run
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, solve_on_mesh
-from rollbench.meshes.block import Influence, tetrahedra
+from rollbench.meshes.block import Influence, tetrahedral_block
 
 pytestmark = pytest.mark.xdist_group("reconstruction")
 
@@ -98,7 +98,7 @@ def test_scatter_of_the_mesh_is_what_is_measured():
     job, found = JOBS["B"], []
     sizes = (0.074e-3, 0.076e-3, 0.078e-3, 0.079e-3, 0.080e-3, 0.081e-3, 0.082e-3, 0.084e-3, 0.086e-3)
     for size in sizes:
-        mesh = tetrahedra(1, Influence(size, (0.6e-3,) * 3, 0.3, SOURCE_COARSE), 4e-3)
+        mesh = tetrahedral_block(1, Influence(size, (0.6e-3,) * 3, 0.3, SOURCE_COARSE), 4e-3)
         found.append(solve_on_mesh(job, mesh, job.exact.semi_y / size).approach)
     error = 100.0 * (np.array(found) / job.exact.approach - 1.0)
     trend = np.polyval(np.polyfit(sizes, error, 1), sizes)

@@ -31,7 +31,7 @@ def test_every_unit_of_force_length_and_stiffness_is_readable():
     used = Counter(row.unit for name in of_source("smith") for row in load_table(name) if row.printed)
     for unit in used:
         if unit in dimension:
-            assert units.parse(f"1 {unit}", dimension[unit]) > 0.0
+            assert units.parse_quantity(f"1 {unit}", dimension[unit]) > 0.0
     assert sum(used[u] for u in dimension) > 180
     assert set(used) - set(dimension) == {
         "",
