@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_example
 from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
@@ -312,8 +312,8 @@ def _verify_contact_example() -> Iterator[Verification]:
     With CONTACT's difference scheme the printed digits must come out. With the scheme used here, the permitted error is
     the first-order error of CONTACT's scheme, estimated by its change from the coarsest grid to the finest.
     """
-    theirs = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
-    ours = [example(n) for n in (16, 24, 32)]
+    theirs = [solve_example(n, by_cells=True) for n in EXAMPLE_GRIDS]
+    ours = [solve_example(n) for n in (16, 24, 32)]
     for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):
         printed = entry("external-contact", key)
         assert printed.value is not None

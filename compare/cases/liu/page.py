@@ -31,8 +31,8 @@ ABOUT = (
     (
         "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz "
         "contacts: the minimum of a convex energy, found by a tridiagonal Newton method that needs no sorting "
-        "of unloaded balls. The publication's elimination of unloaded balls gives the same loaded balls. Random results are "
-        "compared with drawn screws: each number has its percentile, the sampling error of it, and the "
+        "of unloaded balls. The publication's elimination of unloaded balls gives the same loaded balls. Random results "
+        "are compared with drawn screws: each number has its percentile, the sampling error of it, and the "
         "probability of a value as extreme."
     ),
     *(f"Assumed: {text}" for text in liu.ASSUMED),

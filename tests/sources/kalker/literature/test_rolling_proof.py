@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 from tests.evidence_study import GROUP
 
-from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_example
 from rollbench.compare.cases.kalker import evidence as rolling_proof
 from rollbench.compare.cases.kalker.evidence import FINER, Verification, verifications
 from rollbench.hifi.rolling.bodies import Sizes
@@ -27,7 +27,7 @@ def test_known_answers_are_reached(monkeypatch):
 
 def test_contact_of_another_program_to_its_digits():
     """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
-    found = example(EXAMPLE_CELLS, by_cells=True)
+    found = solve_example(EXAMPLE_CELLS, by_cells=True)
     assert (found.cells, found.sticking) == (1276, 356)
     assert 30.0 * found.power == pytest.approx(540.4, abs=0.05)
 
