@@ -50,15 +50,15 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
 @pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene)
 def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.Layout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene, closed = axis.by_scene(STUDY, layout, 0.5), axis.by_formulas(layout, 0.5)
+    scene, closed = axis.end_thrusts_by_scene(STUDY, layout, 0.5), axis.end_thrusts_by_formulas(layout, 0.5)
     assert scene.right - scene.left == pytest.approx(APPLIED, abs=1e-6)
     assert scene.left == pytest.approx(closed.left, abs=0.03 * max(closed.right, APPLIED))
     assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.015)
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
-    of = {layout: axis.by_scene(STUDY, layout, 0.5).stiffness for layout in axis.LAYOUTS}
+    of = {layout: axis.end_thrusts_by_scene(STUDY, layout, 0.5).stiffness for layout in axis.LAYOUTS}
     for layout in (axis.TRIPLEX, axis.TAPERED):
-        assert axis.in_series(layout) < 0.75 * of[layout]
-    assert np.isnan(axis.in_series(axis.SUPPORTED))
+        assert axis.stiffness_sum_in_series(layout) < 0.75 * of[layout]
+    assert np.isnan(axis.stiffness_sum_in_series(axis.SUPPORTED))
     assert of[axis.TRIPLEX] / of[axis.SUPPORTED] == pytest.approx(2.0, abs=0.05)
