@@ -10,7 +10,7 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations, diagonal_loads, elastic_loads
 from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 
-BEARING = source_cases.linear().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 MU = (0.001, 0.1, 0.5)
 
 

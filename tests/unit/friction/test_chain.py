@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.contact.laws import contacts, friction
 from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations, diagonal_loads, directions, semi_axes
 from rollbench.lowfi.friction.linear.chain import maps, pair_state, prepare, solve_linear_chain, solve_pair
 
-BEARING = source_cases.linear().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)
 
 

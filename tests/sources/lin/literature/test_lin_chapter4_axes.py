@@ -7,7 +7,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.steering import PATTERNS, ball_azimuths, rack, ratios
+from rollbench.compare.cases.lin.evidence.steering import PATTERNS, ball_azimuths, load_ratios, steering_gear
 from rollbench.compare.cases.smith.evidence import axis
 from rollbench.compare.cases.smith.evidence.bearings import APPLIED
 from rollbench.compare.scenes import catalogue
@@ -40,10 +40,10 @@ def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
 
 def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     """So that 1.47 and 3.32 identify nothing: the pinion's restraint alone changes them by a third."""
-    gear = rack()
+    gear = steering_gear()
     (pinion,) = gear.supports
     free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
-    clamped, pinned = ratios(gear), ratios(replace(gear, supports=(free,)))
+    clamped, pinned = load_ratios(gear), load_ratios(replace(gear, supports=(free,)))
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
