@@ -499,10 +499,11 @@ def double_over_single(study: Study) -> float:
     single = rigidity_by_parts(scene, full)[1]
     moved = preload / rigidity_by_parts(scene, preload)[1]
 
-    def excess(force: float) -> float:
+    def displacement_error(force: float) -> float:
+        """Return the displacement [m] of the single nut at a force [N], less that at lift-off."""
         return force / rigidity_by_parts(scene, force)[1] - 2.0 * moved
 
-    unloads = float(brentq(excess, preload, 4.0 * preload, rtol=1e-6))
+    unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
     return unloads / moved / single
 
 

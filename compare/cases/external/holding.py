@@ -227,7 +227,7 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 
 
 def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
-    """Return in words the range of a column over the default model's rows whose fixation begins with ``fix_nut``."""
+    """Return in words the range of a column over the default model's rows whose fixation begins with ``held``."""
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
 

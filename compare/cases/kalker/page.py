@@ -235,6 +235,7 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
     """Return two maps of the contact patches: slip, and tangential traction with the sticking cells marked."""
 
     def draw_patch(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
+        """Draw one contact patch: size of a vector field over ``unit_of``, and its direction by arrows."""
         size = np.linalg.norm(what, axis=1)
         unit = what / np.maximum(size, 1e-300)[:, None]
         x, y = (1e6 * p.at).T

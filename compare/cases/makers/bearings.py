@@ -38,13 +38,14 @@ def set_over_pair(name: str) -> tuple[float, float, float]:
     """Return preload, tangent rigidity and starting torque of a bearing set such as "DBD", as multiples of a DB pair's."""
     one = PointRow()
 
-    def totals_of(name: str) -> Array:
+    def set_totals(name: str) -> Array:
+        """Return preload, tangent rigidity and torque of a bearing set, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = equilibrium(arrangement(one, rows, 1e-6))
         loads = state.loads
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 
-    preload, rigidity, torque = totals_of(name) / totals_of("DB")
+    preload, rigidity, torque = set_totals(name) / set_totals("DB")
     return float(preload), float(rigidity), float(torque)
 
 
@@ -131,16 +132,18 @@ def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float
     """
     of_dynamic, of_static = rating_factors(angle)
 
-    def count(ball: float) -> float:
+    def ball_number(ball: float) -> float:
+        """Return the number of balls of a diameter [m] that gives the static rating."""
         return static / (float(of_static(ball / pitch)) * ball**2)
 
-    def excess(ball: float) -> float:
-        computed = float(of_dynamic(ball / pitch)) * count(ball) ** (2.0 / 3.0) * ball**1.8
+    def rating_error(ball: float) -> float:
+        """Return the relative error of the dynamic rating with balls of a diameter [m]."""
+        computed = float(of_dynamic(ball / pitch)) * ball_number(ball) ** (2.0 / 3.0) * ball**1.8
         return float(computed / dynamic - 1.0)
 
     low, high = float(RELATIVE[0]), float(RELATIVE[-1])
-    ball = float(brentq(excess, low * pitch, high * pitch, rtol=1e-9))
-    return count(ball), ball
+    ball = float(brentq(rating_error, low * pitch, high * pitch, rtol=1e-9))
+    return ball_number(ball), ball
 
 
 def _mean_diameter(row: Mapping[str, str]) -> float:
@@ -160,14 +163,15 @@ def compare_ball_bearings() -> Iterator[Outside]:
         groups.setdefault(row["bearing"], []).append(row)
     bearings = list(groups.values())
 
-    def column(key: str) -> Array:
+    def column_values(key: str) -> Array:
+        """Return a column of the table as numbers, (bearings, preloads)."""
         return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
 
-    pitch, angle = np.array([_mean_diameter(rows[0]) for rows in bearings]), np.radians(column("angle_deg")[:, 0])
-    dynamic, static = (1e3 * column(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
+    pitch, angle = np.array([_mean_diameter(rows[0]) for rows in bearings]), np.radians(column_values("angle_deg")[:, 0])
+    dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     count, ball = np.array([balls_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
     begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
-    forces, rigid, load = column("preload_N"), column("rigidity_N_per_um"), column("measuring_load_N")
+    forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
@@ -231,13 +235,14 @@ def compare_constant_angle_pairs() -> Iterator[Outside]:
     """
     source = read_table("snfa-angular")
 
-    def column(key: str, factor: float = 1.0) -> Array:
+    def column_values(key: str, factor: float = 1.0) -> Array:
+        """Return a column of the table as numbers, times a factor."""
         return factor * np.array([source.number(row[key]) for row in source.rows])
 
-    pitch, angle = np.array([_mean_diameter(row) for row in source.rows]), np.radians(column("angle_deg"))
+    pitch, angle = np.array([_mean_diameter(row) for row in source.rows]), np.radians(column_values("angle_deg"))
     usual = np.full(pitch.size, CONFORMITY)
-    rows = AngleRows(column("balls"), column("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
-    stiff = 2e-7 * state_under(rows, column("preload_daN", 10.0)).stiffness
+    rows = AngleRows(column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
+    stiff = 2e-7 * state_under(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"

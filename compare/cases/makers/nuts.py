@@ -196,15 +196,16 @@ def compare_nut_rigidity() -> Iterator[Outside]:
             share = filled_fraction(nut, source.number(row["C0"]) * unit)
             preload = PRELOADED / LOADED * load if row["type"] in source.head.get("preloaded", "-").split(", ") else 0.0
 
-            def secant(
+            def secant_rigidity(
                 conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload
             ) -> float:
+                """Return the rigidity [N/m] from the preload to the load."""
                 start = nut_displacement(nut, conformity, filling, held) if held else 0.0
                 return load / (nut_displacement(nut, conformity, filling, load) - start)
 
             stiff = source.unit("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = Band.of(secant(*corner) / stiff for corner in corners)
+            band = Band.of(secant_rigidity(*corner) / stiff for corner in corners)
             what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.head["rigidity_unit"])
             maker, practice = maker_and_type(source, row), PRACTICE * band.value
             yield compare_row(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)

@@ -127,7 +127,8 @@ def torque_figure() -> Figure:
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
-    def curves(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+    def curves_of_quantity(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+        """Return curves of a quantity by both friction laws, and markers of the values printed in Table 3.2."""
         drawn = [
             Series(
                 name, x, numbers(np.where(ok, [pick(s) for s in found], np.nan), factor), "line", emphasis=name == "right"
@@ -139,10 +140,12 @@ def torque_figure() -> Figure:
 
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
     panels = (
-        Panel("sum of contact loads", label, "force / N", curves(lambda s: s.load.force.sum(), "F_sum"), zero=True),
-        Panel("friction torque", label, "torque / N mm", curves(lambda s: s.torque, "torque", 1e3), zero=True),
+        Panel(
+            "sum of contact loads", label, "force / N", curves_of_quantity(lambda s: s.load.force.sum(), "F_sum"), zero=True
+        ),
+        Panel("friction torque", label, "torque / N mm", curves_of_quantity(lambda s: s.torque, "torque", 1e3), zero=True),
         Panel("right: friction loss of each contact", label, "loss / W", losses, zero=True),
-        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion.q[1], "omega_x")),
+        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves_of_quantity(lambda s: s.motion.q[1], "omega_x")),
     )
     missing = int(np.sum(~good))
     caption = (
@@ -415,18 +418,19 @@ def bearing_figure() -> Figure:
     ]
     x, label = numbers(np.degrees(screw.ANGLES)), "load angle / deg"
 
-    def panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
+    def draw_panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
+        """Draw a quantity of all bearings over the load angle."""
         drawn = [Series(name, x, numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)]
         return Panel(title, label, unit, drawn, zero=True)
 
     ratio, printed = (
-        panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
+        draw_panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
         value_of("lin-4.3", "ratio_4p"),
     )
     panels = (
-        panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
+        draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
         replace(ratio, series=(*ratio.series, Series("printed: largest over smallest", [0.0, END], [printed] * 2, "line"))),
-        panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
+        draw_panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
     )
     free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
     caption = (

@@ -444,26 +444,33 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()
 
-    def cloud(
+    def scatter_series(
         pick: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
     ) -> tuple[Series, ...]:
+        """Return a marker for each combination and one for the printed values; ``pick``: abscissa and ordinate."""
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):
             points = [pick(c) for c in of]
             out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", light=light))
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
 
-    def errors_of(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
+    def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
+        """Return the function that picks the RMS and the largest error of a case, 0 or 1, of a combination."""
         return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
 
     panels = (
-        Panel("Largest over smallest load", "low order", "3D", cloud(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim))),
+        Panel(
+            "Largest over smallest load",
+            "low order",
+            "3D",
+            scatter_series(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim)),
+        ),
         *(
             Panel(
                 f"Errors of case {k + 1}, % of each load",
                 "RMS [%]",
                 "largest [%]",
-                cloud(errors_of(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
+                scatter_series(case_errors(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
             )
             for k in range(2)
         ),

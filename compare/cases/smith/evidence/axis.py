@@ -101,13 +101,14 @@ def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = beari
         return EndThrusts(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
     second = layout.bearings_at("right")
 
-    def gap(left: float) -> float:
+    def stretch_error(left: float) -> float:
+        """Return the elongation [m] of supports and screw at a left end thrust [N], less the imposed stretch."""
         forces = left, left + applied
         moved = sum(equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
         return moved + float(bars @ forces) - bearings.STRETCH
 
     low = 1e-3 if min(layout.left) > 0 else -2e4  # tandem rows carry tension only
-    left = float(brentq(gap, low, 4e4, xtol=1e-6))
+    left = float(brentq(stretch_error, low, 4e4, xtol=1e-6))
     ends = [equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + applied))]
     return EndThrusts(left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True)))
 

@@ -262,15 +262,16 @@ def approach_fit_range() -> tuple[float, float, float]:
     The third value is the fit's error [%] at F(p) = 0.5.
     """
 
-    def off(difference: float) -> float:
+    def fit_error(difference: float) -> float:
+        """Return the error [%] of the fit at a curvature difference F(p)."""
         return abs(float(error_percent(as_printed.fitted(difference, "approach"), contact_parameters(difference)[0])))
 
     low = high = 0.9
-    while off(low - 1e-3) <= 2.0:
+    while fit_error(low - 1e-3) <= 2.0:
         low -= 1e-3
-    while off(high + 1e-3) <= 2.0:
+    while fit_error(high + 1e-3) <= 2.0:
         high += 1e-3
-    return low, high, off(0.5)
+    return low, high, fit_error(0.5)
 
 
 def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
