@@ -199,7 +199,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     inferred = float(np.round(external.gmn_rms_percent(), 2))
     text = (
         (
-            "Values from neither this project nor the sources of its models: other programs, makers' "
+            "Values from neither this project nor the publications of its models: other programs, makers' "
             "catalogues, textbooks. Each is a row of the gate by its class, with what was inferred to compute "
             "it."
         ),

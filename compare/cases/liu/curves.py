@@ -31,7 +31,7 @@ FREE_LENGTH = 1e-3 * value_of("liu-3", "free_length")
 BALLS = "ball number"
 
 
-DRAWN = "Of the source's screw neither errors nor curves are printed: ours are of another draw of the same distribution."
+DRAWN = "Liu et al. print neither the drawn errors nor the curves: ours are of another draw of the same distribution."
 
 SPREAD = f"Band and median: {CURVES} drawn screws."
 
@@ -128,7 +128,7 @@ def test_figure() -> Figure:
     caption = (
         "A prediction: the text prints no measured displacement, only that measured and calculated ones differ by at most "
         f"9.22 %, so none can be held against ours. Whether the {1e3 * FREE_LENGTH:g} mm of screw outside the nut stretch "
-        f"within what is measured is not said: both readings are drawn. {SPREAD}"
+        f"within what is measured is not said: both are drawn. {SPREAD}"
     )
     return Figure("liu-figure-13", "The source's Figure 13: the test, errors of ±3 µm", panels, caption)
 

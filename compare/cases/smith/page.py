@@ -166,7 +166,7 @@ def row_loads_figure(found: Sequence[Evidence]) -> Figure:
             series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", emphasis=True))
         panels.append(Panel(words, "end and row", "load / lbf", series, zero=True, integer_x=True, names=names))
     caption = (
-        "After the preload, after the stretch, and with 1000 lbf on the carriage towards the left end. The source gives "
+        "After the preload, after the stretch, and with 1000 lbf on the carriage towards the left end. Smith gives "
         "each end half of the stretch, and takes the whole of a load from one side and adds it to the other."
     )
     return Figure("smith-loads", "Loads of the rows at both ends, section 4.2", panels, caption)

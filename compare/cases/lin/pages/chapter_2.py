@@ -60,7 +60,7 @@ def end_support_table(study: Study) -> Table:
                 Quantity("text", "stated by the text", "", "s"): "yes" if reading.of_text else "no",
                 Quantity("reference", "3D reference", "", "s"): reference_level(study, name),
             }
-            for model, words in (("lin", "source's model"), (DEFAULT, "refined model")):
+            for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = study.solve(name, model)
                 e = load_error(result.load, study.solve(first, model).load)
                 where = f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–"
@@ -74,7 +74,7 @@ def end_support_table(study: Study) -> Table:
     note = (
         "The text sets only the x-displacement of the last node (2.4.1.3). A bearing there holds the y-displacement too, "
         "which is what the 3D reference was computed for; whether it holds rotations is open. Changes are against the "
-        "first reading."
+        "first row."
     )
     return Table.of(
         "cases-readings",
@@ -247,7 +247,7 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
                     "The printed errors against ANSYS refer to loads that only a figure shows: section "
                     "reconstruction discusses where they may come from, section reference compares with "
                     "this project's own 3D reference. The printed ratio of case 1 is compared with the "
-                    f"spread over the choices that the source leaves open: {chapter_2.load_ratio_range(study)}.",
+                    f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range(study)}.",
                 )
             ),
         ),
@@ -377,7 +377,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Text(
                 (
-                    "Table B.1 comes out to every printed digit when the source's faults are repeated: a groove radius "
+                    "Table B.1 comes out to every printed digit when the thesis's faults are repeated: a groove radius "
                     "of 0.56 ball diameters instead of Table 2.1's 3.254 mm, eigenvalues of the second fundamental form "
                     "alone, a correction factor of 1, and the ratio of B.8 inverted against the table's labels. The "
                     "right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
@@ -450,7 +450,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                 "manufacturing-readings",
                 "How the findings depend on what is not printed",
                 rows,
-                "The source's statement of two-point contact needs clearance in the grooves, which it does not give.",
+                "Lin's statement of two-point contact needs clearance in the grooves, which is not printed.",
             ),
             Text(
                 (
@@ -518,7 +518,7 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
                     "with a Jacobian of their own. On the same equations both agree to round-off.",
                     "The remaining difference between the two forms is kinematic. Here the groove's arc moves rigidly "
                     "with the section at the nominal contact, so that every contact load keeps its line of action "
-                    "through the arc's centre. In the source's form the point of application, its lever arm and its "
+                    "through the arc's centre. In Lin's form the point of application, its lever arm and its "
                     "station follow the contact angle, and a linearised rotation stretches the arc by half the square "
                     "of the rotation. Freezing the lever arm at the nominal contact changes more than either.",
                 )

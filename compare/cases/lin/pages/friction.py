@@ -59,7 +59,7 @@ def balance_table() -> Table:
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        "The source takes its torque from the dissipation (3.21); interpolation between its maps shifts "
+        "Lin takes the torque from the dissipation (3.21); interpolation between his maps shifts "
         f"that by {off:+.1f} % from the friction moment in case {worst['case']}. In cases I and II the "
         "sigmoid moves a contact that is at rest under Coulomb friction: the sum of the losses stays, their "
         "distribution over the contacts does not."
@@ -152,7 +152,7 @@ def torque_figure() -> Figure:
         "Once four contacts carry load, torque rises several times faster than force: the light contacts first slide "
         "(steep part), then all spin (after the bend). With exact Hertz constants the bend comes earlier, so case II, "
         "which is just before it as printed, lies beyond it. The printed sum of forces of case III lies below the curve: "
-        f"a misprint. Gaps: the source's root was not found at {missing} of {u.size} points."
+        f"a misprint. Gaps: Lin's root finding fails at {missing} of {u.size} points."
     )
     return Figure(
         "friction-torque",
@@ -236,12 +236,12 @@ def map_figures() -> tuple[Figure, Figure]:
 
 INTRODUCTION = (
     "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
-    "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
+    "the thesis's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
     "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
     f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in CASES.values())} µm and the "
     "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
     "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
-    "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
+    "For the linear bearing Lin, too, uses exact Hertz constants; misprints in his formulas (exponents "
     "of 3.51) are corrected here. The load state behind the printed "
     f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
 )
@@ -327,7 +327,7 @@ def simulation_figure() -> Figure:
         f"{low.at:.0f}° ({amplitude_in_words(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
         "groups, one in each cycle of θ. Without oversize the grooves' torque is lower and varies by "
         f"{screw.torque_variation(open_grooves):.0%} after the first step, whose loads are computed without friction. "
-        "Amplitude, phase and oversize are assumed; the source prints none of them."
+        "Amplitude, phase and oversize are assumed; the thesis prints none of them."
     )
     return Figure(
         "friction-run",
@@ -467,7 +467,7 @@ def pair_interpretations_table() -> Table:
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
         "Oversize is of the ball's radius; it was chosen so "
-        "that the printed force and increase agree on the contact load, and is nowhere in the source."
+        "that the printed force and increase agree on the contact load, and is not in the thesis."
     )
     return Table.of(
         "friction-readings",
@@ -482,7 +482,7 @@ def simulation_sensitivity_table() -> Table:
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
-        "finding as in the source, where neighbours touch if they are near and approach when alone (3.77): overlapping "
+        "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
         f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, loads not coupled, over "
         f"one turn "
@@ -497,10 +497,10 @@ def simulation_interpretations_table() -> Table:
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
         "part the azimuth of Figure 3.23 counts, amplitude, oversize, and whether both contacts of the screw deviate; "
-        "the rule of contact is the source's (3.77) in the last rows. No reading gives all three: with theta on the "
+        "the rule of contact is Lin's (3.77) in the last rows. No interpretation gives all three: with theta on the "
         "screw contact begins and ends too early; with theta that stays with the nut the largest and its angle come "
         "out together, and the end is too late; both angles come out within 7° at two fifths of the printed torque. "
-        "Readings that were found from print confirm none of it."
+        "Interpretations chosen by the printed numbers confirm none of them."
     )
     rows = screw.simulation_interpretation_rows()
     return Table.of(
@@ -513,7 +513,7 @@ def bearing_torque_table() -> Table:
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
-        "ratio does not depend on the friction coefficient. Range of load angles read off the source's figure."
+        "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
     return Table.of(
         "friction-bearings",
@@ -547,7 +547,7 @@ def _pair_paragraph(pairs: Table) -> str:
         for row in (loose, coupled)
     )
     return (
-        f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
+        f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
         f"{case_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
@@ -572,7 +572,7 @@ def _simulation_paragraph(runs: Table) -> str:
     return (
         "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
         f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "
-        f"for the end of contact; {found}. With the source's rule for contact between balls the largest "
+        f"for the end of contact; {found}. With Lin's rule for contact between balls the largest "
         f"torque ratio is {ratio:.2f} of the one by complementarity at the same theta, with balls that "
         "overlap. This may be why the printed ratio is smaller; it does not explain the angles."
     )

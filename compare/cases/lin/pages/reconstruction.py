@@ -144,9 +144,7 @@ def _ball_force_row(case: str) -> Row:
         if enough
         else "neither bodies nor elements of that size do as much: the load state, which is not printed, or the solver"
     )
-    computed = (
-        f"{value:.3f} N; elastic bodies change it by {bodies:+.2f} %, elements of the source's size by {cells:+.1f} %"
-    )
+    computed = f"{value:.3f} N; elastic bodies change it by {bodies:+.2f} %, elements of Lin's size by {cells:+.1f} %"
     return _statement_row(f"Table {case}", f"{printed}, that is {needed:+.2f} % of the low-order force", computed, verdict)
 
 
@@ -158,8 +156,9 @@ WORDS: dict[combined.Definition, str] = {"own": "of each load", "mean": "of the 
 #: Assumed scatters [%] of the approach, besides the measured one.
 TRIED = (1.0, 2.0, 3.0)
 ABOUT_IT = (
-    'What the source did is not known. Of both models it prints a largest load of "about 1.34" times the smallest, and '
-    "four errors of one against the other. Readings of the gaps in its text are combined, and each is shown with what it "
+    'What Lin did is not known. Of both models he prints a largest load of "about 1.34" times the smallest, and '
+    "four errors of one against the other. Interpretations of the gaps in his text are combined, and each is shown "
+    "with what it "
     "misses of these six numbers; no tolerance decides between them. 3D runs are on the coarsest mesh, with a penalty on "
     "the next. The default model and the 3D reference are unchanged."
 )
@@ -214,9 +213,10 @@ def conclusion(found: list[combined.CombinationResult]) -> str:
     missed = float(np.sqrt(np.mean(combined.nearest_combination(found).misses ** 2)))
     return (
         f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified. It is "
-        f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as readings are (table "
+        f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as all combinations "
+        f"are (table "
         f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
-        f"combinations of readings of what the text leaves open; {len(found) - len(errors)} more are against it. "
+        f"combinations of interpretations of what the text leaves open; {len(found) - len(errors)} more contradict it. "
         "The nearest of them misses the two ratios and four errors "
         f"that are printed by {missed:.2f} % (root mean square)."
     )
@@ -238,7 +238,7 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
         f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
         f"largest / RMS, and a "
         f"ratio of about {combined.printed_ratio():g} in both models. Two explanations come near, and each misses some of "
-        f"it. Readings that are nearest in the ratio ({combination_in_words(near.low)}; "
+        f"it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
         f"{combination_in_words(near.solid)}) have {_ratios_and_errors(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
@@ -302,7 +302,7 @@ def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> 
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
     return (
         f"From case 1 to case 2 the printed largest error falls by {falls:.2f} and the RMS rises by {rises:.2f} points. "
-        "With the readings that are nearest in the ratio one oversize ball changes both models alike. Tetrahedra of about "
+        "With the interpretations nearest to the ratio one oversize ball changes both models alike. Tetrahedra of about "
         f"0.08 mm make a contact {-combined.BIAS:g} % too stiff, and its approach scatters by {combined.SCATTER:g} % from "
         "mesh to mesh. Were both cases meshed apart, half of that fall and rise had the following probability by scatter "
         f"of the approach: {chances}. The scatter of the mesh explains it only where it is several times what is measured "
@@ -334,7 +334,8 @@ def friction_paragraph(study: Study) -> str:
         f"the shaft's largest slope is {1e3 * slope:.2f} mrad: balls that roll feel next to nothing of it. In a model "
         f"whose balls cannot turn, grooves slide on them. Friction then bears {-mean['sliding']:.2f} % of the load where "
         f"the screw is pushed on, and adds {mean['sliding-back']:.2f} % where it is let back; the ratio changes by "
-        f"{moved['sliding']:+.2f} and {moved['sliding-back']:+.2f} %, less than the 0.5 % from which readings are combined."
+        f"{moved['sliding']:+.2f} and {moved['sliding-back']:+.2f} %, less than the 0.5 % from which interpretations "
+        f"are combined."
     )
 
 

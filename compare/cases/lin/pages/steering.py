@@ -17,7 +17,7 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Ser
 ABOUT = (
     "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
     "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
-    "smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define it.",
+    "smallest)/smallest of the peak-to-peak displacements at 200 N; Lin does not define it.",
     "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
     "directions, and always less than the largest of them. The numbers depend on the distance of the force "
     "and the restraint of the screw more than they differ from the printed ones.",

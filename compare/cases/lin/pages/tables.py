@@ -37,7 +37,7 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Ser
 
 LIN = next(case for case in CASES if case.name == "lin")
 #: Computer and programs of the printed run times (footnotes of Tables 2.2 and 3.5, sections 3.4.3 and 2.4.1).
-MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and the source's own program"
+MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and Lin's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
 
 LOW = Quantity("cold", "ours, cold", "s", "g3"), Quantity("further", "ours, further", "s", "g3")
@@ -88,9 +88,7 @@ def model_size_in_3d(study: Study, name: str) -> str:
 
 def beam_element_count(study: Study, name: str) -> str:
     """Return in words the number of beam elements in the low-order model, and with Lin's partition."""
-    return (
-        f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with the source's partition)"
-    )
+    return f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with Lin's partition)"
 
 
 def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
@@ -313,7 +311,7 @@ def mesh_figure(study: Study) -> Figure:
         Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log="xy"),
     )
     caption = (
-        "Against the finest level; pale lines: the low-order model. The coarsest point has the source's element sizes: "
+        "Against the finest level; pale lines: the low-order model. The coarsest point has Lin's element sizes: "
         "0.08 mm at the contacts of the screw, 0.13 and 0.05 mm at those of two balls."
     )
     return Figure("lin-mesh", "Error over the size of the cells", panels, caption)
@@ -350,7 +348,7 @@ def case_study_table(study: Study) -> Table:
     """Return the table of loads and errors of Lin's case studies by model."""
     title = "Lin's case studies: largest and smallest contact load and errors against 3D, by model"
     note = (
-        "Case 3: the right end is held in x and y, as a bearing holds it; the text's reading, in x alone, changes loads as "
+        "Case 3: the right end is held in x and y, as a bearing does; with x only, as the text says, loads change as "
         "table cases-readings says. Again by: rollbench compare lin-case1, and so on."
     )
     return Table.of("lin-answers", title, case_study_rows(study), note)
@@ -365,8 +363,8 @@ FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
 GUIDE = (
     "The tables of the thesis stand here in its order and layout, each with what is computed for its numbers; then the "
     "sentences with numbers, claims in words, and the other numbers. A table of results stands twice: in the layout of the "
-    "thesis with ours at each number, and with a row for each number. Low-order, ours: the text's plain reading with right "
-    "constants; with the source's faults: those named in the remark repeated; inferred reading: under an assumption that "
+    "thesis with ours at each number, and with a row for each number. Low-order, ours: the text as printed with correct "
+    "constants; with the thesis's faults: those named in the remark repeated; inferred: under an assumption that "
     "was inferred from printed results."
 )
 
