@@ -1,7 +1,7 @@
-"""Cases: publications with their printed numbers, scenes, computations and report pages.
+"""Cases: publications whose results are reproduced, with printed numbers, scenes, computations, report pages.
 
-Those of this package are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry point
-of the group ``rollbench.cases`` that names its `Case`; it is imported when printed data are judged.
+The cases of this package are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry
+point of the group ``rollbench.cases`` that names its `Case`; it is imported when printed data are judged.
 """
 
 from __future__ import annotations
@@ -21,33 +21,33 @@ GROUP = "rollbench.cases"
 
 @dataclass(frozen=True)
 class Case:
-    """A publication, or a group of similar ones, with which results are compared.
+    """A publication, or a group of similar publications, with whose printed results computed ones are compared.
 
-    The folder of its package holds ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
+    The folder of its Python package contains ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
     ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
     """
 
     #: Name of the case; the names of its printed tables begin with it and a hyphen.
     name: str
-    #: Title of the publication in answers; empty if it prints no table.
+    #: Title of the publication in output; empty if the case has no printed table.
     title: str
-    #: Import name of the Python package that holds the folder.
+    #: Import name of the Python package in the case's folder.
     package: str
-    #: Module below ``package`` whose ``make_section(study, step)`` returns the section of its report page, or several
-    #: sections; or a package of such modules. Empty: no page.
+    #: Module of ``package`` whose ``make_section(study, step)`` returns the sections of the report page; or a subpackage of
+    #: such modules. Empty: no page.
     page: str = ""
 
     @property
     def folder(self) -> Path:
-        """Folder with the files of the case."""
+        """Folder that contains the case's printed tables, scenes and computations."""
         return Path(str(resources.files(self.package)))
 
     def files(self, folder: str) -> dict[str, Path]:
-        """Return the case's TOML files in its folder ``printed`` or ``scenes``, by name without ending."""
+        """Return the case's TOML files in its subfolder ``printed`` or ``scenes``, by file name without ending."""
         return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
 
     def import_object(self, function: str) -> Any:
-        """Import and return an object of the case's package, given as ``module:name``."""
+        """Import and return a function or other object of the case's package, named by ``module:name``."""
         module, _, name = function.partition(":")
         return getattr(import_module(f"{self.package}.{module}"), name)
 
@@ -64,17 +64,17 @@ CASES = (
 
 
 @cache
-def others() -> tuple[Case, ...]:
-    """Return the cases of other packages, sorted by name.
+def cases_of_other_packages() -> tuple[Case, ...]:
+    """Return the cases that other installed packages add by entry points, sorted by name.
 
-    InputError if one cannot be imported, is no `Case`, or has the name of another.
+    InputError if an entry point cannot be imported, is no `Case`, or has the name of another case.
     """
     from importlib.metadata import entry_points  # takes longer to import than all of this
 
     found: dict[str, Case] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         place, allowed = f"entry point {point.name}", "a rollbench.compare.case.Case of a package that can be imported"
-        advice = "mend the package that adds it, or uninstall it"
+        advice = "correct the package that adds the case, or uninstall it"
         try:
             one = point.load()
             folder = one.folder if isinstance(one, Case) else None
@@ -89,25 +89,31 @@ def others() -> tuple[Case, ...]:
 
 
 def every_case() -> tuple[Case, ...]:
-    """Return the cases of this package, then those of other packages."""
-    return (*CASES, *others())
+    """Return all cases: those of this package, then those that other packages add."""
+    return (*CASES, *cases_of_other_packages())
 
 
 @cache
 def shipped_files(folder: str) -> dict[str, Path]:
-    """Return the shipped TOML files in a folder, ``scenes`` or ``printed``, by name without ending, sorted."""
+    """Return all shipped TOML files of scenes or printed tables, by file name without ending, sorted.
+
+    ``folder``: "scenes" or "printed".
+    """
     files = {path.stem: path for path in place(folder).glob("*.toml")}
     for case in CASES:
         files |= case.files(folder)
     return dict(sorted(files.items()))
 
 
-def file_of(folder: str, name: str) -> Path | None:
-    """Return the file of a scene or printed table of any case by name; None if there is none."""
+def find_case_file(folder: str, name: str) -> Path | None:
+    """Return the file of a scene or printed table, of any case, by its name; None if there is none.
+
+    ``folder``: "scenes" or "printed".
+    """
     path = shipped_files(folder).get(name)
-    return path or next((files[name] for case in others() if name in (files := case.files(folder))), None)
+    return path or next((files[name] for case in cases_of_other_packages() if name in (files := case.files(folder))), None)
 
 
 def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
-    """Return the files with a given name at the top of the cases' folders, by case."""
+    """Return the file of a given name, such as ``misprints.toml``, in each case's folder that has it, by case."""
     return {case: path for case in cases if (path := case.folder / name).is_file()}

@@ -1,4 +1,4 @@
-"""Numbers and claims printed in the sources, with class and tolerance; models never read them."""
+"""Numbers and claims printed in publications, with class and tolerance; no model reads them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from decimal import Decimal, InvalidOperation
 from functools import cache
 from typing import Any, Literal, cast
 
-from rollbench.compare.case import file_of, shipped_files
+from rollbench.compare.case import find_case_file, shipped_files
 from rollbench.compare.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
@@ -19,7 +19,7 @@ CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
 
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 
-#: Kinds in words: what reproducing an entry of the kind says of a model. A table names the two in the middle.
+#: Kinds of entries in words; an entry's kind shows whether reproducing it tests a model. Printed tables may state `NAMED`.
 KINDS: dict[Kind, str] = {
     "number": "computed number",
     "claim": "claim in words",
@@ -32,20 +32,19 @@ NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
 
 Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
 
-#: Verdicts in words, those on a model first.
+#: Verdicts on printed entries, and their meanings; those that judge a model first.
 VERDICTS: dict[Verdict, str] = {
     "reproduced": "the text determines it, and it comes out to the digits printed",
-    "only as printed": "it comes out only when a fault of the source is repeated",
+    "only as printed": "it comes out only when a fault of the publication is repeated",
     "band": "under-specified or random, and within a range of stated origin",
-    "contradicted": "computation, or the source itself, says otherwise",
+    "contradicted": "computation, or the publication itself, says otherwise",
     "not identifiable": "the text does not determine it: measured, of another program, resting on what is not printed, "
     "or within a range too wide for a wrong number to fall outside",
-    "input": "given by the source and taken over",
+    "input": "given by the publication and taken over",
     "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
 }
 
-#: Half width of a band over its middle at most: a range from 0.6 to 1.67 times a number says something of it, a wider one
-#: holds nearly whatever is computed.
+#: Largest half width of a band over its middle: a wider band contains nearly any computed value, and tests nothing.
 WIDEST = 0.25
 
 _TEXTS = (
@@ -57,23 +56,23 @@ _NUMBERS = ("tolerance", "low", "high")
 
 @dataclass(frozen=True)
 class Printed:
-    """One number or claim printed in a source, with class, tolerance and expected verdict."""
+    """One number or claim printed in a publication, with class, tolerance and expected verdict."""
 
-    #: Name of its table.
+    #: Name of the printed table.
     table: str
-    #: Key in the table.
+    #: Key of the entry in the table.
     key: str
-    #: Description.
+    #: Description of the quantity or claim.
     label: str
     #: Number in ``unit``; None for a claim.
     value: float | None
     #: Unit as printed.
     unit: str
-    #: Section or table of the source.
+    #: Section or table of the publication.
     place: str
-    #: Class: "hard" (must be reproduced), "as-printed" (only by repeating a fault of the source), "band" (must lie between
-    #: ``low`` and ``high``), "open" (shown, never gated) or "input" (given by the source, or inferred from; nothing
-    #: reproduces it).
+    #: Class: "hard" (must be reproduced), "as-printed" (only by repeating a fault of the publication), "band" (must lie
+    #: between ``low`` and ``high``), "open" (shown, never gated) or "input" (given by the publication, or inferred from it;
+    #: nothing reproduces it).
     cls: Class
     #: Absolute tolerance in ``unit``: half a unit of the last printed digit unless stated.
     tolerance: float
@@ -81,36 +80,39 @@ class Printed:
     remark: str
     #: Number as printed.
     printed: str = ""
-    #: Low end of a band.
+    #: Lower end of the band.
     low: float | None = None
-    #: High end of a band.
+    #: Upper end of the band.
     high: float | None = None
-    #: Origin of a band.
+    #: Origin of the band's range.
     origin: str = ""
     #: Statement in words, if there is no number.
     claim: str = ""
-    #: Kind, a key of ``KINDS``.
+    #: Kind of entry, a key of ``KINDS``.
     kind: Kind = "number"
-    #: Expected verdict, one of `VERDICTS`; None if it was never judged.
+    #: Expected verdict, one of `VERDICTS`; None if the entry was never judged.
     verdict: Verdict | None = None
-    #: What contradicts an open entry.
+    #: Result or statement that contradicts an entry of class "open".
     contradicted: str = ""
 
     @property
     def name(self) -> str:
-        """Name of the entry, ``table:key``."""
+        """Name of the printed entry, ``table:key``."""
         return f"{self.table}:{self.key}"
 
 
 def tables() -> list[str]:
-    """Return the names of the shipped printed tables, sorted."""
+    """Return the names of all shipped printed tables, such as "lin-3.5", sorted."""
     return list(shipped_files("printed"))
 
 
 @cache
 def load_table(name: str) -> tuple[Printed, ...]:
-    """Return the entries of a printed table of any case; cached. InputError for an unknown name or a faulty row."""
-    path = file_of("printed", name)
+    """Return the entries of a printed table by its name; cached.
+
+    InputError for an unknown name or a faulty row.
+    """
+    path = find_case_file("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
         raise InputError("printed tables", "name", f'"{name}"', ", ".join(tables()), advice)
@@ -118,7 +120,10 @@ def load_table(name: str) -> tuple[Printed, ...]:
 
 
 def entry(table: str, key: str) -> Printed:
-    """Return a printed entry by table and key; InputError for an unknown table, KeyError for an unknown key."""
+    """Return a printed entry by names of table and key.
+
+    InputError for an unknown table, KeyError for an unknown key.
+    """
     for row in load_table(table):
         if row.key == key:
             return row
@@ -126,36 +131,41 @@ def entry(table: str, key: str) -> Printed:
 
 
 def value_of(table: str, key: str) -> float:
-    """Return the printed number of an entry; KeyError for a claim or unknown key, InputError for an unknown table."""
+    """Return the printed number of an entry, in its printed unit.
+
+    KeyError for a claim or unknown key, InputError for an unknown table.
+    """
     value = entry(table, key).value
     if value is None:
-        raise KeyError(f"{table}: {key!r} is no number")
+        raise KeyError(f"{table}: {key!r} is a claim in words, not a number")
     return value
 
 
 def parse_table(text: str, name: str) -> tuple[Printed, ...]:
-    """Return the entries of a printed table from its TOML text: ``source``, ``place`` and ``[[row]]`` entries.
+    """Read the entries of a printed table from its TOML text.
 
-    InputError for a faulty row.
+    The text has keys ``title``, ``source``, ``place``, and a ``[[row]]`` for each entry. InputError for a faulty row.
     """
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{name}.toml", "file", str(error), "TOML", "mend the table") from None
+        raise InputError(f"{name}.toml", "file", str(error), "valid TOML", "correct the table") from None
     unknown = set(data) - {"title", "source", "place", "row"}
     if unknown or not isinstance(data.get("row"), list) or not all(isinstance(r, dict) for r in data["row"]):
-        value = ", ".join(sorted(unknown)) or "no rows"
-        raise InputError(f"{name}.toml", "file", value, "title, source, place, [[row]]", "mend the table")
-    rows = tuple(_row(name, data, raw, i) for i, raw in enumerate(data["row"]))
+        value = f"the unknown keys {', '.join(sorted(unknown))}" if unknown else "no rows"
+        raise InputError(f"{name}.toml", "file", value, "the keys title, source, place and [[row]]", "correct the table")
+    rows = tuple(_parse_row(name, data, raw, i) for i, raw in enumerate(data["row"]))
     keys = [row.key for row in rows]
     for i, key in enumerate(keys):
         if key in keys[:i]:
-            raise InputError(f"{name}.toml", f"row[{i}].key", f'"{key}"', "each key once", "rename one")
+            raise InputError(
+                f"{name}.toml", f"row[{i}].key", f'"{key}"', "a key that no other row has", "rename one of the rows"
+            )
     return rows
 
 
 def last_digit(printed: str) -> float:
-    """Return half a unit of the last digit of a printed number.
+    """Return half a unit of the last digit of a printed number: its tolerance by rounding.
 
     Examples
     --------
@@ -166,53 +176,70 @@ def last_digit(printed: str) -> float:
     return float(Decimal(5).scaleb(int(exponent) - 1))
 
 
-def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> Printed:
-    """Return the entry in a row of a printed table's TOML; InputError if a key or value is not valid."""
+def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> Printed:
+    """Convert a ``[[row]]`` of a printed table to an entry; InputError if a key or value is not valid.
 
-    def refuse(key: str, allowed: str, advice: str) -> InputError:
-        value = f'"{raw[key]}"' if key in raw else "nothing"
+    ``table``: name of the table; ``data``: its whole content; ``index``: number of the row, from 0.
+    """
+
+    def refuse(key: str, allowed: str, advice: str, shown: str = "") -> InputError:
+        """Return the error for a key of this row, with the value that was given or ``shown``."""
+        given = raw.get(key)
+        value = shown or ("nothing" if given is None else f'"{given}"' if isinstance(given, str) else f"{given}")
         return InputError(f"{table}.toml", f"row[{index}].{key}", value, allowed, advice)
 
-    _check_kinds(raw, refuse)
+    _check_value_types(raw, refuse)
     cls, claim, printed = raw.get("class"), raw.get("claim", ""), raw.get("printed", "")
     if cls not in CLASSES:
-        raise refuse("class", ", ".join(CLASSES), "say which class the number belongs to")
+        raise refuse("class", ", ".join(CLASSES), "give the class of the number or claim")
     for key in ("key", "label"):
         if not raw.get(key):
-            raise refuse(key, "a text", "every row has a key and a label")
+            raise refuse(key, "a text that is not empty", "give every row a key and a label")
     if bool(claim) == bool(printed):
-        raise refuse("printed", "either printed (a number) or claim (words)", "give one of the two")
+        shown = "both `printed` and `claim`" if claim else "neither `printed` nor `claim`"
+        raise refuse("printed", "either printed (a number) or claim (words)", "give one of the two", shown)
     low, high = raw.get("low"), raw.get("high")
     if cls == "band":
         if not raw.get("origin"):
-            raise refuse("origin", "a sentence", "a band says where its range comes from")
+            raise refuse("origin", "a sentence", "state where the range of the band comes from")
         if printed:
             if low is None or high is None or low > high:
-                raise refuse("low", "low and high, low <= high", "a band of a number has two ends")
+                raise refuse("low", "low and high, low <= high", "give both ends of the band", f"low {low}, high {high}")
             if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
                 allowed = f"low and high, half their distance at most {WIDEST:g} of their middle"
                 raise refuse(
-                    "low", allowed, 'a wider band cannot fail: make the class "open" and say the range in the remark'
+                    "low",
+                    allowed,
+                    'make the class "open" and give the range in the remark: a wider band tests nothing',
+                    f"low {low}, high {high}",
                 )
     elif "low" in raw or "high" in raw:
-        raise refuse("low" if "low" in raw else "high", "only in class band", "remove it, or make it a band")
+        raise refuse(
+            "low" if "low" in raw else "high", 'only in a row of class "band"', 'remove the key, or make the class "band"'
+        )
     if cls == "as-printed" and not raw.get("remark"):
-        raise refuse("remark", "a sentence", "say which fault of the source the number repeats")
+        raise refuse("remark", "a sentence", "state which fault of the publication the number repeats")
     if "verdict" in raw and raw["verdict"] not in VERDICTS:
-        raise refuse("verdict", ", ".join(VERDICTS), "give the verdict of: rollbench check --printed")
+        raise refuse("verdict", ", ".join(VERDICTS), "give the verdict that `rollbench check --printed` shows")
     if "contradicted" in raw and cls != "open":
-        raise refuse("contradicted", "only in class open", "remove it: any other entry is contradicted by what is computed")
+        raise refuse(
+            "contradicted",
+            'only in a row of class "open"',
+            "remove the key; other classes are judged by the computed value",
+        )
     try:
         tolerance = raw.get("tolerance", last_digit(printed) if printed else 0.0)
         value = float(printed) if printed else None
     except (ValueError, InvalidOperation):
-        raise refuse("printed", 'a number as text, e.g. "0.978"', "write only the number; the unit has its key") from None
+        raise refuse(
+            "printed", 'a number as text, e.g. "0.978"', "write the number only, and its unit in the key `unit`"
+        ) from None
     if not math.isfinite(tolerance) or tolerance < 0.0 or (value is not None and not math.isfinite(value)):
-        raise refuse("tolerance", "finite, not negative", "give an absolute tolerance in the row's unit")
+        raise refuse("tolerance", "a finite number, at least 0", "give an absolute tolerance in the unit of the row")
     source, place = str(data.get("source", "")), str(raw.get("place", data.get("place", "")))
     kind = raw.get("kind", "input" if cls == "input" else "claim" if claim else "number")
     if "kind" in raw and (kind not in NAMED or claim or cls == "input"):
-        raise refuse("kind", ", ".join(NAMED), "only for a number that is no input; else leave it out")
+        raise refuse("kind", ", ".join(NAMED), "leave the key out for a claim or an input")
     return Printed(
         table=table,
         key=raw["key"],
@@ -234,13 +261,16 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
     )
 
 
-def _check_kinds(raw: Mapping[str, Any], refuse: Any) -> None:
-    """Raise the error that ``refuse`` makes for an unknown key, or a value of the wrong type."""
+def _check_value_types(raw: Mapping[str, Any], refuse: Any) -> None:
+    """Check that a row has known keys only, with values of the right type.
+
+    Raises the error that ``refuse`` returns for a key, the allowed values and an advice.
+    """
     for key, value in raw.items():
         if key in _TEXTS:
             if not isinstance(value, str):
-                raise refuse(key, "a text", "put it in double quotes")
+                raise refuse(key, "a text", "put the value in double quotes")
         elif key not in _NUMBERS:
-            raise refuse(key, ", ".join((*_TEXTS, *_NUMBERS)), "unknown key: remove it")
+            raise refuse(key, ", ".join((*_TEXTS, *_NUMBERS)), "remove the unknown key")
         elif isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise refuse(key, "a finite number", "write a number without quotes")

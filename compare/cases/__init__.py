@@ -1,1 +1,1 @@
-"""Cases of the comparison, one folder each; `rollbench.compare.case` describes their contents."""
+"""Publications whose results are reproduced, one folder each; `rollbench.compare.case` describes their contents."""

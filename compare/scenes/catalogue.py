@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rollbench.compare.case import file_of, shipped_files
+from rollbench.compare.case import find_case_file, shipped_files
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import did_you_mean, similar_names
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
@@ -53,7 +53,7 @@ def names_with_role(role: str) -> tuple[str, ...]:
 
 def scene_text(name: str) -> str:
     """Return the text of a scene of any case by name; InputError for an unknown name."""
-    path = file_of("scenes", name)
+    path = find_case_file("scenes", name)
     if path is None:
         raise _unknown_name_error(name)
     return path.read_text(encoding="utf-8")

@@ -142,7 +142,7 @@ def test_rolling_contact_in_3d(benchmark, name):
 
 
 def test_screws_with_random_errors(benchmark):
-    chain = liu.screw("constant")
+    chain = liu.calibrated_model("constant")
     solve_ensemble(chain, 2e-6, [1000.0], 10)
     found = benchmark.pedantic(lambda: solve_ensemble(chain, 2e-6, [1000.0], 2000), rounds=3)
     assert not found.failed

@@ -16,7 +16,7 @@ from rollbench.lowfi.friction.linear.bearing import (
 )
 from rollbench.lowfi.friction.linear.chain import ChainResult, prepare_chain, solve_linear_chain
 
-BEARING = source_cases.linear().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 MU = (0.001, 0.1, 0.5)
 
 

@@ -1,1 +1,1 @@
-"""Other programs, makers' catalogues and textbooks."""
+"""Published values of other programs, makers' catalogues and textbooks, compared with computed ones."""

@@ -1,8 +1,8 @@
-"""External evidence: values of other programs, of makers' catalogues and of classic theory, computed with these models.
+"""Values published by other programs, makers' catalogues and textbooks, computed with the models of this package.
 
-Inputs that no scene describes, in SI, with what was assumed to run them; bearings (displacements, contact angles, load
-zones, preloaded pairs); single contacts (Hertz's constants, rolling with creepage and spin on half spaces); ball nuts of
-catalogues (the three rigidities that ISO 3408-4 separates, drag torque).
+Bearings: displacements, contact angles, load zones, preloaded pairs. Single contacts: Hertz, rolling with creepage and spin
+on half spaces. Ball nuts of catalogues: rigidities as ISO 3408-4 separates them, drag torque, equivalent loads. Inputs that
+no scene describes are in ``cases.toml``, with the assumptions made.
 """
 
 from __future__ import annotations
@@ -44,51 +44,51 @@ from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import FREEDOMS, Friction, Motion, Scene
 from rollbench.meshes.units import parse_quantity
 
-#: Beginning of the names of tables and scenes of this kind.
+#: Prefix of the names of this case's printed tables and scenes.
 PREFIX = "external-"
 
 
-def inputs() -> dict[str, Any]:
-    """Return the tables of ``cases.toml`` unparsed: quantities with units remain text."""
+def read_inputs() -> dict[str, Any]:
+    """Read the inputs of all external cases from ``cases.toml``; quantities with units remain text."""
     return files.shipped_table("cases/external/cases.toml")
 
 
-def input_in_SI(case: str, key: str, quantity: str) -> float:
-    """Return an input of a case in SI.
+def read_input(case: str, key: str, quantity: str) -> float:
+    """Read an input of an external case and convert it to SI; ``quantity``: such as "force" or "length".
 
-    Raises KeyError for one that is not there.
+    Raises KeyError for an unknown case or key.
     """
-    return parse_quantity(inputs()[case][key], quantity)
+    return parse_quantity(read_inputs()[case][key], quantity)
 
 
 def assumptions() -> dict[str, tuple[str, ...]]:
-    """Return the assumptions of each case that has no separate scene file, by name of the case."""
-    return {name: tuple(table["assumed"]) for name, table in inputs().items() if "assumed" in table}
+    """Return the assumptions, as sentences, of each external case that has no scene file, by name of the case."""
+    return {name: tuple(table["assumed"]) for name, table in read_inputs().items() if "assumed" in table}
 
 
-def assembly(name: str) -> Assembly:
-    """Return a shipped scene ``external-NAME`` with sets on a shaft.
+def shipped_assembly(name: str) -> Assembly:
+    """Return the shipped scene ``external-NAME``: a shaft with bearing rows or nuts.
 
-    Raises AssertionError where it is another kind.
+    Raises AssertionError for a scene of another kind.
     """
     found = catalogue.shipped(PREFIX + name)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{PREFIX}{name} has sets on a shaft")
+        raise AssertionError(f"{PREFIX}{name}: expected a scene of a shaft with bearing rows or nuts")
     return found
 
 
-def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
-    """Solve a shipped scene ``external-NAME`` with one rolling set between rigid rings.
+def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
+    """Solve the shipped scene ``external-NAME`` of one bearing row between rigid rings, once per study.
 
-    Returns the result, and that of its set.
+    Returns the result of the shaft, and that of its bearing row.
     """
-    result = study.once(_solved, name)
+    result = study.once(_solve_assembly, name)
     return result, result.sets[0]
 
 
-def _solved(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    """Solve a shipped scene for `solved`; raises AssertionError if it does not converge."""
-    result = run_model(assembly(name), "lin")
+def _solve_assembly(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
+    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge."""
+    result = run_model(shipped_assembly(name), "lin")
     if not result.converged:
         raise AssertionError(f"{PREFIX}{name}: {result.status}")
     return result
@@ -96,29 +96,32 @@ def _solved(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by th
 
 CLASSES = ("light", "medium", "strong")
 
-#: Conformities between which the growth of rigidity is looked at without an inferred number.
+#: Usual range of conformity, at whose ends the growth of rigidity with preload is compared without inferring a value.
 ANY = (0.53, 0.56)
 
 
-def _motion(found: AxisResult, station: float, freedom: str) -> float:
-    """Return a displacement [m] or rotation [rad] of the shaft at the computed station nearest to a given one [m]."""
+def _shaft_motion(found: AxisResult, station: float, freedom: str) -> float:
+    """Return the displacement [m] or rotation [rad] of the shaft at the computed section nearest to an axial position [m].
+
+    ``freedom``: "ux" to "rz".
+    """
     place = int(np.abs(found.centreline_z - station).argmin())
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
-def masta(findings: Findings, study: Study) -> None:
-    """Compute the entries of a deep-groove bearing between rigid rings, the inner ring free only along each load.
+def deep_groove_bearing(findings: Findings, study: Study) -> None:
+    """Compute displacements and lives of the deep-groove ball bearing that the program MASTA computed.
 
-    The entries are displacements and lives; life is proportional to the cube of the load rating given to MASTA.
+    Rigid rings; the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
     """
-    rated = input_in_SI("masta", "rating", "force")
+    rated = read_input("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
         ("tilt", "masta-moment", "ry", 1e3),
     ):
-        result, ring = solved(study, name)
-        findings.number(key, unit * _motion(result, ring.of.position, freedom))
+        result, ring = solve_bearing(study, name)
+        findings.number(key, unit * _shaft_motion(result, ring.of.position, freedom))
         assert ring.balls is not None
         assert isinstance(ring.of.parts, Scene)
         found = life(ring.of.parts, ring.balls.load)
@@ -126,11 +129,11 @@ def masta(findings: Findings, study: Study) -> None:
         findings.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
 
-def harris(findings: Findings, study: Study) -> None:
-    """Compute the entries of the 218 bearing under thrust."""
-    result, ring = solved(study, "harris-218")
+def bearing_218(findings: Findings, study: Study) -> None:
+    """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris)."""
+    result, ring = solve_bearing(study, "harris-218")
     assert ring.balls is not None
-    angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _motion(result, ring.of.position, "uz")
+    angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _shaft_motion(result, ring.of.position, "uz")
     findings.number("angle", angle)
     findings.number("angle_quoted", angle)
     findings.number("displacement", moved)
@@ -138,12 +141,15 @@ def harris(findings: Findings, study: Study) -> None:
     findings.number("ball_load", float(ring.balls.load[:, 0].mean()))
 
 
-def half_zone(findings: Findings, study: Study) -> None:
-    """Compute the load zone of half the circumference, by a row of many balls and by the integrals."""
+def half_load_zone(findings: Findings, study: Study) -> None:
+    """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
+
+    By a row of many balls, and the thrust by load-distribution integrals.
+    """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
-        ring = solved(study, name)[1]
+        ring = solve_bearing(study, name)[1]
         assert ring.balls is not None
-        across = assembly(name).loads[0].force[0]
+        across = shipped_assembly(name).loads[0].force[0]
         load, rest = ring.balls.load[:, 0], ring.balls.contact_angle[:, 0]
         top = int(load.argmax())
         # a ball of the deep groove carries the same force at both its contacts: the inner one counts
@@ -154,44 +160,44 @@ def half_zone(findings: Findings, study: Study) -> None:
     findings.number("thrust", zone.axial / zone.radial)
 
 
-def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
-    """Return the bearing of a catalogue row (pitch diameter mm, ball diameter mm, number of balls)."""
+def _catalogue_bearing(case: str, row: Sequence[float], conformity: float) -> BallBearing:
+    """Return a spindle bearing from its row in a catalogue: pitch and ball diameter [mm], number of balls."""
     d_m, d_w, balls = row[:3]
-    angle, young = input_in_SI(case, "contact_angle", "angle"), input_in_SI(case, "youngs_modulus", "pressure")
-    poisson = float(inputs()[case]["poissons_ratio"])
+    angle, young = read_input(case, "contact_angle", "angle"), read_input(case, "youngs_modulus", "pressure")
+    poisson = float(read_inputs()[case]["poissons_ratio"])
     return of_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
 
 
-def _pair(bearing: BallBearing, preload: float) -> BearingSet:
-    """Return two opposed bearings, preloaded against each other by a force [N]."""
+def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
+    """Return a pair of opposed bearings, preloaded against each other by a force [N]."""
     return preloaded_rows(BallRow(bearing), (1, -1), preload)
 
 
 @cache
 def gmn_rigidity(name: str, which: str, conformity: float) -> float:
-    """Return the axial rigidity [N/um] of a catalogue pair at its preload: twice that of one row.
+    """Return the axial rigidity [N/um] of a preloaded pair of GMN's bearings ``name``: twice that of one row.
 
-    ``which``: preload class; ``conformity``: of the grooves of the series.
+    ``which``: preload class, such as "light"; ``conformity``: groove radius over ball diameter.
     """
-    row = inputs()["gmn"]["rows"][name]
-    one = BallRow(_spindle("gmn", row, conformity))
+    row = read_inputs()["gmn"]["rows"][name]
+    one = BallRow(_catalogue_bearing("gmn", row, conformity))
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
 
 
 def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return, for every row, the growth of rigidity from light to strong preload: computed over printed."""
+    """Return the growth of each bearing pair's rigidity from light to strong preload: computed over printed by GMN."""
     out = []
-    for name in inputs()["gmn"]["rows"]:
+    for name in read_inputs()["gmn"]["rows"]:
         printed = [entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
         ours = [gmn_rigidity(name, which, conformity) for which in ("light", "strong")]
         out.append(ours[1] / ours[0] * printed[0] / printed[1])
     return np.array(out)
 
 
-def gmn(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of preloaded pairs of a series of spindle bearings."""
-    inferred = float(inputs()["gmn"]["conformity"])
-    for name in inputs()["gmn"]["rows"]:
+def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Compute the rigidities printed in GMN's catalogue for preloaded pairs of a series of spindle bearings."""
+    inferred = float(read_inputs()["gmn"]["conformity"])
+    for name in read_inputs()["gmn"]["rows"]:
         for which in CLASSES:
             findings.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
     middle = {c: float(np.median(gmn_growth(c))) for c in (*ANY, inferred)}
@@ -200,60 +206,60 @@ def gmn(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table
 
 
 def gmn_rms_percent() -> float:
-    """Return the RMS error [%] of the computed rigidities against all printed ones of class band."""
-    inferred = float(inputs()["gmn"]["conformity"])
+    """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN (class "band")."""
+    inferred = float(read_inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
     off = [float(error_percent(gmn_rigidity(name, which, inferred), value)) for (name, which), value in rows]
     return float(np.sqrt(np.mean(np.square(off))))
 
 
-def snfa(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of a catalogue that keeps contact angles constant.
+def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Compute rigidity, its growth with preload and lift-off load of a preloaded pair in SNFA's catalogue.
 
-    The values as printed keep the angles constant; the correct ones let them change under load.
+    The catalogue keeps contact angles constant ("as printed"); the correct values let them change under load.
     """
-    case = inputs()["snfa"]
-    row = [1e3 * input_in_SI("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
-    bearing = _spindle("snfa", [*row, case["balls"]], float(case["conformity"]))
+    case = read_inputs()["snfa"]
+    row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
+    bearing = _catalogue_bearing("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse_quantity(text, "force") for text in case["preloads"]]
-    right = [1e-6 * equilibrium(_pair(bearing, p)).stiffness for p in loads]
-    still = [1e-6 * frozen_rigidity(bearing, p) for p in loads]
+    right = [1e-6 * equilibrium(_preloaded_pair(bearing, p)).stiffness for p in loads]
+    still = [1e-6 * constant_angle_rigidity(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
         findings.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
     growth = right[-1] / right[0]
     words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
     findings.number("growth", growth, words, as_printed=still[-1] / still[0])
-    off = lift_off_force(_pair(bearing, loads[-1])) / loads[-1]
+    off = lift_off_force(_preloaded_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
-    findings.number("lift_off", off, words, as_printed=frozen_lift_off())
+    findings.number("lift_off", off, words, as_printed=constant_angle_lift_off())
 
 
-def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
-    """Return the rigidity [N/m] of a pair at its preload [N] with a constant contact angle: 3 F/u, as F ~ u^(3/2)."""
+def constant_angle_rigidity(bearing: BallBearing, preload: float) -> float:
+    """Return the rigidity [N/m] of a bearing pair at its preload [N] at a constant contact angle: 3 F/u, as F ~ u^(3/2)."""
     rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
     u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
     return 3.0 * preload / u
 
 
-def frozen_lift_off() -> float:
-    """Return the load that unloads one row of a pair, over the preload, if contact angles were constant: 2^(3/2)."""
+def constant_angle_lift_off() -> float:
+    """Return lift-off load over preload of a bearing pair at constant contact angles: 2^(3/2)."""
     return float(2.0**1.5)
 
 
-#: Examples of mean forces: key of the entry, and of the case with its phases.
+#: Makers' examples of mean forces: key of the printed value, and of the case with the phases of the duty cycle.
 EXAMPLES = {"mean_hiwin_mill": "hiwin_mill", "mean_hiwin": "hiwin", "mean_rexroth": "rexroth"}
 
-#: What makers print for 2^(3/2), and how far [%] that may move the force of a half before the halves part.
+#: Value that makers print for 2^(3/2), and the error [%] that this may cause in the force on one half of a preloaded nut.
 ROUNDED, WITHIN = 3.0, 5.0
 
-#: Scene whose ratings the combined life is computed with, its preload and force [N].
+#: Scene whose load rating is used for the combined life of both halves of a nut, its preload [N] and axial force [N].
 SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
-def mean_speed(case: str) -> float:
-    """Return the mean speed [rpm] of the shipped scene with the speeds and times of a case's phases."""
-    given = inputs()[case]
+def mean_speed_of_phases(case: str) -> float:
+    """Return the mean speed [rpm] of a duty cycle with the phases (speeds, times) of a maker's example."""
+    given = read_inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
     cycle = scene_file.parse_scene("\n".join([catalogue.scene_text(SCENE), *cases]), SCENE)
@@ -262,18 +268,18 @@ def mean_speed(case: str) -> float:
     return cycle.speed * 30.0 / pi
 
 
-def mean_of_phases(case: str) -> float:
-    """Return the mean force of a case's phases (force, speed, share of time), in the unit of the forces."""
-    given = inputs()[case]
+def mean_force_of_phases(case: str) -> float:
+    """Return the equivalent mean force of a duty cycle with the phases of a maker's example, in the unit of its forces."""
+    given = read_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
     return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
-def loads(findings: Findings, study: Study) -> None:
-    """Compute entries on mean forces, force and life of the halves of a preloaded nut, factors e, X, Y by angle."""
+def equivalent_loads(findings: Findings, study: Study) -> None:
+    """Compute makers' examples of equivalent loads: mean forces, halves of a preloaded nut, factors e, X, Y of bearings."""
     for key, case in EXAMPLES.items():
-        findings.number(key, mean_of_phases(case))
-    findings.number("speed_rexroth", mean_speed("rexroth"))
+        findings.number(key, mean_force_of_phases(case))
+    findings.number("speed_rexroth", mean_speed_of_phases("rexroth"))
     findings.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = halves(force, 1.0)
@@ -295,64 +301,64 @@ def loads(findings: Findings, study: Study) -> None:
         findings.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
 
 
-#: Cells of CONTACT's grid along each axis, and its width over the contact's.
+#: Cells along each axis of the grid of the program CONTACT's example, and width of the grid over that of the contact.
 EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
 
-#: Cells of its wheel, along and across.
+#: Cells of CONTACT's wheel example, along and across.
 WHEEL_CELLS = (48, 44)
 
-#: Cells by which its ball rolls from rest here, of 28 along the contact: past the largest creepage. The example has 56.
+#: Steps of one cell that CONTACT's ball is rolled from rest, past the largest creepage; the example has 56 steps.
 ONSET_STEPS = 20
 
 
 def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of one ball of NSK's screw-support bearing at the quoted load and contact angle."""
-    parts = assembly("nsk-25bswz01").sets[0].parts
+    """Compute Hertz contact of one ball of NSK's screw-support bearing at the published load and contact angle."""
+    parts = shipped_assembly("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
     bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
-    angle = np.arccos(inputs()["nsk"]["cosine"])
+    angle = np.arccos(read_inputs()["nsk"]["cosine"])
     findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
     inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, np.array(angle)))
-    cube = float(np.cbrt(input_in_SI("nsk", "normal_load", "force")))
+    cube = float(np.cbrt(read_input("nsk", "normal_load", "force")))
     findings.number("approach_outer", 1e6 * float(outer.C) * cube**2)
     findings.number("approach_inner", 1e6 * float(inner.C) * cube**2)
     findings.number("a_outer", 1e3 * float(outer.C_a) * cube)
     findings.number("b_outer", 1e3 * float(outer.C_b) * cube)
 
 
-def sphere(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of an elastic sphere on a rigid plane."""
-    radius = input_in_SI("vm63", "radius", "length")
-    modulus = input_in_SI("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
+def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63."""
+    radius = read_input("vm63", "radius", "length")
+    modulus = read_input("vm63", "youngs_modulus", "pressure") / (1.0 - read_inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
-    findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(input_in_SI("vm63", "force", "force"))))
+    findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(read_input("vm63", "force", "force"))))
 
 
-def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
-    """Return the load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
-    poisson, shear = inputs()[case]["poissons_ratio"], input_in_SI(case, "shear_modulus", "pressure")
-    radii = (input_in_SI(case, "along", "length"), input_in_SI(case, "across", "length"))
-    return input_in_SI(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+def _example_contact(case: str) -> tuple[float, tuple[float, float], float, float]:
+    """Return load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
+    poisson, shear = read_inputs()[case]["poissons_ratio"], read_input(case, "shear_modulus", "pressure")
+    radii = (read_input(case, "along", "length"), read_input(case, "across", "length"))
+    return read_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
-def _hertz(case: str) -> tuple[float, HertzConstants]:
-    """Return the load [N] and Hertz's constants of an example."""
-    load, radii, young, poisson = _example(case)
+def _hertz_of_example(case: str) -> tuple[float, HertzConstants]:
+    """Return load [N] and Hertz's constants of an example of the program CONTACT."""
+    load, radii, young, poisson = _example_contact(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
 
 
 @dataclass(frozen=True)
-class Example:
-    """Computed results of CONTACT's rolling example."""
+class ExampleResult:
+    """Computed results of the rolling example of the program CONTACT (lateral creepage and spin)."""
 
     #: Lateral force over mu P.
     lateral: float
-    #: Moment [N mm].
+    #: Moment about the contact normal [N mm].
     moment: float
     #: Number of cells in contact.
     cells: int
@@ -363,47 +369,46 @@ class Example:
 
 
 @lru_cache(maxsize=8)
-def example(cells: int, *, by_cells: bool = False) -> Example:
-    """Solve CONTACT's example on a grid of cells x cells; ``by_cells``: with CONTACT's difference scheme."""
-    case, touch = inputs()["contact"], _example("contact")
+def solve_example(cells: int, *, by_cells: bool = False) -> ExampleResult:
+    """Solve the rolling example of the program CONTACT on ``cells`` x ``cells``; ``by_cells``: with its scheme."""
+    case, touch = read_inputs()["contact"], _example_contact("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
         found = solve_steady_rolling_as_contact(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
     else:
         found = solve_steady_rolling(hertz_patch(*touch, (cells, cells)), creep, mu)
     sticking = int(np.count_nonzero(found.friction.stick[0]))
-    return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
+    return ExampleResult(
+        float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss
+    )
 
 
-def rolling(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of CONTACT's examples: steady rolling, a wheel, and transients.
+def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+    """Compute the published examples of the program CONTACT: steady rolling, a wheel, and rolling from rest.
 
-    Steady rolling has lateral creepage and spin: the Hertz contact, then force and moment on half spaces.
+    Steady rolling with lateral creepage and spin: Hertz contact, then force and moment on half spaces.
     """
-    load, hertz = _hertz("contact")
+    load, hertz = _hertz_of_example("contact")
     cube = float(np.cbrt(load))
     findings.number("a", 1e3 * float(hertz.C_a) * cube)
     findings.number("b", 1e3 * float(hertz.C_b) * cube)
     findings.number("approach", 1e3 * float(hertz.C) * cube**2)
     findings.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    theirs, ours = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
+    theirs, ours = solve_example(EXAMPLE_CELLS, by_cells=True), solve_example(EXAMPLE_CELLS)
     for key in ("lateral", "moment"):
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
         findings.number(key, getattr(theirs, key), note)
-    _wheel(findings)
-    _transients(findings)
+    _compute_wheel(findings)
+    _compute_transients(findings)
 
 
-def _wheel(findings: Findings) -> None:
-    """Compute the creep-force curve of a locomotive wheel with CONTACT's difference scheme.
-
-    It is quick because most of the contact slips.
-    """
-    load, hertz = _hertz("wheel")
-    cube, mu = float(np.cbrt(load)), float(inputs()["wheel"]["friction"])
+def _compute_wheel(findings: Findings) -> None:
+    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme."""
+    load, hertz = _hertz_of_example("wheel")
+    cube, mu = float(np.cbrt(load)), float(read_inputs()["wheel"]["friction"])
     findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
     findings.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
-    patch = hertz_patch(*_example("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
+    patch = hertz_patch(*_example_contact("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
     for row in load_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
@@ -412,17 +417,17 @@ def _wheel(findings: Findings) -> None:
 
 
 @lru_cache(maxsize=4)
-def transient(case: str, steps: int) -> list[OnsetStep]:
-    """Solve a CONTACT example: a ball is pushed sideways, then rolls ``steps`` cells under that force."""
-    numbers, (load, circle) = inputs()[case], _hertz(case)
-    margin = 0.5 * input_in_SI(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
-    patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
+def push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
+    """Solve an example of the program CONTACT: a ball is pushed sideways, then rolls over ``steps`` cells."""
+    numbers, (load, circle) = read_inputs()[case], _hertz_of_example(case)
+    margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
+    patch = hertz_patch(*_example_contact(case), (numbers["cells"], numbers["cells"]), margin=margin)
     return push_and_roll(patch, numbers["friction"], numbers["share"], steps)
 
 
-def _transients(findings: Findings) -> None:
-    """Compute the entries of the sideways push, and of the steps of one cell from there towards steady rolling."""
-    found = {"cattaneo": transient("cattaneo", 0), "onset": transient("onset", ONSET_STEPS)}
+def _compute_transients(findings: Findings) -> None:
+    """Compute CONTACT's examples of a ball pushed sideways, and rolled from there towards steady rolling."""
+    found = {"cattaneo": push_and_roll_example("cattaneo", 0), "onset": push_and_roll_example("onset", ONSET_STEPS)}
     for row in load_table(findings.table):
         case, _, rest = row.key.partition("_")
         if case in found:
@@ -432,30 +437,30 @@ def _transients(findings: Findings) -> None:
             findings.number(row.key, value[what])
 
 
-#: Sizes of THK and one of HIWIN: names of scenes after the prefix and the maker.
+#: Sizes of THK's nuts and of one of HIWIN: last part of the scenes' names.
 THK = ("bnf-4010-5", "bnf-4010-3p5", "bnf-3205-2p5", "bnf-3205-5", "bnf-3205-7p5")
 
 HIWIN = ("hiwin-63-10k5",)
 
-#: Scene of the double nut's single nut.
+#: Size of the single nut of which a double nut is made.
 DOUBLE = "bnf-4010-5"
 
-#: Shares of the rigidity of the contacts alone that an independent code found: lowest and highest, THK and HIWIN.
+#: Catalogue rigidity over that of the Hertz contacts only, as an independent code found it: lowest and highest, by maker.
 SHARES = {THK: (0.567, 0.586), HIWIN: (0.75, 0.75)}
 
-#: What filling and pitch diameter, which are not printed, may change.
+#: Relative error that number of balls and pitch diameter, which are not printed, may cause.
 UNPRINTED = 0.05
 
 
 def scene_name(size: str) -> str:
-    """Name of the shipped scene of a size."""
+    """Return the name of the shipped scene of a catalogue size."""
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] at an axial load [N]: of the contacts only, and of contacts and bodies.
+    """Return the axial rigidity [N/m] of a nut at an axial load [N]: of contacts only, then of contacts and bodies.
 
-    Raises ValueError without a wall.
+    Raises ValueError if nut or screw has no wall thickness.
     """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None
@@ -463,13 +468,13 @@ def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
 
 
 def rigidity_unequal_loads(study: Study, name: str, model: str) -> float:
-    """Return the axial rigidity [N/m] by a model in which ball loads may differ; zero if it did not converge."""
+    """Return the axial rigidity [N/m] of a scene's nut by a model with unequal ball loads; zero if it did not converge."""
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
 
 
-def nuts(findings: Findings, study: Study) -> None:
-    """Compute the rigidities at 0.3 times the rating, their growth with the turns, the double nut, and the drag torque."""
+def nut_rigidities(findings: Findings, study: Study) -> None:
+    """Compute THK's and HIWIN's nuts: rigidities at 0.3 C, growth with the turns, double nut, drag torque."""
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = study.scene(scene_name(size))
@@ -485,14 +490,14 @@ def nuts(findings: Findings, study: Study) -> None:
         findings.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
     findings.number("double", double_over_single(study), f"with the bodies; {words}")
-    _drag(study, findings)
+    _compute_drag_torque(study, findings)
 
 
 def double_over_single(study: Study) -> float:
-    """Return the rigidity of a double nut over that of a single nut, both with their bodies.
+    """Return the rigidity of a preloaded double nut over that of a single nut, contacts and bodies included.
 
-    The preload is a third of the single nut's load. The double nut carries the load that just unloads one of its
-    nuts: it has then moved by the deflection of one nut under the preload.
+    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads
+    one of its nuts: its displacement is then the deflection of one nut under the preload.
     """
     scene = study.scene(scene_name(DOUBLE))
     full = scene.loads[0].force[2]
@@ -500,19 +505,20 @@ def double_over_single(study: Study) -> float:
     single = rigidity_by_parts(scene, full)[1]
     moved = preload / rigidity_by_parts(scene, preload)[1]
 
-    def excess(force: float) -> float:
+    def displacement_error(force: float) -> float:
+        """Return the displacement [m] of the single nut at a force [N], less that at lift-off."""
         return force / rigidity_by_parts(scene, force)[1] - 2.0 * moved
 
-    unloads = float(brentq(excess, preload, 4.0 * preload, rtol=1e-6))
+    unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
     return unloads / moved / single
 
 
-def _drag(study: Study, findings: Findings) -> None:
-    """Compute the preload drag torque by the maker's formula, and by sliding of the balls in both nuts."""
-    case = inputs()["thk"]
+def _compute_drag_torque(study: Study, findings: Findings) -> None:
+    """Compute the drag torque of a preloaded double nut by THK's formula, and by the sliding of its balls."""
+    case = read_inputs()["thk"]
     preload, lead, mu = (
-        input_in_SI("thk", "preload", "force"),
-        input_in_SI("thk", "lead", "length"),
+        read_input("thk", "preload", "force"),
+        read_input("thk", "lead", "length"),
         float(case["friction"]),
     )
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
@@ -527,7 +533,7 @@ def _drag(study: Study, findings: Findings) -> None:
 
 
 def drag_torque(study: Study, preload: float, mu: float) -> float:
-    """Return the friction torque [N m] of a double nut under a preload [N]: twice that of a single nut."""
+    """Return the friction torque [N m] of a double nut under a preload [N]; ``mu``: coefficient of friction."""
     scene = study.scene(scene_name(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
     found = run_model(nut, "lin", Options(discretisation=False))

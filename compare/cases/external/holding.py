@@ -1,4 +1,4 @@
-"""Section on the effect of the nut's fixation on loads, life and rigidity, for catalogue sizes."""
+"""Report section: contact loads, life and rigidity of catalogue screws by the surface at which the nut is fixed."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
-#: Sizes of two makers, by the names of their printed rigidities.
+#: Catalogue sizes of two makers, by the keys of their printed rigidities.
 SIZES = ("bnf-3205-2p5", "bnf-3205-5", "bnf-4010-5", "hiwin-63-10k5")
 #: File with the 3D results, written by ``tests/nut_holding.py``.
 FILE = "nut_holding.json"
 THREE = "3D"
-#: Number of bolts instead of the whole annulus, and the names of both fixations.
+#: Number of bolts that fix a flange, and names of both ways of fixing it: its whole annulus, or bolts only.
 BOLTS = 6
 WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
-#: Length of the centring fit over that of the nut beyond its flange.
+#: Length of the centring fit over the length of the nut beyond its flange.
 FIT = 0.5
 COLUMNS = (
     Quantity("scene", "scene", "", "s"),
-    Quantity("by", "found by", "", "s"),
-    Quantity("held", "nut held at", "", "s"),
+    Quantity("by", "computed by", "", "s"),
+    Quantity("held", "nut fixed at", "", "s"),
     Quantity("largest", "largest load", "N", "g4"),
     Quantity("load_change", "load over left face", "%", "+.2f"),
     Quantity("expected", "expected error of it", "% of mean", ".2f"),
@@ -56,43 +56,44 @@ COLUMNS = (
 
 
 def fixations(scene: Scene) -> dict[str, Scene]:
-    """Return copies of the scene with its nut fixed at different surfaces, by name; its left face first."""
+    """Return copies of the scene with the nut fixed at different surfaces, by name; "left face" is the first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
     seat = 0.5 * outer, 0.5 * RIM * outer
     flange = Flange(RIM * outer, thick, seat, centring=FIT * (scene.nut.length - thick))
 
-    def held(at: NutHeld, fitted: Flange | None = None) -> Scene:
+    def fix_nut(at: NutHeld, fitted: Flange | None = None) -> Scene:
+        """Return a copy of the scene with the nut fixed at a surface, with or without a flange."""
         return replace(scene, nut=replace(scene.nut, flange=fitted), solid=replace(scene.solid, nut_held=at))
 
     return {
-        "left face": held("left face"),
-        "right face": held("right face"),
-        "outer surface": held("outer surface"),
-        WHOLE: held("flange face", flange),
-        "flange, inner half of its face": held("flange face", replace(flange, seat=(seat[0], 0.5 * sum(seat)))),
-        "flange, outer half of its face": held("flange face", replace(flange, seat=(0.5 * sum(seat), seat[1]))),
-        BOLTED: held("flange face", replace(flange, bolts=BOLTS)),
-        "flange and its centring fit": held("flange face", replace(flange, bonded=True)),
+        "left face": fix_nut("left face"),
+        "right face": fix_nut("right face"),
+        "outer surface": fix_nut("outer surface"),
+        WHOLE: fix_nut("flange face", flange),
+        "flange, inner half of its face": fix_nut("flange face", replace(flange, seat=(seat[0], 0.5 * sum(seat)))),
+        "flange, outer half of its face": fix_nut("flange face", replace(flange, seat=(0.5 * sum(seat), seat[1]))),
+        BOLTED: fix_nut("flange face", replace(flange, bolts=BOLTS)),
+        "flange and its centring fit": fix_nut("flange face", replace(flange, bonded=True)),
     }
 
 
 @cache
 def stored_results(store: Path) -> list[dict[str, Any]]:
-    """Return the stored 3D results: scene, fixation, mesh level, status, rigidity [N/m], ball loads by flank [N]."""
+    """Read the stored 3D results: scene, fixation, mesh level, status, rigidity [N/m], ball loads by flank [N]."""
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
 
-def loads_of(row: dict[str, Any]) -> Array:
+def contact_loads(row: dict[str, Any]) -> Array:
     """Return the contact loads ``(n, 4)`` [N] of a stored 3D result; zero on flanks that it does not contain."""
     by_side = row["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
 
-class Solved(NamedTuple):
-    """Results for one fixation of the nut."""
+class FixationResult(NamedTuple):
+    """Contact loads and rigidity of a screw by one model, for one fixation of its nut."""
 
-    #: Model, or 3D reference.
+    #: Name of the model, or 3D reference with its mesh level.
     by: str
     #: Name of the fixation.
     way: str
@@ -104,8 +105,8 @@ class Solved(NamedTuple):
     mesh: float | None = None
 
 
-def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
-    """Return the converged stored runs of a scene with one fixation of its nut, by mesh level from coarse to fine."""
+def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
+    """Return the converged stored 3D results of a scene with one fixation of its nut, by mesh level from coarse to fine."""
     runs = [
         x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")
     ]
@@ -130,8 +131,8 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     return float(error_percent((bars + error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 
-def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
-    """Return the table rows of a catalogue size, one for each fixation of the nut and each model.
+def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
+    """Return the table rows of a catalogue screw: largest load, life and rigidity for each fixation and model.
 
     The default model comes first (without bolts, as it fixes the whole annulus of a flange), then every stored level
     of the 3D reference.
@@ -140,17 +141,19 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
     name = scene_name(size)
     held = fixations(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
-    in_3D = {way: by_level(name, way) for way in held}
-    loads = {way: {k: loads_of(x) for k, x in levels.items()} for way, levels in in_3D.items()}
+    in_3D = {way: runs_by_level(name, way) for way in held}
+    loads = {way: {k: contact_loads(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
-        Solved(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
+        FixationResult(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
         for way, result in found.items()
         if result.converged
     ]
     for level in loads[next(iter(held))]:
         for way in (x for x in held if level in loads[x]):
             bar = mesh_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
-            solved.append(Solved(f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar))
+            solved.append(
+                FixationResult(f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar)
+            )
     rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
     for by, way, load, rigidity, mesh in solved:
@@ -177,17 +180,17 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
     return rows
 
 
-def bolted_words() -> str:
-    """Return a sentence on what fixing single bolts instead of the whole annulus changes in 3D."""
+def bolts_sentence() -> str:
+    """Return the sentence on the change of loads and rigidity in 3D where bolts fix the flange, not its whole annulus."""
     words = []
     for size in SIZES:
         scene = scene_name(size)
-        bolted, whole = by_level(scene, BOLTED), by_level(scene, WHOLE)
+        bolted, whole = runs_by_level(scene, BOLTED), runs_by_level(scene, WHOLE)
         levels = bolted.keys() & whole.keys()
         if levels:
             bolts, ring = bolted[max(levels)], whole[max(levels)]
-            off, mean = load_error(loads_of(bolts), loads_of(ring)), mean_load(loads_of(ring))
-            largest = float(error_percent(loads_of(bolts).max(), loads_of(ring).max(), mean))
+            off, mean = load_error(contact_loads(bolts), contact_loads(ring)), mean_load(contact_loads(ring))
+            largest = float(error_percent(contact_loads(bolts).max(), contact_loads(ring).max(), mean))
             stiff = float(error_percent(bolts["rigidity"], ring["rigidity"]))
             words.append(
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
@@ -197,8 +200,8 @@ def bolted_words() -> str:
     return head + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
 
 
-def mesh_words(rows: list[dict[str, Cell]]) -> str:
-    """Return a sentence on the mesh uncertainty of the loads, and on how much a finer level changes the table."""
+def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
+    """Return the sentence on the mesh uncertainty of the 3D loads, and on the change by a finer mesh level."""
     bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
     if not bars:
         return f"Nothing was solved in {THREE}."
@@ -224,31 +227,31 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
 
 
 def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
-    """Return as text the range of a column over the default model's rows whose fixation begins with ``held``."""
+    """Return in words the range of a column over the default model's rows whose fixation begins with ``held``."""
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
-def flanged_words() -> str:
-    """Return a sentence on the errors of the default model for drawn nuts fixed at flanges."""
+def flanged_nuts_sentence() -> str:
+    """Return the sentence on the default model's errors for randomly drawn screws whose nuts are fixed at flanges."""
     nuts = [p for p in points_of_drawn_screws() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
-        return "No drawn nut held by a flange was compared with the 3D reference."
+        return "No drawn nut fixed at a flange was compared with the 3D reference."
     return (
-        f"On {len(nuts)} drawn nuts held by flanges the default model is off by at most "
+        f"On {len(nuts)} drawn nuts fixed at flanges the default model is off by at most "
         f"{max(p.percent for p in nuts):.2f} % of the mean load ({max(p.rms_percent for p in nuts):.2f} % RMS) from the 3D "
         "reference on level 1."
     )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report's section on the effect of the nut's fixation on loads, life and rigidity."""
     step("ways of holding a nut")
-    rows = [row for size in SIZES for row in rows_of(study, size)]
+    rows = [row for size in SIZES for row in fixation_rows(study, size)]
     shares = {held: range_text(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
-        f"The way of holding a nut moves its largest load by {range_text(rows, 'load_change')} %, its life by "
+        f"The surface at which a nut is fixed changes its largest load by {range_text(rows, 'load_change')} %, its life by "
         f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against "
         "the left face."
     )
@@ -256,14 +259,15 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         f"Catalogues print {shares['left']} of the rigidity with the left face held, {shares['flange, whole']} with the "
         f"whole face of a flange, {shares['flange, outer']} where only the outer half of its face bears and the flange "
         f"bends: the holding is {'a part of' if min(bent, default=0.0) < 1.0 else 'enough for'} what makers count in.",
-        mesh_words(rows),
-        bolted_words(),
-        flanged_words(),
+        mesh_uncertainty_sentence(rows),
+        bolts_sentence(),
+        flanged_nuts_sentence(),
     )
     note = (
         f"Flanges of {RIM:g} and {THICK:g} of the nut's outer diameter, in diameter and thickness, at the left end, bonded "
         "to a rigid housing all over the annulus: assumed, as no catalogue quoted here prints them. Rigidity is load over "
-        "displacement of the screw's section at the nut's centre. Model and 3D are each held against their own left face."
+        "displacement of the screw's section at the nut's centre. Changes of the model and of 3D refer to "
+        "their own results with the left face fixed."
     )
     table = Table(
         "nut-holding",
@@ -272,4 +276,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         rows,
         note,
     )
-    return Section("holding", "How the nut is held", (Text(text), table), conclusion=conclusion)
+    return Section(
+        "holding",
+        "Effect of the nut's fixation on contact loads, life and rigidity",
+        (Text(text), table),
+        conclusion=conclusion,
+    )

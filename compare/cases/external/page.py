@@ -1,4 +1,4 @@
-"""Page on external evidence: other programs, makers' catalogues and textbooks, computed and published values."""
+"""Report page that compares computed values with those of other programs, makers' catalogues and textbooks."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
-#: Titles of the tables.
+#: Titles of the tables, by name of the printed table.
 TITLES = {
-    "external-masta": "A deep-groove bearing by MASTA",
-    "external-nsk": "One ball of a screw-support bearing by NSK's programs",
-    "external-harris": "The 218 bearing of the textbooks, recomputed",
-    "external-sjovall": "Load zone of half the circumference",
+    "external-masta": "Deep-groove ball bearing: displacement and life by the program MASTA and computed",
+    "external-nsk": "Contact of one ball of a screw-support bearing: by NSK's programs and computed",
+    "external-harris": "Textbooks' 218 angular-contact bearing under thrust: published and computed",
+    "external-sjovall": "Bearing with a load zone of half the circumference: Sjövall's load distribution and computed",
     "external-contact": "Rolling contact with creepage and spin: computed values and those of the program CONTACT",
-    "external-vm63": "Sphere on a rigid plane, Ansys's verification case 63",
-    "external-snfa": "A catalogue of SNFA that holds its contact angles",
+    "external-vm63": "Elastic sphere on a rigid plane (Ansys's verification case 63): contact radius",
+    "external-snfa": "SNFA's catalogue, which keeps contact angles constant: rigidity and lift-off load",
     "external-gmn": "Preloaded bearing pairs from GMN's catalogue: printed and computed stiffness",
-    "external-thk": "Ball nuts of THK and HIWIN",
+    "external-thk": "Ball nuts of THK and HIWIN: printed and computed rigidity and drag torque",
     "external-equivalent": "Equivalent loads of preloaded nuts and of bearings: published and computed",
 }
-#: Names of their sources in the figure.
+#: Names of the publishers in the figure, by name of the printed table.
 SOURCES = {
     "external-masta": "MASTA",
     "external-nsk": "NSK's programs",
@@ -50,12 +50,12 @@ SOURCES = {
     "external-equivalent": "makers, equivalent loads",
 }
 
-#: Displacement without loads over that with them up to which it is taken as none: the reference has no run without loads.
+#: Largest displacement without loads, over that with loads, that is neglected: the 3D reference has no run without loads.
 STARTS = 0.01
 
 
-def summary(found: Sequence[Evidence]) -> str:
-    """Return how many entries come out, in one sentence."""
+def agreement_sentence(found: Sequence[Evidence]) -> str:
+    """Return the sentence on how many published values and claims agree with the computed ones."""
     judged = [e for e in found if e.printed.cls != "open"]
     good = sum(e.agrees is True for e in judged)
     of = Counter(e.verdict for e in judged)
@@ -68,8 +68,8 @@ def summary(found: Sequence[Evidence]) -> str:
     )
 
 
-def assumed_table(study: Study) -> Table:
-    """Return the table of the assumptions made to compute each external case."""
+def assumptions_table(study: Study) -> Table:
+    """Return the table of assumptions made where a publication leaves inputs open."""
     rows: list[dict[str, Cell]] = []
     for name, thing in study.used.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
@@ -83,7 +83,7 @@ def assumed_table(study: Study) -> Table:
 
 
 def agreement_figure(found: Sequence[Evidence]) -> Figure:
-    """Draw the error of every number of class hard and band against the published one, by source."""
+    """Draw the errors of computed values against published ones of class hard and band, by publisher."""
     errors: dict[str, list[float]] = {}
     for e in found:
         if e.printed.cls in ("hard", "band") and e.error_percent is not None:
@@ -95,8 +95,8 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
     return Figure("external-errors", "Difference between computed and published values", (panel,), caption, columns=1)
 
 
-def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return name, axial load [N] and rigidities [N/um] (by included effects, and printed) of each catalogue size."""
+def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
+    """Return name, axial load [N] and rigidities [N/um] of each catalogue nut, by included effects and printed."""
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
         name = external.scene_name(size)
@@ -111,20 +111,20 @@ def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | Non
     return out
 
 
-# --- the three rigidities of a nut as ISO 3408-4 separates them, beside the 3D reference and beside catalogues
+# --- three rigidities of a nut as ISO 3408-4 separates them, compared with the 3D reference and catalogues
 
 
-def displacement_3d(scene: Scene, found: Reference) -> float:
-    """Return the axial displacement of the screw at the nut's centre in the finest run of the 3D reference [m]."""
+def displacement_in_3d(scene: Scene, found: Reference) -> float:
+    """Return the screw's axial displacement [m] at the nut's centre by the finest run of the 3D reference."""
     line = found.best.centreline
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 
 
 def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
-    """Return the row of rigidities [N/um] of a scene: by effects in the model, and by its stored 3D reference.
+    """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
-    None without a stored reference, without axial load, or where the screw is displaced even at zero load, since the
-    reference's displacements do not start from there.
+    None without a stored reference, without axial load, or if the screw is displaced at zero load, which the
+    reference's displacements do not subtract.
     """
     scene, found = study.scene(name), study.reference(name)
     if found is None:
@@ -146,14 +146,14 @@ def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
         "contacts": 1e-6 * stages.contacts,
         "bodies": 1e-6 * stages.bodies,
         "unequal": 1e-6 * stages.unequal,
-        "reference": 1e-6 * force / displacement_3d(scene, found),
+        "reference": 1e-6 * force / displacement_in_3d(scene, found),
     }
 
 
-def stages_table(
+def rigidities_table(
     study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], names: Sequence[str]
 ) -> Table:
-    """Return the table of rigidities by included effects: catalogue sizes, then scenes with a 3D reference."""
+    """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference."""
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
         row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **stages, "reference": None}
@@ -183,21 +183,25 @@ def stages_table(
         "catalogue is silent. Scenes that are displaced without loads are left out."
     )
     return Table(
-        "external-rigidities", "The three rigidities of a nut, beside 3D and beside catalogues", columns, rows, note
+        "external-rigidities",
+        "Rigidity of ball nuts by the effects included: computed, by the 3D reference, in catalogues",
+        columns,
+        rows,
+        note,
     )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report's section on values of other programs, makers' catalogues and textbooks."""
     step("values of other programs, makers and textbooks")
     tables = [name for name in computations_by_table() if name.startswith(PREFIX)]
     found = evidence(study, *tables)
     step("three rigidities of ball nuts")
-    rigid = stages_table(study, catalogue_rows(study), UNSEEN)
+    rigid = rigidities_table(study, catalogue_rigidities(study), UNSEEN)
     inferred = float(np.round(external.gmn_rms_percent(), 2))
     text = (
         (
-            "Values from neither this project nor the sources of its models: other programs, makers' "
+            "Values from neither this project nor the publications of its models: other programs, makers' "
             "catalogues, textbooks. Each is a row of the gate by its class, with what was inferred to compute "
             "it."
         ),
@@ -211,6 +215,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         agreement_figure(found),
         *(printed_table(name, TITLES[name], [e for e in found if e.printed.table == name]) for name in tables),
         rigid,
-        assumed_table(study),
+        assumptions_table(study),
     )
-    return Section("external", "Comparison with other programs, catalogues and textbooks", items, conclusion=summary(found))
+    return Section(
+        "external",
+        "Comparison with other programs, catalogues and textbooks",
+        items,
+        conclusion=agreement_sentence(found),
+    )

@@ -1,1 +1,1 @@
-"""Kalker's table of creep coefficients, and the proof of the 3D model of rolling."""
+"""Kalker (1990): table of creep coefficients, and verification of the 3D model of rolling contact."""

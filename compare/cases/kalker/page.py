@@ -1,4 +1,4 @@
-"""Page on rolling in 3D: verification, Tables 3.5 and 3.7 by low-order model and 3D, the rotary ball, runs from rest."""
+"""Report page on the 3D model of rolling contact: verification, and comparison with the low-order friction models."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
+from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification, verifications
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.levels import FINITE
@@ -50,33 +50,33 @@ from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel,
 from rollbench.reports.content import Series as Curve
 
 SIZES = (Quantity("choice", "choice", "", "s"), *(Quantity(name, name, "", "g6") for name in NAMES))
-#: Contacts shown: scene, ball, name of the contact.
+#: Contacts whose slip and traction are drawn: scene, number of the ball, name of the contact.
 SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "IL"), ("lin-rotary-1", 0, "OR"))
-#: Grid of the contacts.
+#: Numbers of cells along and across the drawn contacts.
 SHAPE = LEVELS[1]
 
 
 @dataclass(frozen=True)
 class PatchField:
-    """Slip and traction of one contact."""
+    """Slip, traction and stick zone over the cells of one rolling contact."""
 
-    #: Title.
+    #: Title of the drawing.
     title: str
-    #: Centres of cells across and along, (n, 2) [m].
+    #: Centres of the cells: coordinates across and along the groove, (n, 2) [m].
     at: Array
-    #: Slip over the rolling speed across and along, (n, 2).
+    #: Slip velocity over the rolling speed, across and along the groove, (n, 2).
     slip: Array
-    #: Tangential traction across and along, (n, 2) [Pa].
+    #: Tangential traction across and along the groove, (n, 2) [Pa].
     traction: Array
     #: Whether each cell sticks.
     stick: NDArray[np.bool_]
-    #: Semi-axes across and along [m].
+    #: Semi-axes of the contact ellipse across and along the groove [m].
     semi: tuple[float, float]
 
 
 @lru_cache(maxsize=1)
-def fields() -> tuple[PatchField, ...]:
-    """Return slip and traction of the contacts of `SHOWN`, with balls that touch each other, on half spaces."""
+def patch_fields() -> tuple[PatchField, ...]:
+    """Return slip and traction of the contacts `SHOWN`: balls that touch each other, bodies as elastic half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
@@ -85,12 +85,12 @@ def fields() -> tuple[PatchField, ...]:
         for _, ball, contact in (s for s in SHOWN if s[0] == name):
             touch = case.contacts.index(contact)
             one = next(c for c in found.contacts if (c.ball, c.touch) == (ball, touch))
-            out.append(_field(f"{name}, {contact}", case.touching, one))
+            out.append(_to_patch_field(f"{name}, {contact}", case.touching, one))
     return tuple(out)
 
 
-def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
-    """Return the fields of one contact, the axis across the groove first; slip relative to the rolling speed."""
+def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
+    """Convert a solved contact to a `PatchField`: direction across the groove first, slip over the rolling speed."""
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene)
     along, across = hertz_semi_axes(scene, touch)
@@ -102,14 +102,14 @@ def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report.
+    """Return the report's section on the 3D model of rolling contact.
 
-    Runs of scenes come from the stores; the report says which are missing.
+    Results of the 3D runs are read from the stores; the section names the scenes without a stored run.
     """
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
     meshing = not gmsh_fault()
-    proof = proofs(meshing=meshing)
+    proof = verifications(meshing=meshing)
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
     study.uses([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
@@ -117,22 +117,22 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
     sizes = KeptSizes((), left) if left else find_body_sizes(stores, fresh=study.timed)
-    patches = fields()
+    patches = patch_fields()
     step("other grids, steps and paths")
     changed = grid_changes(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
-        Text(_words(found, proof)),
+        Text(_introduction(found, proof)),
         Table.of(
             "rolling-verification",
             "Rolling contacts with a closed-form answer: error on three grids",
-            [_proof(p) for p in proof],
-            "No order where an error is no smaller than on the grid before: it follows where cells lie.",
+            [_verification_row(p) for p in proof],
+            "No order is given where the error grows on a finer grid: it then depends on where the cells lie.",
         ),
         Table.of(
             "rolling-pairs",
             "Force between two touching balls (Lin's Tables 3.5 and 3.7): low-order and 3D model",
-            [_compared(row) for name in PAIRS for row in found[name]],
+            [_comparison_row(row) for name in PAIRS for row in found[name]],
             (
                 "3D: elastic half spaces, with the scatter of three grids as uncertainty. Table 3.7 does not "
                 "print its load state: the plain and the inferred reading are separate scenes, and the "
@@ -143,33 +143,41 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Table.of(
             "rolling-ring",
             "Friction of one ball of a rotary bearing: low-order and 3D model",
-            [_compared(row) for name in RINGS for row in found[name]],
+            [_comparison_row(row) for name in RINGS for row in found[name]],
         ),
-        *_finite(stores, sizes, proof),
-        *_maps(patches),
+        *_finite_body_items(stores, sizes, proof),
+        *_slip_and_traction_maps(patches),
         Table.of("rolling-grids", "Change of the rolling contacts' forces with the grid", _grid_rows(stores)),
-        Table.of("rolling-from-rest", "Linear bearing, case (a), from rest", [_rest(s) for s in series]),
-        _figure(series),
+        Table.of(
+            "rolling-from-rest",
+            "Two balls of a linear bearing (Lin 3.3.2, case (a)) started from rest: final force against steady rolling",
+            [_from_rest_row(s) for s in series],
+        ),
+        _from_rest_figure(series),
         Table.of(
             "rolling-choices",
-            "Ball-to-ball force when a numerical choice changes",
-            [_choice(c) for c in changed],
+            "Change of the ball-to-ball force with grid, time step and other numerical choices",
+            [_numerical_choice_row(c) for c in changed],
             "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
             "own choices. Runs from rest are compared with steady rolling on the same grid.",
         ),
     ]
-    times = _times(stores)
+    times = _error_over_time_figure(stores)
     if times is not None:
         items.append(times)
-    return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_conclusion(found))
+    return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_ball_force_conclusion(found))
 
 
-def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
-    """Return text and tables on what finite bodies change, and on how sensitive that is to numerical choices."""
+def _finite_body_items(
+    stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Verification]
+) -> list[Text | Table | Figure | PressureMap]:
+    """Return text and tables comparing finite bodies with half spaces, for several sizes and meshes of the bodies."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
-    changes = [abs(c) for row in shown if row.quantity in ("force 1-2", "torque") and (c := _change(row)) is not None]
+    changes = [
+        abs(c) for row in shown if row.quantity in ("force 1-2", "torque") and (c := _finite_body_change(row)) is not None
+    ]
     rub = max(abs(p.error) for p in proof if p.case.startswith("balls that touch"))
     most = f" They change forces and torques by up to {max(changes):.2f} %." if changes else ""
     return [
@@ -194,13 +202,13 @@ def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) ->
         Table.of(
             "rolling-bodies",
             "Change of the rolling contacts' forces by bodies of finite size instead of half-spaces",
-            [_beside(row) for row in shown],
+            [_finite_body_row(row) for row in shown],
             "Uncertainty: scatter of three grids, and the largest change of a force or loss by a choice in the next table."
             + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table(
             "rolling-body-sizes",
-            "Two balls: sizes and meshes of finite bodies",
+            "Two touching balls: results for several sizes and meshes of the finite bodies",
             SIZES,
             [{"choice": v.choice, **v.values} for v in sizes.variants],
             f"All on one grid of the contacts. {sizes.words}",
@@ -208,14 +216,14 @@ def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) ->
     ]
 
 
-def _change(row: RollingRow) -> float | None:
-    """Return the change [%] of a quantity by finite bodies; None where it means nothing."""
+def _finite_body_change(row: RollingRow) -> float | None:
+    """Return the change [%] of a quantity from half spaces to finite bodies; None if it is not defined."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
 
-def _beside(row: RollingRow) -> Row:
-    """Return the table row of a quantity by rigid bodies, half spaces and finite bodies."""
+def _finite_body_row(row: RollingRow) -> Row:
+    """Return the table row with one quantity's values for rigid bodies, elastic half spaces and finite elastic bodies."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -225,15 +233,16 @@ def _beside(row: RollingRow) -> Row:
         Quantity("half", "half spaces", "", "g5"): row.half_space,
         Quantity("finite", "finite bodies", "", "g5"): row.reference,
         Quantity("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
-        Quantity("change", "change by finite bodies", "%", ".3f"): _change(row),
+        Quantity("change", "change by finite bodies", "%", ".3f"): _finite_body_change(row),
         Quantity("error", "low-order against finite bodies", "%", ".2f"): row.error_percent,
     }
 
 
-def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
-    """Return maps of the slip, and of the traction with the cells that stick."""
+def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
+    """Return two maps of the contact patches: slip, and tangential traction with the sticking cells marked."""
 
-    def panel(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
+    def draw_patch(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
+        """Draw one contact patch: size of a vector field over ``unit_of``, and its direction by arrows."""
         size = np.linalg.norm(what, axis=1)
         unit = what / np.maximum(size, 1e-300)[:, None]
         x, y = (1e6 * p.at).T
@@ -250,7 +259,7 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
             "rolling-slip",
             "Slip velocity in the contact areas of rolling balls",
             [
-                panel(p, p.slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False)
+                draw_patch(p, p.slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False)
                 for p, most in zip(patches, fastest, strict=True)
             ],
             *axes,
@@ -261,7 +270,7 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
         PressureMap(
             "rolling-traction",
             "Tangential traction and stick zones in the contact areas of rolling balls",
-            [panel(p, p.traction, 1e6, note, marked=True) for p, note in zip(patches, sticking, strict=True)],
+            [draw_patch(p, p.traction, 1e6, note, marked=True) for p, note in zip(patches, sticking, strict=True)],
             *axes,
             "tangential traction on the ball [MPa]",
             marked_label="sticks",
@@ -270,16 +279,16 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
     ]
 
 
-def _conclusion(found: dict[str, list[RollingRow]]) -> str:
-    """Return a sentence on the low-order error of the force between two balls; empty without a stored run."""
+def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
+    """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D run."""
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
         return ""
     return f"The low-order model's force between two touching balls is off by {row.error_percent:+.2f} % of the 3D model's."
 
 
-def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[str]:
-    """Return the paragraphs that explain the tables."""
+def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verification]) -> list[str]:
+    """Return the introduction: the 3D model, verifications passed, and forces and torques beyond the limit."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within_limit(r)]
@@ -289,7 +298,7 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
         "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
         "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
         "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature.",
-        f"{reached} of {len(proof)} known answers are met within their targets.{_pole(proof)}",
+        f"{reached} of {len(proof)} known answers are met within their targets.{_spin_pole_sentence(proof)}",
     ]
     if gated:
         causes = {(r.scene, r.quantity): KNOWN.get((r.scene, r.quantity), "cause unknown") for r in beyond}
@@ -301,8 +310,8 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     return out
 
 
-def _pole(proof: Sequence[Proof]) -> str:
-    """Return a sentence on the error by a spin pole inside a cell, and on what removes it; empty if not computed."""
+def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
+    """Return the sentence on the grid error of full slip whose spin pole lies inside a cell; empty if not computed."""
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -317,7 +326,8 @@ def _pole(proof: Sequence[Proof]) -> str:
     )
 
 
-def _proof(p: Proof) -> Row:
+def _verification_row(p: Verification) -> Row:
+    """Return the table row of a verification: values on three grids, exact value, error, order of convergence."""
     return {
         "case": p.case,
         "quantity": p.quantity,
@@ -332,8 +342,8 @@ def _proof(p: Proof) -> Row:
     }
 
 
-def _compared(row: RollingRow) -> Row:
-    """Return the table row of a quantity by the low-order and the 3D model."""
+def _comparison_row(row: RollingRow) -> Row:
+    """Return the table row that compares one quantity of the low-order friction model with the 3D model and print."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -353,17 +363,17 @@ def _compared(row: RollingRow) -> Row:
     }
 
 
-def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
-    """Return the stored runs of a scene of rolling, the one with the source's cell size first."""
+def _stored_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
+    """Return a scene's stored runs of the 3D rolling model, first that with the publication's cell size."""
     scene = shipped_case(name, KindScene)
     found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 
 
 def _grid_rows(stores: Sequence[Path]) -> list[Row]:
-    """Return the table rows of all stored runs: grid, value, effect of elasticity, processor time."""
+    """Return a table row for each stored run: grid, force or torque, effect of elasticity, processor time."""
     out: list[Row] = []
-    every = [(name, run) for name in (*PAIRS, *RINGS) for run in _runs(name, stores)]
+    every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_runs(name, stores)]
     common = most_of(run.measured for _, run in every)
     for name, run in every:
         key = next(k for k in run.elastic if k.startswith(("force", "torque")))
@@ -384,8 +394,8 @@ def _grid_rows(stores: Sequence[Path]) -> list[Row]:
     return out
 
 
-def _rest(s: Series) -> Row:
-    """Return the table row of a run from rest."""
+def _from_rest_row(s: Series) -> Row:
+    """Return the table row of a transient run from rest: final force, steady force, time at which the balls meet."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
         Quantity("steps", "steps", "", "d"): s.steps,
@@ -397,7 +407,8 @@ def _rest(s: Series) -> Row:
     }
 
 
-def _choice(c: Change) -> Row:
+def _numerical_choice_row(c: Change) -> Row:
+    """Return the table row of one numerical choice: change of the ball-to-ball force, and the stated uncertainty."""
     return {
         "scene": c.scene,
         "choice": c.choice,
@@ -408,26 +419,27 @@ def _choice(c: Change) -> Row:
     }
 
 
-def _figure(series: Sequence[Series]) -> Figure:
+def _from_rest_figure(series: Sequence[Series]) -> Figure:
+    """Draw ball-to-ball force and speed of the balls over time, for two balls started from rest."""
     forces = [Curve(f"{s.steps} steps", [1e3 * t for t in s.time], s.force) for s in series]
     last = series[-1]
     time = [1e3 * t for t in last.time]
     speeds = [Curve(f"ball {k + 1}", time, [1e3 * v[k] for v in last.speed], "line") for k in range(2)]
     return Figure(
         "rolling-from-rest",
-        f"Linear bearing, case (a): two balls begin to roll {1e6 * GAP:g} um apart",
+        f"Two balls of a linear bearing that start from rest {1e6 * GAP:g} um apart: force and speeds over time",
         [
             Panel("ball-to-ball force", "time [ms]", "force [N]", forces, zero=True),
             Panel(f"speed of the balls, {last.steps} steps", "time [ms]", "speed [mm/s]", speeds),
         ],
-        f"The source ran {series[0].steps} steps.",
+        f"Lin's thesis used {series[0].steps} steps.",
     )
 
 
-def _times(stores: Sequence[Path]) -> Figure | None:
-    """Return the figure of each grid's difference from the finest over its processor time; None without runs."""
+def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
+    """Draw the force's difference from the finest grid over processor time; None without stored runs on every level."""
     curves = []
-    found = {name: [r for r in _runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
+    found = {name: [r for r in _stored_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
     common = most_of(r.measured for runs in found.values() for r in runs)
     for name, every in found.items():
         runs = [r for r in every if r.measured == common]
@@ -438,5 +450,7 @@ def _times(stores: Sequence[Path]) -> Figure | None:
         curves.append(Curve(name, [r.seconds for r in runs[:-1]], errors))
     if not curves:
         return None
-    panel = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log="xy")
-    return Figure("rolling-times", "Error of the 3D rolling model over its run time", [panel], f"Measured with {common}.")
+    draw_patch = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log="xy")
+    return Figure(
+        "rolling-times", "Error of the 3D rolling model over its run time", [draw_patch], f"Measured with {common}."
+    )

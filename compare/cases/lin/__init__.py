@@ -1,1 +1,1 @@
-"""Lin (2019), doctoral thesis."""
+"""Lin (2019), doctoral thesis on contact loads and friction of ball screws: printed numbers, reproduced."""

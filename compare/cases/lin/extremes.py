@@ -1,8 +1,8 @@
-"""Stability of friction and ball motion at extremes: the source's root finding against least dissipation and chains.
+"""Robustness of the friction solvers on extreme cases: least dissipation compared with the root finding of Lin's thesis.
 
 The cases are single balls, pairs, chains, and bearings with clearance, varied far from the printed cases; further
 runs start around these. Every case is solved here from the solver's start and from random ones: each solution must
-converge, balance power input and dissipation, and agree with the first. The source's method finds a root of the force
+converge, balance power input and dissipation, and agree with the first. Lin's method finds a root of the force
 balance under its sigmoid friction law from random starts: for one ball at the loads of the same case, for several
 balls as ``lowfi.friction.as_source.screw`` does.
 """
@@ -32,38 +32,38 @@ from rollbench.lowfi.friction.screw.run import Pair, solve_pair
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, Quantity, Row, Table, Text
 
-#: Sharpness of the source's sigmoid, Lin's k_S, in its own formulation; 100 where it is not what is varied.
+#: Values of k_S, the sharpness of Lin's sigmoid friction law; 100 in cases that vary another input.
 SHARPNESSES = (100.0, 1e3, 1e4)
 
-#: Random starts of one ball and of chains, besides the solver's own; how far they are off the solution, relative.
+#: Number of random starts for one ball and for several, besides the solver's default; relative distances from the solution.
 STARTS, CHAIN_STARTS, NEAR_START, FAR_START = 12, 3, 0.01, 0.5
 
-#: Power [W] and, over the friction bound, ball-to-ball force below which random starts and balances are not scaled.
+#: Lower limits of scales: power [W] in energy balances, ball-to-ball force over the friction bound in random starts.
 NO_POWER, NO_FORCE = 1e-13, 0.01
 
 ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (1e-3, 0.1, 10.0, 1e3, 1e5)
 
 RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
 
-#: Small axial loads [N] of pairs of a screw with clearance.
+#: Small axial loads [N] on two balls of a screw with clearance.
 SMALL = (1e-3, 1e-2, 0.1, 0.3)
 
-#: Sizes of the chains, of a linear bearing and of a ball screw.
+#: Numbers of neighbouring balls in a linear bearing and in a ball screw.
 BALLS = (2, 5, 10, 20, 50, 100, 200)
 
-#: Largest chain that the source's method is tried on, in the groups of chains over friction.
+#: Largest number of balls solved by Lin's method, in the groups over the coefficient of friction.
 SOURCE_BALLS = 20
 
-#: Fraction of the contacts without load in the chains that lack some.
+#: Fraction of contacts without load, in the cases with unloaded contacts.
 UNLOADED = 0.25
 
-#: Difference of ball-to-ball force over the friction bound from which a root of the source's is another answer.
+#: Difference of ball-to-ball forces, over the friction bound, above which a root counts as another solution.
 OTHER = 1e-3
 
 
 @dataclass(frozen=True)
-class Record:
-    """Results of one group of cases."""
+class GroupResult:
+    """Results of one group of extreme cases: solutions that converged, energy balance, spread over starts."""
 
     #: Name of the group.
     group: str
@@ -71,17 +71,17 @@ class Record:
     model: str
     #: Number of cases.
     cases: int
-    #: Number of solutions of the solvers here that converged.
+    #: Number of solutions by this package's solvers that converged.
     ours: int
-    #: Number of solutions that were tried.
+    #: Number of attempted solutions.
     tries: int
-    #: Largest relative excess of power in over dissipation.
+    #: Largest relative excess of the power input over dissipation.
     energy: float
     #: Largest relative difference of the results from several starts (loss of one ball, ball-to-ball forces of several).
     spread: float
-    #: Number of roots found by the source's method; None if it has no such model.
+    #: Number of roots found by Lin's method; None if it has no such model.
     source: int | None = None
-    #: Number of its searches.
+    #: Number of attempts by Lin's method.
     source_tries: int | None = None
     #: Remark.
     note: str = ""
@@ -89,7 +89,7 @@ class Record:
 
 @dataclass
 class Tally:
-    """Running counts for one group, updated with each solved case."""
+    """Counts of solved cases and largest errors of one group of extreme cases, updated with each solution."""
 
     cases: int = 0
     ours: int = 0
@@ -104,11 +104,10 @@ class Tally:
     other: int = 0
 
     def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
-        """Count one run of the source's method against the ball-to-ball forces found here [N].
+        """Count one solution by Lin's method, and compare its ball-to-ball forces with ``force`` [N].
 
-        ``found`` is None if that method found no loads; ``bound``: friction bound [N], the scale of differences. A
-        run counts as solved if its root has no balls that overlap or pull; ``other`` counts such roots with other
-        forces than ``force``.
+        ``found``: None if the method found no loads; ``bound``: friction bound [N], the scale of differences. A root
+        counts as solved if no balls overlap or pull; ``other`` counts such roots with forces that differ from ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -119,14 +118,18 @@ class Tally:
             self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
 
     def add(self, good: bool, power: float, loss: float, apart: float) -> None:
-        """Count one solution: whether it converged, power in and loss [W], relative difference from the first."""
+        """Count one solution of this package's solver.
+
+        ``good``: whether it converged; ``power``, ``loss``: power input and dissipation [W]; ``apart``: relative difference
+        from the first solution.
+        """
         self.tries += 1
         self.ours += good
         self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
         self.spread = max(self.spread, apart)
 
-    def record(self, group: str, model: str, note: str = "") -> Record:
-        """Return the group's record."""
+    def record(self, group: str, model: str, note: str = "") -> GroupResult:
+        """Return the results of the group from the counts."""
         tried = self.source_tries or None
         if self.restarts:
             led = f"{self.direct} of {self.restarts} random starts led there by themselves"
@@ -135,7 +138,7 @@ class Tally:
             if count:
                 roots = f"roots of the source's that {what}: {count}"
                 note = f"{note}; {roots}" if note else roots
-        return Record(
+        return GroupResult(
             group,
             model,
             self.cases,
@@ -151,7 +154,11 @@ class Tally:
 
 @dataclass(frozen=True)
 class OneBall:
-    """One ball at given loads: its problem, the source's friction law, and the power [W] that drives it."""
+    """The motion of one ball under given contact loads.
+
+    ``problem``: contacts and driven surfaces; ``law``: Lin's sigmoid friction law; ``power``: power input [W] for given
+    friction forces.
+    """
 
     problem: Problem
     law: Sigmoid
@@ -159,13 +166,13 @@ class OneBall:
 
 
 def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
-    """Return a ball of the rotary bearing at an axial load [N] and a radial displacement [m]."""
+    """Return a ball of the rotary bearing under an axial load [N] and a radial displacement ``u_y`` [m]."""
     s = solve_ball(bearing, axial, u_y, fast=True)
     return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
 def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the second ball of a separate screw pair at its loads, or at given contact loads (4,) [N]."""
+    """Return the second of two balls of a screw that do not touch, under its loads or given contact loads (4,) [N]."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:
@@ -177,12 +184,15 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPN
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
-    """Return the power [W] that the driven surfaces put in against the friction force (m, 3) on the ball."""
+    """Return the power input [W] of the driven surfaces against friction forces and moments (m, 3) on the ball."""
     return -float(np.sum(wrench * problem.drives))
 
 
-def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
-    """Solve a ball by least dissipation and by the source's root finding from random starts up to ``off`` away."""
+def solve_ball_by_both_methods(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
+    """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
+
+    ``off``: largest relative distance of the starts from the solution.
+    """
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
@@ -199,21 +209,26 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
         tally.source_tries += 1
 
 
-def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
-    """Solve a group of single balls and return its record; ``off``: largest relative distance of random starts."""
+def solve_ball_group(
+    group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START
+) -> GroupResult:
+    """Solve a group of single balls by both methods and return its results.
+
+    ``off``: largest relative distance of random starts from the solution.
+    """
     rng, tally = np.random.default_rng(1), Tally()
     for ball in balls:
-        try_ball(tally, ball, rng, off)
+        solve_ball_by_both_methods(tally, ball, rng, off)
     return tally.record(group, model, note)
 
 
-def screw_share(share: float) -> OneBall:
-    """Return a screw ball whose second diagonal carries a given share of the load of the first."""
+def screw_ball_with_diagonal(share: float) -> OneBall:
+    """Return a ball of the screw whose second contact diagonal carries ``share`` times the load of the first."""
     return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
-def ball_rows() -> list[Record]:
-    """Return the records of all groups of single balls at given loads."""
+def single_ball_results() -> list[GroupResult]:
+    """Solve all groups of single balls under given loads and return their results."""
     two, rest = radians(2.0), table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
@@ -221,78 +236,84 @@ def ball_rows() -> list[Record]:
     for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
         printed = [rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
-        rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
+        rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         pairs = [screw_ball(p(two), None, k) for p in (case_as_printed, inferred)]
-        rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
+        rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
-        ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
-        ball_group("mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),
-        ball_group(
+        solve_ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
+        solve_ball_group(
+            "mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]
+        ),
+        solve_ball_group(
             "mu 0.001 to 0.5",
             "rotary",
             [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
-        ball_group(
+        solve_ball_group(
             "two-point transition",
             "rotary",
             [rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
             "radial displacement 4.2 to 4.5 µm",
         ),
-        ball_group(
+        solve_ball_group(
             "two-point transition",
             "screw",
-            [screw_share(10.0**-k) for k in range(13)],
+            [screw_ball_with_diagonal(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
-        ball_group("loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
-        ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
-        ball_group(
+        solve_ball_group(
+            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]
+        ),
+        solve_ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
+        solve_ball_group(
             "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
         ),
-        ball_group(
+        solve_ball_group(
             "clearance to 10 µm",
             "screw",
             [screw_ball(replace(case_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
         ),
-        ball_group(
+        solve_ball_group(
             "zero speed",
             "rotary",
             [rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
-        ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
+        solve_ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
     ]
     return rows
 
 
-# --- extreme cases of pairs and chains of balls, in a linear bearing and in a ball screw, and of a bearing with clearance
+# --- extreme cases of two and more neighbouring balls in a linear bearing and a ball screw, and of a bearing with clearance
 
 
 @dataclass(frozen=True)
 class LinearCase:
-    """Linear bearing with balls close enough to touch each other: contact angles [rad] and loads [N], (N, 4)."""
+    """Neighbouring balls of a linear bearing that may touch each other.
+
+    ``angles``, ``loads``: contact angles [rad] and contact loads [N], (N, 4).
+    """
 
     bearing: LinearBearing
     angles: Array
     loads: Array
 
     def chain(self) -> Chain:
-        """Return the balls prepared for the chain solver."""
+        """Prepare the balls for the solver of neighbouring balls."""
         return prepare_chain(self.bearing, self.angles, self.loads)
 
 
-def chain_group(
+def solve_chain_group(
     group: str,
     cases: Sequence[LinearCase],
     model: str = "linear pair",
     starts: int = CHAIN_STARTS,
     most: int = 200,
     note: str = "",
-) -> Record:
-    """Solve chains of the linear bearing by both methods and return the record of the group.
+) -> GroupResult:
+    """Solve neighbouring balls of a linear bearing by both methods and return the results of the group.
 
-    ``starts``: number of random starts besides the solver's; ``most``: largest number of balls for the source's
-    method.
+    ``starts``: number of random starts besides the default; ``most``: largest number of balls for Lin's method.
     """
     rng, tally = np.random.default_rng(2), Tally()
     for case in cases:
@@ -313,37 +334,41 @@ def chain_group(
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearCase:
-    """Return a linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
+    """Return two neighbouring balls of the linear bearing.
+
+    ``theta``: deviation of the contact angle [deg]; ``rho``: side force ratio; ``vertical``: load [N]; ``mu``: friction
+    coefficient; ``speed`` [m/s].
+    """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
-def chain_state(count: int) -> tuple[Array, Array]:
-    """Return random contact angles [rad] and loads [N] of a linear chain, (N, 4), with deviations and side forces."""
+def random_chain_state(count: int) -> tuple[Array, Array]:
+    """Return random contact angles [rad] and loads [N], (N, 4), of ``count`` neighbouring balls in the linear bearing."""
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
 def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
-    """Return a linear chain with random angles and side forces; ``mu``: friction coefficient of all contacts."""
-    return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *chain_state(count))
+    """Return ``count`` neighbouring balls of the linear bearing, random angles and loads; ``mu``: of friction."""
+    return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *random_chain_state(count))
 
 
-def patchy_chain(count: int, mu: float) -> LinearCase:
-    """Return a linear chain with random contact loads, not in equilibrium and zero at some contacts."""
+def chain_with_unloaded_contacts(count: int, mu: float) -> LinearCase:
+    """Return neighbouring balls of the linear bearing with random loads, a quarter of them zero, not in equilibrium."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
-def relieved_pair(share: float) -> LinearCase:
-    """Return a linear pair whose balls nearly lose one diagonal's load: side force ratio -1 + ``share``."""
+def pair_with_relieved_diagonal(share: float) -> LinearCase:
+    """Return two balls of the linear bearing with one contact diagonal nearly unloaded: side force ratio -1 + ``share``."""
     return linear_pair(2.0, -1.0 + share)
 
 
-def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
-    """Solve screw pairs with loads and motions together, then their chains from random starts; return the record."""
+def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
+    """Solve loads and motions of two balls of a screw, from random starts as well, and return the results of the group."""
     rng, tally = np.random.default_rng(3), Tally()
     for p in pairs:
         tally.cases += 1
@@ -352,15 +377,20 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
         tally.add(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
-        restart(tally, chain, m, rng, FAR_START)
+        solve_from_random_starts(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.ball_loads.max())
         for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
             tally.theirs(found, m.ball_force[:1], bound)
     return tally.record(group, "screw pair", note)
 
 
-def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
-    """Solve a screw chain from randomly changed motions and forces; count differences from a known solution."""
+def solve_from_random_starts(
+    tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
+) -> None:
+    """Solve neighbouring balls of a screw from random starts, and count differences from a known solution.
+
+    ``off``: largest relative distance of the starting motion from the solution.
+    """
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
     size = np.maximum(first.ball_force, NO_FORCE * bound)
     for _ in range(CHAIN_STARTS):
@@ -372,8 +402,11 @@ def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.
         tally.direct += m.from_start
 
 
-def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
-    """Return random loads [N] and angles [rad], (N, 4), and slack (N,) [rad/s] of a chain with an open end."""
+def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
+    """Return random contact loads [N] and angles [rad], (N, 4), and slacks (N,) of neighbouring balls of a screw.
+
+    Slack: largest rate [rad/s] at which a ball may gain on the next one; infinite where they cannot touch.
+    """
     g, rng = table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
@@ -382,28 +415,28 @@ def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_chain(count: int) -> ScrewChain:
-    """Return a screw's chain of balls with random loads, angles and slack, open at its end."""
-    g, (force, angle, slack) = table_3_6(), screw_chain_state(count)
+    """Return ``count`` neighbouring balls of a screw with random loads, contact angles and slacks."""
+    g, (force, angle, slack) = table_3_6(), random_screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
-def screw_chains() -> Record:
-    """Solve chains of a screw of several sizes and return their record."""
+def solve_screw_chains() -> GroupResult:
+    """Solve neighbouring balls of a screw, of several numbers, and return the results of the group."""
     rng, tally = np.random.default_rng(4), Tally()
     for count in BALLS:
         tally.cases += 1
         chain = screw_chain(count)
         m = solve_chain(chain)
         tally.add(m.converged, m.input_power, m.loss, 0.0)
-        restart(tally, chain, m, rng, NEAR_START)
+        solve_from_random_starts(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
+        for found in from_screw_starts(chain, random_screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
             tally.theirs(found, m.ball_force[:-1], bound)
     return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
 
-def bearing_clearance() -> Record:
-    """Solve the whole four-point bearing of Table 4.2 for loads and motions with clearance; return the record."""
+def solve_bearing_with_clearance() -> GroupResult:
+    """Solve loads and motions of the four-point bearing of Lin's Table 4.2 with clearance; return the results."""
     tally = Tally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
@@ -412,18 +445,18 @@ def bearing_clearance() -> Record:
     return tally.record("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
 
-def chain_rows() -> list[Record]:
-    """Return the records of all groups of pairs and chains."""
+def chain_results() -> list[GroupResult]:
+    """Solve all groups of two and more neighbouring balls and return their results."""
     two = radians(2.0)
     base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
-        chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
-        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
-        chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
-        chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
-        chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
-        chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
-        chain_group(
+        solve_chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
+        solve_chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
+        solve_chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
+        solve_chain_group("two-point transition", [pair_with_relieved_diagonal(10.0**-k) for k in range(1, 13)]),
+        solve_chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
+        solve_chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
+        solve_chain_group(
             "chains, mu 0.001 to 0.5",
             [linear_chain(n, m) for n, m in product(BALLS, MU)],
             f"linear, {', '.join(map(str, BALLS))} balls",
@@ -431,54 +464,55 @@ def chain_rows() -> list[Record]:
             SOURCE_BALLS,
             few,
         ),
-        chain_group(
+        solve_chain_group(
             "chains, mu 0.001 to 0.5",
-            [patchy_chain(n, m) for n, m in product(BALLS, MU)],
+            [chain_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)],
             "the same, a quarter of the contacts unloaded",
             1,
             SOURCE_BALLS,
             few,
         ),
-        screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
-        screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
-        screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
-        screw_pairs(
+        solve_screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
+        solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
+        solve_screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
+        solve_screw_pairs(
             "two-point transition",
             [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
             "oversize 0.8 to 1.1 µm",
         ),
-        screw_pairs(
+        solve_screw_pairs(
             "clearance to 10 µm",
             [replace(case_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
-        screw_pairs(
+        solve_screw_pairs(
             "clearance to 10 µm",
             [replace(case_as_printed(two), oversize=-c) for c in CLEARANCE],
             "friction moves the balls",
         ),
-        screw_pairs(
+        solve_screw_pairs(
             "small loads and clearance",
             [replace(case_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
-        screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
-        screw_chains(),
-        bearing_clearance(),
+        solve_screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
+        solve_screw_chains(),
+        solve_bearing_with_clearance(),
     ]
 
 
-# --- extremes around the printed cases of Lin 3.2 and 3.3: the linear pair, and starts of the rotary bearing's ball
+# --- extreme cases around those of Lin 3.2 and 3.3: two balls of the linear bearing, starts of the rotary bearing's ball
 
 
-#: Random starts of root finding, near and far.
+#: Number of random starts of root finding, near and far from the solution.
 ROOT_STARTS = 8
 
 
-def pair_extremes() -> list[tuple[str, list[Chain]]]:
-    """Return groups of extreme linear pairs, each a chain ready to solve."""
+def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
+    """Return groups of extreme cases of two balls in the linear bearing, by name of the varied inputs."""
 
     def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
+        """Return two balls of the linear bearing, prepared for the solver."""
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
         return prepare_chain(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
@@ -495,10 +529,10 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
     ]
 
 
-def pair_rows() -> list[Row]:
-    """Return the rows of extreme pairs, each solved from the nominal start and two random ones."""
+def extreme_pair_rows() -> list[Row]:
+    """Return table rows of extreme cases of two balls in the linear bearing, each solved from three starts."""
     rng, rows = np.random.default_rng(3), list[Row]()
-    for group, chains in pair_extremes():
+    for group, chains in extreme_linear_pairs():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
             starts = [None, *(c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
@@ -520,8 +554,8 @@ def pair_rows() -> list[Row]:
     return rows
 
 
-def root_rows() -> list[Row]:
-    """Return rows that compare the source's root finding and least dissipation on cases I to III from random starts."""
+def root_finding_rows() -> list[Row]:
+    """Return table rows that compare Lin's root finding and least dissipation on cases I to III, from random starts."""
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
@@ -539,9 +573,9 @@ def root_rows() -> list[Row]:
     return rows
 
 
-def all_rows() -> list[Record]:
-    """Return the whole table."""
-    return [*ball_rows(), *chain_rows()]
+def all_group_results() -> list[GroupResult]:
+    """Solve all groups of extreme cases and return their results."""
+    return [*single_ball_results(), *chain_results()]
 
 
 COLUMNS = (
@@ -556,8 +590,8 @@ COLUMNS = (
 )
 
 
-def by_model(tried: Sequence[Record]) -> str:
-    """Return the number of starts that the source's root finding solves, by model, the worst first."""
+def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
+    """Return in words how many starts Lin's root finding solves, by model, the worst first."""
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))
@@ -566,9 +600,9 @@ def by_model(tried: Sequence[Record]) -> str:
     return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
 
 
-def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
-    """Return table and conclusion for a section of the report; ``found``: records if computed before."""
-    found = all_rows() if found is None else found
+def table_section_items(found: Sequence[GroupResult] | None = None) -> tuple[Text | Table, ...]:
+    """Return text and table on all extreme cases for the report; ``found``: results if computed before."""
+    found = all_group_results() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:
         theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"
@@ -578,7 +612,8 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
     text = (
         f"Solved here: {sum(r.ours for r in found)} of {sum(r.tries for r in found)}; the source's root finding "
         f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. Model by model, the worst "
-        f"first: {by_model(tried)}. It decides which balls touch from their motions without contact (Lin 3.31, 3.77), so "
+        f"first: {root_finding_by_model(tried)}. It decides which balls touch from their motions without contact "
+        f"(Lin 3.31, 3.77), so "
         "that roots of longer chains may let balls overlap; these do not count as solved.",
     )
     note = (

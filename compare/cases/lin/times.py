@@ -1,6 +1,6 @@
-"""Run times shown next to those of Tables 2.2, 3.5 and 3.7, all from one measuring run.
+"""Run times of the models, compared with those printed in Tables 2.2, 3.5 and 3.7 of Lin's thesis.
 
-``rollbench bench --source lin --store FOLDER`` measures and stores them. Cold: a new process with empty caches,
+``rollbench bench --source lin --store FOLDER`` measures and stores all of them. Cold: in a new process with empty caches,
 imports included. Further: the next load case in the same process.
 """
 
@@ -27,11 +27,11 @@ from rollbench.compare.studies.run_times import (
     today,
 )
 
-#: Scenes of the case studies of Table 2.2, by number; of Tables 3.5 and 3.7 by case.
+#: Scenes of the case studies of Table 2.2, by number; scenes of Tables 3.5 and 3.7, by case.
 STATIC = {1: "lin-case1", 2: "lin-case2", 3: "lin-case3-offset"}
 LINEAR, SCREW = {c: f"lin-pair-{c}" for c in "ab"}, {c: f"lin-screw-pair-{c}" for c in "ab"}
 
-#: What is timed of two balls: imports, and the call.
+#: Code whose run time is measured for two balls: imports, and the call.
 CALLS = {
     "numerical": ("import rollbench", "rollbench.friction({name!r})"),
     "formula": (
@@ -49,7 +49,7 @@ CALLS = {
 
 
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
-    """Return all run times of the page, measured now (takes five minutes on two idle cores)."""
+    """Measure all run times that are compared with Lin's tables (takes five minutes on two idle cores)."""
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevel] = []
     for name in STATIC.values():
@@ -71,30 +71,35 @@ def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
 
 
 @dataclass(frozen=True)
-class Seconds:
-    """Seconds cold and of a further load case (None: not measured), and an older time in words."""
+class RunTimes:
+    """Run times of a model [s]: in a new process, of a further load case; None if not measured.
+
+    ``older``: time of an earlier measurement, in words.
+    """
 
     cold: float | None = None
     further: float | None = None
     older: str = ""
 
 
-def seconds(study: Study, name: str, way: str) -> Seconds:
-    """Return the stored times of a scene by ``lin``, ``numerical``, ``formula`` or ``3D``."""
+def stored_run_times(study: Study, name: str, way: str) -> RunTimes:
+    """Return the stored run times of a scene; ``way``: model, "lin", "numerical", "formula" or "3D"."""
     kept = study.once(case_times, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.levels:
             if (level.scene, level.level) == (name, found.best.level):
-                return Seconds(level.process, level.load_case)
+                return RunTimes(level.process, level.load_case)
         run = found.best
-        return Seconds(older=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}")
+        return RunTimes(older=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}")
     known = None if kept is None else kept.times.get((name, way))
     if known is not None:
-        return Seconds(known.cold, known.warm)
+        return RunTimes(known.cold, known.warm)
     if way != "3D":
-        return Seconds()
+        return RunTimes()
     two = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return (
-        Seconds() if two is None else Seconds(older=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
+        RunTimes()
+        if two is None
+        else RunTimes(older=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
     )

@@ -1,4 +1,4 @@
-"""Liu et al. (2025) in the report: the numbers of its sections as tables and its figures, with ours on both."""
+"""Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones."""
 
 from __future__ import annotations
 
@@ -17,39 +17,42 @@ from rollbench.compare.sections.source_tables import computation_tables, read_la
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
-#: Sections by name: title, printed tables.
+#: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
-    "liu-parameters": ("Section 2.1 and Table 2: the screw and its errors", ("liu-2",)),
-    "liu-test": ("Section 3: algorithm and experiment", ("liu-3",)),
-    "liu-mei": ("Section 4.1: against Mei's model", ("liu-4.1",)),
-    "liu-one-ball": ("Section 4.2: one ball too small or too large", ("liu-4.2",)),
-    "liu-loads": ("Section 4.3: random errors, loads and displacement", ("liu-4.3",)),
-    "liu-stiffness": ("Section 4.4: random errors, stiffness", ("liu-4.4",)),
+    "liu-parameters": ("Liu (2025), Section 2.1 and Table 2: the screw and its errors", ("liu-2",)),
+    "liu-test": ("Liu (2025), Section 3: algorithm and experiment", ("liu-3",)),
+    "liu-mei": ("Liu (2025), Section 4.1: contact loads by Liu's and Mei's models", ("liu-4.1",)),
+    "liu-one-ball": ("Liu (2025), Section 4.2: contact loads with one ball too small or too large", ("liu-4.2",)),
+    "liu-loads": ("Liu (2025), Section 4.3: contact loads and displacement with random errors", ("liu-4.3",)),
+    "liu-stiffness": ("Liu (2025), Section 4.4: axial stiffness with random errors", ("liu-4.4",)),
 }
 PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
     (
         "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz "
         "contacts: the minimum of a convex energy, found by a tridiagonal Newton method that needs no sorting "
-        "of unloaded balls. The source's elimination ends with the same loaded balls. Random results are "
-        "compared with drawn screws: each number has its percentile, the sampling error of it, and the "
+        "of unloaded balls. The publication's elimination of unloaded balls gives the same loaded balls. Random results "
+        "are compared with drawn screws: each number has its percentile, the sampling error of it, and the "
         "probability of a value as extreme."
     ),
     *(f"Assumed: {text}" for text in liu.ASSUMED),
-    "The source's readings agree with its implicit contact angle, not with a constant or the exact angle.",
+    "The publication's printed values agree with its implicit contact angle, not with a constant or the exact angle.",
     "The measured displacements appear in a figure only, so no number of the experiment can be compared.",
 )
 
 
-def counts_in_words(found: dict[str, float]) -> str:
-    """Return a text on how many printed counts of loaded balls lie within the central range of the draws."""
+def loaded_counts_sentence(found: dict[str, float]) -> str:
+    """Return in words how many printed counts of loaded balls lie in the central 99 % of the drawn screws.
+
+    ``found``: printed values by key.
+    """
     total, out = 0, []
     for key, value in found.items():
         parts = re.fullmatch(r"(un)?loaded_(\d)_(\d+)(_again)?", key)
         if parts is None:
             continue
         half_range, load = int(parts[2]), float(parts[3])
-        count = liu.balls() - value if parts[1] else value
+        count = liu.ball_count() - value if parts[1] else value
         low, high = np.quantile(liu.drawn_sample(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY])
         total += 1
         if not low <= count <= high:
@@ -59,21 +62,27 @@ def counts_in_words(found: dict[str, float]) -> str:
     return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
 
 
-def stiffness_in_words(found: dict[str, float]) -> str:
-    """Return a text on the deviation of printed stiffness from the drawn median, where most draws load all balls."""
+def stiffness_sentence(found: dict[str, float]) -> str:
+    """Return in words the deviation of printed stiffness from the median of drawn screws, where most load all balls.
+
+    ``found``: printed values by key.
+    """
     off = []
     for key, value in found.items():
         parts = re.fullmatch(r"K_(\d)_(\d+)", key)
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
-        if load in liu.LOADS.get(half_range, ()) and np.median(liu.drawn_sample(half_range, "loaded", load)) == liu.balls():
+        if (
+            load in liu.LOADS.get(half_range, ())
+            and np.median(liu.drawn_sample(half_range, "loaded", load)) == liu.ball_count()
+        ):
             off.append(error_percent(1e8 * value, float(np.median(liu.drawn_sample(half_range, "stiffness", load)))))
     if not off:
         return "no printed stiffness stands at a load that all balls of most draws carry"
     return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
 
 
-def bodies_table(study: Study) -> Table:
-    """Return the table of loads of screws with errors by the axial chain, the beam model and the refined model."""
+def model_loads_table(study: Study) -> Table:
+    """Return the table of contact loads by Liu's axial model, the beam model and the refined model, for several errors."""
     rows: list[Row] = []
     for c in study.once(bodies.compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
@@ -85,7 +94,7 @@ def bodies_table(study: Study) -> Table:
             row[Quantity(name, f"{words}: largest load", "N")] = float(model.max())
             row[Quantity(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
             if name != "axial":
-                rms, most, ball = c.off(model)
+                rms, most, ball = c.difference_from_axial(model)
                 row[Quantity(f"{name}_rms", f"{words}: RMS off the axial one", "% of the mean", ".2f")] = rms
                 largest = f"{most:+.1f} (ball {ball})"
                 row[Quantity(f"{name}_most", f"{words}: largest difference", "% of the mean", "s")] = largest
@@ -94,11 +103,13 @@ def bodies_table(study: Study) -> Table:
         "Axial only: the chain with the axial compliance of the same screw and a rigid nut, as in the beam "
         "model. Areas and balls per turn are assumed (scene liu-screw)."
     )
-    return Table.of("liu-bodies", "Where the axial-only idealisation misleads", rows, note)
+    return Table.of(
+        "liu-bodies", "Contact loads of Liu's screw by the axial-only, the beam and the refined model", rows, note
+    )
 
 
-def solid_table(study: Study) -> Table:
-    """Return the table of errors of the low-order models against 3D on one screw."""
+def errors_against_3d_table(study: Study) -> Table:
+    """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw."""
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {
@@ -111,7 +122,7 @@ def solid_table(study: Study) -> Table:
             Quantity("loaded", "loaded balls", "", "s"): c.loaded,
             Quantity("solid", "in 3D", "", "s"): c.loaded_in_3d,
         }
-        for c in study.once(bodies.compare_solid)
+        for c in study.once(bodies.compare_with_3d)
     ]
     levels = " and ".join(str(k) for k in bodies.SOLID_LEVELS)
     contacts = 2 * study.scene(bodies.SCENE).ball_count
@@ -120,34 +131,42 @@ def solid_table(study: Study) -> Table:
         "rigid. "
         "The drawn errors are those of the scene's seed, the same for all models."
     )
-    return Table.of("liu-solid", "The axial-only idealisation, beam and refined model against 3D", rows, note)
+    return Table.of(
+        "liu-solid",
+        "Error of the axial-only, the beam and the refined model against the 3D reference, Liu's screw",
+        rows,
+        note,
+    )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the sections of the report."""
+    """Return the report's sections on Liu et al. (2025)."""
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
     listed = read_layouts(next(case for case in CASES if case.name == "liu"))
     drawn = {
-        "liu-test": (curves.deformation(), curves.test_curve(), curves.test_table()),
-        "liu-mei": (curves.against_mei(),),
-        "liu-one-ball": (curves.one_ball(),),
+        "liu-test": (curves.ball_deformation_figure(), curves.test_figure(), curves.test_table()),
+        "liu-mei": (curves.mei_figure(),),
+        "liu-one-ball": (curves.one_ball_figure(),),
         "liu-loads": (
-            curves.loads_2(),
-            curves.loads_by_range(),
-            curves.loaded_balls(printed, f"{counts_in_words(printed)}."),
-            curves.displacement(),
+            curves.loads_figure(),
+            curves.loads_by_range_figure(),
+            curves.loaded_balls_figure(printed, f"{loaded_counts_sentence(printed)}."),
+            curves.displacement_figure(),
         ),
-        "liu-stiffness": (curves.stiffness(printed, f"{stiffness_in_words(printed)}."), curves.three_sets(printed)),
+        "liu-stiffness": (
+            curves.stiffness_figure(printed, f"{stiffness_sentence(printed)}."),
+            curves.three_draws_figure(printed),
+        ),
     }
     chapters = [
         Section(name, title, (*shown_tables(tables, listed, by_name), *drawn.get(name, ())))
         for name, (title, tables) in CHAPTERS.items()
     ]
     study.uses(bodies.SOLID)
-    beyond = [bodies_table(study), *([solid_table(study)] if study.references(bodies.SOLID) else ())]
+    beyond = [model_loads_table(study), *([errors_against_3d_table(study)] if study.references(bodies.SOLID) else ())]
     return (
         Section(
             "liu",
@@ -156,7 +175,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
             conclusion=trust(counts(found)[0]),
         ),
         *chapters,
-        Section("liu-beyond", "The same screw by a beam, the refined model and in 3D", beyond),
+        Section("liu-beyond", "Liu's screw by the axial-only model, a beam, the refined model and in 3D", beyond),
         Section(
             "liu-audit",
             "Misprints of the publication, and how each number is computed here",

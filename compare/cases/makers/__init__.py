@@ -1,1 +1,1 @@
-"""Makers' tables and the few measurements that can be read, and what this project computes for them."""
+"""Makers' printed tables and a few measurements of bearings and ball nuts, compared with computed values."""

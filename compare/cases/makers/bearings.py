@@ -1,4 +1,4 @@
-"""Sets of bearings with equal gaps, axial clearances under a load, load ratings of bearings whose balls are printed."""
+"""Bearings in makers' catalogues: printed preload, rigidity, clearance and ratings, compared with computed ones."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from rollbench.compare.cases.makers.outside import Band, Outside, of_row
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
+from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
+from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
@@ -22,42 +22,44 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import ARRANGEMENTS
 from rollbench.meshes.parts import Scene
 
-#: Materials and conformity that ratings of bearings take (ISO 281, ISO 76): not printed by makers.
+#: Young's modulus [Pa], Poisson's ratio and conformity (groove radius over ball diameter) assumed for ratings (ISO 281,
+#: ISO 76): makers do not print them.
 YOUNG, POISSON, CONFORMITY = 207e9, 0.3, 0.52
 
-#: Exponent of starting torque over the load of a row: the ellipse's axis times the load (Palmgren; Smith 2.33).
+#: Exponent of starting torque over the load of a bearing row: major semi-axis times load (Palmgren; Smith 2.33).
 TORQUE = 4.0 / 3.0
 
 
-# --- sets with equal gaps
+# --- bearing sets (DB, DBD, ...) with equal gaps
 
 
 @cache
-def over_pair(name: str) -> tuple[float, float, float]:
-    """Return preload, tangent rigidity and starting torque of a set, relative to those of a pair of the same bearings."""
+def set_over_pair(name: str) -> tuple[float, float, float]:
+    """Return preload, tangent rigidity and starting torque of a bearing set such as "DBD", as multiples of a DB pair's."""
     one = PointRow()
 
-    def totals_of(name: str) -> Array:
+    def set_totals(name: str) -> Array:
+        """Return preload, tangent rigidity and torque of a bearing set, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = equilibrium(equal_rows(one, rows, 1e-6))
         loads = state.loads
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 
-    preload, rigidity, torque = totals_of(name) / totals_of("DB")
+    preload, rigidity, torque = set_totals(name) / set_totals("DB")
     return float(preload), float(rigidity), float(torque)
 
 
-#: What a set has, its column, its unit, and how it goes with the preload at a constant angle.
-OF_SETS = (
+#: Quantities of a bearing set: name, column in the table, unit, exponent over the preload at a constant contact angle.
+SET_QUANTITIES = (
     ("preload", "preload_N", "N", 1.0),
     ("rigidity", "rigidity_N_per_um", "N/um", 1.0 / 3.0),
     ("torque", "starting_torque_N_m", "N m", TORQUE),
 )
 
 
-def sets() -> Iterator[Outside]:
-    """Yield the printed values of every bearing set, computed from the pair of the same bearings."""
-    for source in tables("nsk-tac"):
+def compare_bearing_sets() -> Iterator[Outside]:
+    """Compare printed preload, rigidity and torque of NSK's bearing sets with values computed from the DB pair's."""
+    for source in read_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
         for row in source.rows:
@@ -67,8 +69,8 @@ def sets() -> Iterator[Outside]:
                 continue
             pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
             growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
-            ratios = over_pair(name) if kind != "class" else tuple(growth**power for *_, power in OF_SETS)
-            for (quantity, column, unit, power), ratio in zip(OF_SETS, ratios, strict=True):
+            ratios = set_over_pair(name) if kind != "class" else tuple(growth**power for *_, power in SET_QUANTITIES)
+            for (quantity, column, unit, power), ratio in zip(SET_QUANTITIES, ratios, strict=True):
                 if kind == "class" and quantity == "preload":
                     continue
                 half, base = 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")), source.number(pair[column])
@@ -77,15 +79,15 @@ def sets() -> Iterator[Outside]:
                     off += power * sum(half_step(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair))
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
                 rounding = max(half_step(row[column]), half)
-                yield of_row(source, row, "line", column, what, Band.within(ratio * base, off), rounding=rounding)
+                yield compare_row(source, row, "line", column, what, Band.within(ratio * base, off), rounding=rounding)
 
 
 # --- bearings from their ratings
 
 
 @cache
-def _ring() -> Scene:
-    """Return the shipped bearing scene with the elastic constants used for all bearings."""
+def _bearing_with_iso_material() -> Scene:
+    """Return the shipped scene of a nine-ball bearing, with the elastic constants used for all bearings."""
     found = catalogue.shipped("bearing-9")
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
@@ -95,9 +97,9 @@ def _ring() -> Scene:
     )
 
 
-def ring(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
-    """Return a row of balls as a scene, from diameters of ball and pitch circle [m], contact angle [rad] and conformity."""
-    one = _ring()
+def bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
+    """Return the scene of a bearing row, from diameters of ball and pitch circle [m], contact angle [rad], conformity."""
+    one = _bearing_with_iso_material()
     groove = conformity * ball
     return replace(
         one,
@@ -114,44 +116,46 @@ FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
 
 
 @cache
-def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
-    """Return C over Z^(2/3) D^1.8 and C_0 over Z D^2 [N, m] by ISO 281 and ISO 76, over D/d_m."""
-    rings = [ring(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
+def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
+    """Return splines of C/(Z^(2/3) D^1.8) and C_0/(Z D^2) over D/d_m at a contact angle [rad] (ISO 281, ISO 76; N, m)."""
+    rings = [bearing_scene(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
     dynamic = [rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
     static = [static_rating(one) for one in rings] / (FEW * balls**2)
     return CubicSpline(RELATIVE, dynamic), CubicSpline(RELATIVE, static)
 
 
-def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
-    """Return number (a fraction) and diameter [m] of the balls of a row whose ratings are C and C_0 [N].
+def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
+    """Return number (not rounded) and diameter [m] of the balls that give the ratings C and C_0 [N].
 
-    By ISO 281 and ISO 76, with pitch diameter [m] and contact angle [rad].
+    Inverts ISO 281 and ISO 76 for a pitch diameter [m] and a contact angle [rad].
     """
-    of_dynamic, of_static = factors(angle)
+    of_dynamic, of_static = rating_factors(angle)
 
-    def count(ball: float) -> float:
+    def ball_number(ball: float) -> float:
+        """Return the number of balls of a diameter [m] that gives the static rating."""
         return static / (float(of_static(ball / pitch)) * ball**2)
 
-    def excess(ball: float) -> float:
-        computed = float(of_dynamic(ball / pitch)) * count(ball) ** (2.0 / 3.0) * ball**1.8
+    def rating_error(ball: float) -> float:
+        """Return the relative error of the dynamic rating with balls of a diameter [m]."""
+        computed = float(of_dynamic(ball / pitch)) * ball_number(ball) ** (2.0 / 3.0) * ball**1.8
         return float(computed / dynamic - 1.0)
 
     low, high = float(RELATIVE[0]), float(RELATIVE[-1])
-    ball = float(brentq(excess, low * pitch, high * pitch, rtol=1e-9))
-    return count(ball), ball
+    ball = float(brentq(rating_error, low * pitch, high * pitch, rtol=1e-9))
+    return ball_number(ball), ball
 
 
-def _middle(row: Mapping[str, str]) -> float:
-    """Return the mean of bore and outside diameter of a catalogue row [m]."""
+def _mean_diameter(row: Mapping[str, str]) -> float:
+    """Return the mean of bore and outside diameter [m] of a bearing in a catalogue, taken for its pitch diameter."""
     return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
 
 
-def ball_bearings() -> Iterator[Outside]:
-    """Yield clearance, rigidity at the lighter preloads and factor f_0 of ball bearings.
+def compare_ball_bearings() -> Iterator[Outside]:
+    """Compare NSK's printed axial clearance, rigidity and factor f_0 of ball bearings with computed values.
 
-    The axial clearance of a preloaded pair is 2 (u(measuring load) - u(preload)), with contact angles that change
-    under load.
+    Balls follow from the printed ratings, the conformity from the rigidity at the highest preload. The axial clearance
+    of a preloaded pair is 2 (u(measuring load) - u(preload)), with contact angles that change under load.
     """
     source = read_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
@@ -159,14 +163,15 @@ def ball_bearings() -> Iterator[Outside]:
         groups.setdefault(row["bearing"], []).append(row)
     bearings = list(groups.values())
 
-    def column(key: str) -> Array:
+    def column_values(key: str) -> Array:
+        """Return a column of the table as numbers, (bearings, preloads)."""
         return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
 
-    pitch, angle = np.array([_middle(rows[0]) for rows in bearings]), np.radians(column("angle_deg")[:, 0])
-    dynamic, static = (1e3 * column(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
-    count, ball = np.array([balls_of(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
+    pitch, angle = np.array([_mean_diameter(rows[0]) for rows in bearings]), np.radians(column_values("angle_deg")[:, 0])
+    dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
+    count, ball = np.array([balls_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
     begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
-    forces, rigid, load = column("preload_N"), column("rigidity_N_per_um"), column("measuring_load_N")
+    forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
@@ -177,25 +182,25 @@ def ball_bearings() -> Iterator[Outside]:
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
     for i, rows in enumerate(bearings):
-        yield from _of_bearing(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
+        yield from _compare_one_bearing(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
         if rows[0]["f0"][:1].isdigit():
             factor = 1e-6 * static[i] / (count[i] * ball[i] ** 2 * cos(angle[i]))
-            yield _factor(source, rows[0], float(factor))
+            yield _compare_factor_f0(source, rows[0], float(factor))
 
 
-def _of_bearing(
+def _compare_one_bearing(
     source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
-    """Yield clearances and rigidities of one bearing at its preloads ``forces`` (p,) [N].
+    """Compare axial clearances and rigidities of one bearing at its preloads ``forces`` (p,) [N] with the printed ones.
 
-    ``moved`` (3, p + 1) [um]: displacements at the preloads and at the measuring load. ``rigid`` (3, p) [N/um]:
-    rigidities. The first axis: heavy-preload rigidity as printed, and at both ends of its rounding.
+    ``moved`` (3, p + 1): displacements [um] at the preloads and at the measuring load. ``rigid`` (3, p): rigidities
+    [N/um]. First axis: computed from the printed rigidity at the highest preload, and from both ends of its rounding.
     """
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(rows):
         share = half_step(row["preload_N"]) / forces[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
-        yield of_row(
+        yield compare_row(
             source,
             row,
             "line_clearance",
@@ -205,7 +210,7 @@ def _of_bearing(
             rounding=0.5,
             scale=float(2.0 * moved[0, -1]),
         )
-        yield of_row(
+        yield compare_row(
             source,
             row,
             "line_preload",
@@ -216,38 +221,39 @@ def _of_bearing(
         )
 
 
-def _factor(source: Table, row: Mapping[str, str], factor: float) -> Outside:
-    """Return the factor f_0, computed from the printed C and C_0, with their rounding as its band."""
+def _compare_factor_f0(source: Table, row: Mapping[str, str], factor: float) -> Outside:
+    """Compare the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing with ``factor``, computed from C and C_0."""
     off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
-    return of_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
+    return compare_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
 
 
-def frozen_pairs() -> Iterator[Outside]:
-    """Yield the tangent rigidity of preloaded pairs with printed balls, with contact angles that change under load.
+def compare_constant_angle_pairs() -> Iterator[Outside]:
+    """Compare SNFA's printed rigidity of preloaded pairs with that of a model whose contact angle changes under load.
 
-    The printed values are the catalogue's formula, so they are not judged.
+    The printed values follow the catalogue's formula for a constant angle, so they are shown, but not judged.
     """
     source = read_table("snfa-angular")
 
-    def column(key: str, factor: float = 1.0) -> Array:
+    def column_values(key: str, factor: float = 1.0) -> Array:
+        """Return a column of the table as numbers, times a factor."""
         return factor * np.array([source.number(row[key]) for row in source.rows])
 
-    pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(column("angle_deg"))
+    pitch, angle = np.array([_mean_diameter(row) for row in source.rows]), np.radians(column_values("angle_deg"))
     usual = np.full(pitch.size, CONFORMITY)
-    rows = AngleRows(column("balls"), column("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
-    stiff = 2e-7 * state_under(rows, column("preload_daN", 10.0)).stiffness
+    rows = AngleRows(column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
+    stiff = 2e-7 * state_under(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
-        yield of_row(source, row, "line_preload", "Ra_pair_daN_per_um", what, Band.of((found,)), left=left)
+        yield compare_row(source, row, "line_preload", "Ra_pair_daN_per_um", what, Band.of((found,)), left=left)
 
 
-def printed_balls() -> Iterator[Outside]:
-    """Yield C and C_0 of bearings whose ball number and diameter are printed.
+def compare_ratings_of_printed_balls() -> Iterator[Outside]:
+    """Compare the ratings C and C_0 of SNFA's bearings, whose number and diameter of balls are printed, with ISO's.
 
-    The band: pitch diameter within 2 % of the mean of bore and outside diameter, and the rounding of the ball
-    diameter.
+    Band of the computed value: pitch diameter within 2 % of the mean of bore and outside diameter, and rounding of the
+    printed ball diameter.
     """
     source, done = read_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:
@@ -256,8 +262,8 @@ def printed_balls() -> Iterator[Outside]:
         done.add((row["bearing"], row["C33_daN"]))
         ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
         off = 2.0 * half_step(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
-        of_dynamic, of_static = factors(radians(float(row["angle_deg"])))
-        x *= ball / _middle(row)
+        of_dynamic, of_static = rating_factors(radians(float(row["angle_deg"])))
+        x *= ball / _mean_diameter(row)
         maker = f"{source.head['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
         for column, found in (
             ("C33_daN", 0.1 * of_dynamic(x) * count ** (2.0 / 3.0) * ball**1.8),
@@ -265,4 +271,4 @@ def printed_balls() -> Iterator[Outside]:
         ):
             what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
             band = Band.of(found, off * float(found[0]))
-            yield of_row(source, row, "line_product", column, what, band, maker=maker)
+            yield compare_row(source, row, "line_product", column, what, band, maker=maker)

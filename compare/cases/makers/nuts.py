@@ -1,6 +1,6 @@
-"""Ball nuts: load ratings where balls are printed, rigidity as ISO 3408-4 separates it, its growth with preload.
+"""Ball nuts in makers' catalogues: printed load ratings, rigidities and drag torques against computed values.
 
-Drag torque of a preloaded nut from the sliding of its balls, beside the makers' formulas and what was measured.
+Drag torque of a preloaded nut is computed from the sliding of its balls; makers' formulas and measurements are compared.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from math import pi, prod, radians, sqrt
 
 import numpy as np
 
-from rollbench.compare.cases.makers.outside import Band, Outside, of_row
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
+from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
+from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, oversize_for_preload
@@ -25,26 +25,26 @@ from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
-#: Conformity: middle and ends of what is usual; contact angle [deg]. Neither is printed.
+#: Conformity (groove radius over ball diameter): usual value and range; contact angle [deg]. Makers do not print them.
 CONFORMITY, CONFORMITIES, ANGLE = 0.5225, (0.515, 0.53), 45.0
 
-#: Share of the turns that is filled with balls, lowest and highest: circuits of more than one turn, and those of one, whose
-#: deflector may take a third of it.
+#: Fraction of the turns that is filled with balls, lowest and highest: for circuits of several turns (LONG), and of one
+#: turn (SHORT), whose deflector may take a third of it.
 LONG, SHORT = (0.9, 1.0), (0.65, 1.0)
 
-#: Pitch less root diameter over the ball's diameter: the ball at 45 deg in a gothic arch of usual conformity.
+#: (Pitch diameter - root diameter)/ball diameter, for a ball at 45 deg in a gothic arch of usual conformity.
 DEPTH = 1.03
 
-#: Load over C under which rigidity is computed; preload over C of THK's preloaded nuts.
+#: Load under which rigidity is computed, and preload of THK's preloaded nuts, both over the dynamic rating C.
 LOADED, PRELOADED = 0.3, 0.1
 
-#: Secant up to the load at which a nut of a preloaded pair is loose, 2^(3/2) preloads.
+#: Load over preload at which one nut of a preloaded pair becomes loose: end of the secant that gives the rigidity.
 LIFT = 2.0**1.5
 
 
 @cache
-def _base() -> Scene:
-    """Return the shipped scene of a ball screw that all nuts are made from."""
+def _base_screw() -> Scene:
+    """Return the shipped scene of a 40x10 ball screw, whose dimensions are replaced by those of each nut."""
     found = catalogue.shipped("unseen-40x10")
     assert isinstance(found, Scene)
     return found
@@ -52,7 +52,10 @@ def _base() -> Scene:
 
 @dataclass(frozen=True)
 class Nut:
-    """A nut of a catalogue, lengths in m."""
+    """A ball nut of a catalogue: diameters of ball and pitch circle [m], lead [m], number of loaded turns.
+
+    ``short``: each circuit has one turn only, so that its deflector takes a part of the turn.
+    """
 
     ball: float
     pitch: float
@@ -62,18 +65,18 @@ class Nut:
 
     @property
     def touching(self) -> float:
-        """Number of balls in one turn if they touch one another."""
+        """Number of balls in one full turn without gaps between the balls."""
         return float(2.0 * pi / angle_of_touching_balls(0.5 * self.pitch, self.lead, self.ball))
 
     @property
     def filling(self) -> tuple[float, float]:
-        """Share of the turns filled with balls, lowest and highest."""
+        """Lowest and highest fraction of the turns that is filled with balls."""
         return SHORT if self.short else LONG
 
 
 def one_turn(nut: Nut, conformity: float) -> Scene:
-    """Return a scene with one turn of a nut, filled with balls that touch each other."""
-    one, groove = _base(), conformity * nut.ball
+    """Return the scene of a screw and nut with one loaded turn, filled with balls that touch each other."""
+    one, groove = _base_screw(), conformity * nut.ball
     balls = max(1, round(nut.touching))
     outside = nut.pitch + (1.0 + 2.0 * WALL) * nut.ball
     return replace(
@@ -85,15 +88,18 @@ def one_turn(nut: Nut, conformity: float) -> Scene:
     )
 
 
-def of_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, float]:
-    """Return C and C_0 [N] by ISO 3408-5: computed for one turn, scaled to the nut's balls and turns."""
+def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, float]:
+    """Return the ratings C and C_0 [N] of a nut by ISO 3408-5; ``filling``: fraction of the turns filled with balls."""
     one = one_turn(nut, conformity)
     share = filling * nut.touching / one.ball_count
     return rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
 
-def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
-    """Return the axial displacement of a nut without preload [m]: equal balls, nut and screw as thick tubes."""
+def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
+    """Return the axial displacement [m] of a nut without preload under an axial load [N], all balls loaded equally.
+
+    By Hertz contact, and with ``bodies`` by the radial deformation of nut and screw as thick tubes.
+    """
     one = one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, slope_of(one)
     each = load / (filling * nut.touching * nut.turns * slope)
@@ -101,13 +107,14 @@ def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bo
     return float((constants[0] + constants[3]) * np.cbrt(each) ** 2 / slope + tubes * load)
 
 
-# --- reading
+# --- dimensions from catalogue entries
 
 
-def turns_printed(row: Mapping[str, str]) -> tuple[float, bool]:
-    """Return the turns of all circuits of a row, and whether each circuit has one turn.
+def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
+    """Return the number of loaded turns of a nut in a catalogue, and whether each circuit has only one turn.
 
-    ``4`` of ``T4`` or ``K4``, ``2x2.5`` whose sign may be lost, circuits and turns separately, ``1,2x4`` of several starts.
+    Understands ``4`` of ``T4`` or ``K4``, ``2x2.5`` (also without the sign), circuits and turns in separate columns, and
+    ``1,2x4`` of nuts with several starts.
     """
     circuits, turns = row["circuits"], row["turns"].replace(",", ".")
     if "of the name" in turns:
@@ -122,8 +129,8 @@ def turns_printed(row: Mapping[str, str]) -> tuple[float, bool]:
     return float(prod(map(float, turns.split("x")))), False
 
 
-def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
-    """Return the nut of a catalogue row.
+def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
+    """Return the dimensions of a nut from its row in a catalogue.
 
     If the ball is not printed, it is the stock size that fits pitch and root diameter. If the pitch circle is not
     printed, it lies beyond the nominal diameter by the usual amount.
@@ -135,12 +142,12 @@ def nut_of(source: Table, row: Mapping[str, str]) -> Nut:
         fits = (pitch - source.number(row["root_mm"])) / DEPTH
         ball = min(STOCK, key=lambda known: abs(known - fits))
     pitch = pitch or source.number(row["diameter_mm"]) + 2.0 * BEYOND * ball
-    turns, short = turns_printed(row)
+    turns, short = read_turns(row)
     return Nut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.number(row["lead_mm"]), turns, short)
 
 
-def family(source: Table, row: Mapping[str, str]) -> str:
-    """Return the maker, with the type of nut if this maker rates types by different rules."""
+def maker_and_type(source: Table, row: Mapping[str, str]) -> str:
+    """Return the maker's name, followed by the type of nut if this maker rates several types by different rules."""
     maker = source.head["maker"]
     if maker == "HIWIN":
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
@@ -149,61 +156,66 @@ def family(source: Table, row: Mapping[str, str]) -> str:
     return "TBI, Wangong" if maker in ("TBI", "Wangong") else maker  # whose tables of one series are one
 
 
-# --- laws
+# --- comparisons with printed values
 
 
-def nut_ratings() -> Iterator[Outside]:
-    """Yield C and C_0 of nuts whose balls are printed; band: usual conformities and fillings."""
-    for source in tables("nuts-"):
+def compare_nut_ratings() -> Iterator[Outside]:
+    """Compare printed ratings C and C_0 of nuts with ISO 3408-5, where the ball diameter is printed.
+
+    Band of the computed value: usual ranges of conformity and of the fraction of turns filled with balls.
+    """
+    for source in read_tables("nuts-"):
         for row in source.rows:
             if not row["ball_mm"]:
                 continue
-            nut, unit = nut_of(source, row), source.unit("load_unit")
+            nut, unit = read_nut(source, row), source.unit("load_unit")
             corners = [(CONFORMITY, 0.5 * sum(nut.filling))] + [(c, x) for c in CONFORMITIES for x in nut.filling]
-            found = np.array([of_ratings(nut, *corner) for corner in corners]) / unit
+            found = np.array([nut_load_ratings(nut, *corner) for corner in corners]) / unit
             for k, key in enumerate(("C", "C0")):
                 what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.head["load_unit"])
-                yield of_row(source, row, "line", key, what, Band.of(found[:, k]), maker=family(source, row))
+                yield compare_row(source, row, "line", key, what, Band.of(found[:, k]), maker=maker_and_type(source, row))
 
 
-def share_of_balls(nut: Nut, static: float) -> float:
-    """Return the number of balls implied by a maker's C_0 [N] over that of touching balls (ISO 3408-5)."""
-    return static / of_ratings(nut, CONFORMITY, 1.0)[1]
+def filled_fraction(nut: Nut, static: float) -> float:
+    """Return the fraction of the turns filled with loaded balls that a maker's C_0 [N] implies by ISO 3408-5."""
+    return static / nut_load_ratings(nut, CONFORMITY, 1.0)[1]
 
 
-def nut_rigidity() -> Iterator[Outside]:
-    """Yield the secant rigidity of nuts under 0.3 C, without preload or from a preload of 0.1 C.
+def compare_nut_rigidity() -> Iterator[Outside]:
+    """Compare printed secant rigidities of nuts under 0.3 C with computed ones; preloaded nuts start at 0.1 C.
 
-    Contacts and tubes only. The maker's C_0 sets the number of balls, so that only conformity and 5 % of the balls
-    can vary.
+    Computed from Hertz contacts and thick tubes. The maker's C_0 gives the number of balls, so that the band covers
+    conformity and 5 % of the balls only.
     """
-    for source in tables("nuts-"):
+    for source in read_tables("nuts-"):
         for row in source.rows:
             if not row.get("rigidity"):
                 continue
-            nut, unit = nut_of(source, row), source.unit("load_unit")
+            nut, unit = read_nut(source, row), source.unit("load_unit")
             load = LOADED * source.number(row["C"]) * unit
-            share = share_of_balls(nut, source.number(row["C0"]) * unit)
+            share = filled_fraction(nut, source.number(row["C0"]) * unit)
             preload = PRELOADED / LOADED * load if row["type"] in source.head.get("preloaded", "-").split(", ") else 0.0
 
-            def secant(
+            def secant_rigidity(
                 conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload
             ) -> float:
-                start = displacement(nut, conformity, filling, held) if held else 0.0
-                return load / (displacement(nut, conformity, filling, load) - start)
+                """Return the rigidity [N/m] from the preload to the load."""
+                start = nut_displacement(nut, conformity, filling, held) if held else 0.0
+                return load / (nut_displacement(nut, conformity, filling, load) - start)
 
             stiff = source.unit("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = Band.of(secant(*corner) / stiff for corner in corners)
+            band = Band.of(secant_rigidity(*corner) / stiff for corner in corners)
             what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.head["rigidity_unit"])
-            maker, practice = family(source, row), PRACTICE * band.value
-            yield of_row(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
+            maker, practice = maker_and_type(source, row), PRACTICE * band.value
+            yield compare_row(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
 
 
-def preloaded_nuts() -> Iterator[Outside]:
-    """Yield the rigidity of preloaded nuts at several preloads.
+def compare_preloaded_nuts() -> Iterator[Outside]:
+    """Compare Rexroth's printed rigidities of preloaded nuts at several preloads with computed ones.
 
-    From contacts at the highest preload; at the others scaled from there by the cube root of the preload.
+    The highest preload is computed from contacts and tubes. Rigidities at the others are the printed one at the highest
+    preload times the cube root of the ratio of preloads.
     """
     source = read_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
@@ -222,7 +234,7 @@ def preloaded_nuts() -> Iterator[Outside]:
             preload = 0.01 * share * source.number(row["C_N"])
             if row is top:
                 ends = [
-                    1e-6 * LIFT * preload / displacement(nut, c, x, preload, bodies=bodies)
+                    1e-6 * LIFT * preload / nut_displacement(nut, c, x, preload, bodies=bodies)
                     for c, x, bodies in ((CONFORMITY, 0.95, True), (0.515, 1.0, False), (0.53, 0.9, True))
                 ]
                 law, practice = "contacts and tubes, both nuts loaded", PRACTICE * ends[0]
@@ -231,21 +243,21 @@ def preloaded_nuts() -> Iterator[Outside]:
                 growth = np.cbrt(share / source.number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
             what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
-            yield of_row(source, row, "line_values", "Rnu_N_per_um", what, Band.of(ends), practice=practice)
+            yield compare_row(source, row, "line_values", "Rnu_N_per_um", what, Band.of(ends), practice=practice)
 
 
-#: Coefficient of friction of balls on grooves: the command's default, and the least that bearings with a film have.
+#: Coefficient of friction of balls on grooves: default of the command `friction`, and least value of lubricated bearings.
 DEFAULT, LEAST = 0.1, 0.003
 
-#: The law, in words.
+#: Name of the friction model in the tables.
 SLIDING = "sliding of the balls, coefficient 0.1"
 
-#: Balls that stand for all of them.
+#: Number of balls computed, in place of all balls of a nut.
 FEW = 8
 
 
-def _few(nut: Nut) -> Scene:
-    """Return one turn of a nut with only a few balls, on a screw that is supported at both ends."""
+def _screw_with_few_balls(nut: Nut) -> Scene:
+    """Return the scene of one turn of a nut with `FEW` balls, on a screw that is supported at both ends."""
     one = one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
@@ -260,11 +272,12 @@ def _few(nut: Nut) -> Scene:
 
 @cache
 def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) -> float:
-    """Return the drag torque [N m] of one ball that carries a ``share`` [N] of the axial preload.
+    """Return the drag torque [N m] of one ball that carries a force ``share`` [N] of the axial preload.
 
-    A single nut presses its oversize ball on four flanks. For a double nut: twice the torque of a ball on two flanks.
+    In a single nut, an oversize ball is loaded on four flanks. For a double nut: twice the torque of a ball loaded on
+    two flanks, one ball in each nut.
     """
-    scene = _few(nut)
+    scene = _screw_with_few_balls(nut)
     if double:
         loaded = replace(scene, loads=(Load(0.0, (0.0, 0.0, share * FEW)),))
     else:
@@ -276,42 +289,43 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
 
 
 def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
-    """Return the drag torque [N m] of a nut under a preload [N]; ``double``: of a double nut.
-
-    All turns are filled with balls.
-    """
+    """Return the drag torque [N m] of a single or double nut under a preload [N], all turns filled with balls."""
     balls = nut.touching * nut.turns
     return balls * torque_of_ball(nut, preload / balls, coefficient, double=double)
 
 
-# --- makers' formulas, of preload F [N], nominal diameter and lead [m]
+# --- makers' formulas for the drag torque T over preload F [N], nominal diameter d_0 and lead P [m]
 
 
-def by_diameter(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return T = 0.0100 F d_0 [N m], the formula behind Rexroth's table of single nuts."""
+def drag_torque_rexroth(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
+    """Return the drag torque T = 0.0100 F d_0 [N m] by the formula behind Rexroth's table of single nuts."""
     return 0.01 * preload * diameter
 
 
-def by_slope(preload: float, diameter: float, lead: float) -> float:
-    """Return T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] (THK; JIS B 1192), beta the lead angle."""
+def drag_torque_thk(preload: float, diameter: float, lead: float) -> float:
+    """Return the drag torque T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] by THK and JIS B 1192; beta: lead angle."""
     return 0.05 / sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
 
 
-def by_lead(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states."""
+def drag_torque_hiwin(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
+    """Return the drag torque T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states."""
     return 0.2 * preload * lead / (2.0 * pi)
 
 
 FORMULAS = (
-    ("Rexroth: 0.0100 F d0", by_diameter),
-    ("THK: 0.05/sqrt(tan beta) F P/2 pi", by_slope),
-    ("HIWIN: 0.2 F P/2 pi", by_lead),
+    ("Rexroth: 0.0100 F d0", drag_torque_rexroth),
+    ("THK: 0.05/sqrt(tan beta) F P/2 pi", drag_torque_thk),
+    ("HIWIN: 0.2 F P/2 pi", drag_torque_hiwin),
 )
 
 
 @dataclass(frozen=True)
-class Drag:
-    """Drag torque over preload times nominal diameter, of one size."""
+class DragComparison:
+    """Drag torques of nuts of one nominal diameter and lead [m], each divided by preload times nominal diameter.
+
+    ``single``, ``double``: computed at the default coefficient of friction, single and double nut; ``least``: both at the
+    least coefficient; ``formulas``: by the makers' `FORMULAS`.
+    """
 
     diameter: float
     lead: float
@@ -321,34 +335,33 @@ class Drag:
     formulas: tuple[float, ...]
 
 
-#: Nominal diameter and leads [mm] over which formulas are compared, the ball [mm] that all of them take, axial share of a
-#: ball [N].
+#: Nominal diameter and leads [mm] at which formulas are compared; diameter of the ball [mm]; axial force on a ball [N].
 SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 
-def size(lead: float) -> Nut:
-    """Return one turn of the nut used for the sweep over lead, at a lead [m]."""
+def compared_nut(lead: float) -> Nut:
+    """Return the nut with one turn at which the drag formulas are compared, with a given lead [m]."""
     return Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
 
 
-def sweep() -> list[Drag]:
-    """Return the computed torque of a nut over the lead, with the balls and the preload unchanged."""
+def compare_drag_over_lead() -> list[DragComparison]:
+    """Compute the drag torque of a nut at several leads, by sliding balls and by makers' formulas; preload unchanged."""
     rows = []
     for lead in SWEPT[1]:
-        nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]
+        nut, d0 = compared_nut(1e-3 * lead), 1e-3 * SWEPT[0]
         drag = [torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)]
         formulas = tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
-        rows.append(Drag(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
+        rows.append(DragComparison(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
     return rows
 
 
 def power_exponent(values: list[float], over: list[float]) -> float:
-    """Return the exponent of a power law through values."""
+    """Return the exponent n of the power law values ~ over^n, fitted by least squares of logarithms."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
 
-def printed_torques() -> Iterator[Outside]:
-    """Yield Rexroth's drag-torque ranges, not judged since their middle follows a formula."""
+def compare_printed_torques() -> Iterator[Outside]:
+    """Compare Rexroth's printed ranges of drag torque with computed torques; not judged, since they follow a formula."""
     source = read_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
@@ -361,39 +374,41 @@ def printed_torques() -> Iterator[Outside]:
         torque = drag_torque(nut, preload, double=double)
         low, high = (source.number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
         what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
-        one = of_row(source, row, "line_values", "torque_high_Nm", what, Band.of((torque,)), left="a formula in disguise")
+        one = compare_row(
+            source, row, "line_values", "torque_high_Nm", what, Band.of((torque,)), left="a formula in disguise"
+        )
         yield replace(one, value=0.5 * (low + high), rounding=0.5 * (high - low))
 
 
-#: What is printed of the two measured screws: lead [m], C and preload [N]; nominal diameters [mm] of such screws.
+#: Printed data of the two measured screws: lead [m], rating C [N], preload [N]; nominal diameters [mm] of such screws.
 MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0, (25.0, 32.0, 40.0)
 
 
-def measured_band() -> Band:
-    """Return the drag torque [N m] of the measured screws at the default friction coefficient, as a band.
+def torque_of_measured_screws() -> Band:
+    """Return the computed drag torque [N m] of the measured screws at the default friction coefficient, with its range.
 
-    First value: the middle size as a double nut; the band covers all sizes, single and double. The turns follow from
-    C, the ball is the largest in stock for the lead.
+    The value is that of the middle nominal diameter as a double nut; the range covers all diameters, single and double
+    nuts. The number of turns follows from C, the ball is the largest stock size for the lead.
     """
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
     found = {}
     for outer in DIAMETERS:
         one = Nut(ball, 1e-3 * outer + 0.22 * ball, MEASURED_LEAD, 1.0, short=False)
-        turns = (MEASURED_C / of_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
+        turns = (MEASURED_C / nut_load_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
         for double in (False, True):
             found[outer, double] = drag_torque(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
     return Band.of((found[DIAMETERS[1], True], *found.values()))
 
 
-def measured_torques() -> Iterator[Outside]:
-    """Yield the mean friction torque of two screws: new, and worn at the end of the test.
+def compare_measured_torques() -> Iterator[Outside]:
+    """Compare the measured mean friction torque of two screws, new and worn at the end of the test, with computed.
 
-    Values in between belong to the same test and are left out.
+    Measurements in between belong to the same test and are left out.
     """
     source = read_table("xjtu-torque")
-    band = measured_band()
+    band = torque_of_measured_screws()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():
         for row, state in ((rows[0], "new"), (rows[-1], "worn")):
             what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.head['maker']}, rig"
-            yield of_row(source, row, "line", "torque_Nm", what, band, maker=maker)
+            yield compare_row(source, row, "line", "torque_Nm", what, band, maker=maker)

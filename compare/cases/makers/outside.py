@@ -1,4 +1,4 @@
-"""Computed values compared with values that makers, programs and textbooks print or measured; bias and scatter of many."""
+"""Comparison of computed values with values that makers, other programs and textbooks publish; bias and scatter."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
 
 
 class Band(NamedTuple):
-    """A computed value, with its range due to inputs that are rounded or not printed."""
+    """A computed value, with the range that follows from inputs that are rounded or not printed."""
 
     value: float
     low: float
@@ -27,24 +27,25 @@ class Band(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
-        """Return the first value with the range of all values, widened by ``slack`` at each end."""
+        """Return a band: the first of the values, and the range of all values, widened by ``slack`` at each end."""
         every = [float(x) for x in values]
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
     def within(cls, value: float, share: float) -> Band:
-        """Return a value with a range of plus or minus a share of it."""
+        """Return a band: a value, and a range of plus or minus the fraction ``share`` of it."""
         return cls.of((value,), abs(value) * share)
 
 
 @dataclass(frozen=True)
 class Outside:
-    """One value that a maker, program or textbook prints or measures, with the computed value.
+    """One published value of a maker, program, textbook or measurement, with the computed value.
 
-    quantity, law: what it is, and what computes it; maker, item, cls, origin: who prints it, for which part, in which
-    class, and where; value, rounding: in ``unit``, and half of its last digit's step; computed: in the same unit;
-    scale: reference value of the percentages (0: the value itself); practice: computed value after the maker's
-    practice; left: reason why it is not judged, such as a formula in disguise or a misprint, else empty.
+    ``quantity``: such as "rigidity"; ``law``: name of the model that computes it. ``maker``, ``item``, ``cls``,
+    ``origin``: publisher, part, class (such as "measured") and place. ``value``, ``rounding``: published value in ``unit``,
+    and half a step of its last digit. ``computed``: value and range in the same unit. ``scale``: value that percentages
+    refer to (0: ``value``). ``practice``: computed value reduced as makers do (80 % of a nut's rigidity). ``left``: why
+    the value is not judged, such as a misprint; else empty.
     """
 
     quantity: str
@@ -63,12 +64,12 @@ class Outside:
 
     @property
     def group(self) -> str:
-        """Group of values that share a row: one maker, or all programs and textbooks compared with one model."""
+        """Name of the group that shares a row of the summary table: the maker, or "programs and textbooks"."""
         return self.maker if self.law != "the model of its table" or self.cls == MAKER else "programs and textbooks"
 
     @property
     def verdict(self) -> str:
-        """Position of the printed interval relative to the computed band, or the reason why it is not judged."""
+        """Whether the printed value, with its rounding, lies in the computed band, in words; else why it is not judged."""
         if self.left:
             return self.left
         if self.value + self.rounding < self.computed.low:
@@ -77,11 +78,11 @@ class Outside:
 
     @property
     def error_percent(self) -> float:
-        """Error of the computed value, in per cent of the outside one or of its scale."""
+        """Computed less published value, in per cent of the published value or of ``scale``."""
         return float(error_percent(self.computed.value, self.value, self.scale or None))
 
 
-def of_row(
+def compare_row(
     source: Printed,
     row: Mapping[str, str],
     line: str,
@@ -90,9 +91,10 @@ def of_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """Return one printed number of a table row as an outside value.
+    """Compare a number in the row of a maker's table with the computed value; return both.
 
-    ``what``: quantity, law, item and unit; ``line``: column with the line of the row.
+    ``column``: column of the number. ``line``: column that gives the line in the original file. ``what``: quantity, model,
+    part and unit. ``others``: further fields of `Outside`.
     """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
@@ -113,8 +115,12 @@ def of_row(
 
 
 @dataclass(frozen=True)
-class Standing:
-    """Statistics of the differences between computed values and printed or measured ones of one kind."""
+class ErrorStatistics:
+    """Statistics of the errors of computed against published values, for a group of them.
+
+    ``number``: of values; ``bias``, ``scatter``: mean and standard deviation of the errors [%]; ``inside``: number in the
+    computed band; ``width``: median width of the band [%]; ``practice``: mean error [%] of values reduced as makers do.
+    """
 
     number: int
     bias: float
@@ -124,8 +130,8 @@ class Standing:
     practice: float | None
 
 
-def bias_and_scatter(found: Sequence[Outside]) -> Standing | None:
-    """Return bias and scatter of the values that are judged; None if there are none."""
+def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
+    """Return the statistics of the errors of all judged values; None if no value is judged."""
     judged = [x for x in found if not x.left]
     if not judged:
         return None
@@ -134,11 +140,11 @@ def bias_and_scatter(found: Sequence[Outside]) -> Standing | None:
     after = [float(error_percent(x.practice, x.value)) for x in judged if x.practice is not None]
     inside = sum(x.verdict == "in the band" for x in judged)
     mean = float(np.mean(after)) if after else None
-    return Standing(len(judged), float(errors.mean()), float(errors.std()), inside, float(np.median(widths)), mean)
+    return ErrorStatistics(len(judged), float(errors.mean()), float(errors.std()), inside, float(np.median(widths)), mean)
 
 
 def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Return the values grouped by some of their fields, in order of first occurrence."""
+    """Group published values by the fields ``keys``, in order of first occurrence."""
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
         groups.setdefault(tuple(getattr(one, key) for key in keys), []).append(one)
@@ -152,14 +158,14 @@ SCATTER = Quantity("scatter", "scatter", "%", ".1f")
 NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
-def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Return the number of outside values, bias and scatter, by quantity."""
+def statistics_by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
+    """Return number, bias and scatter [%] of the published values, by quantity, as table columns."""
     rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
-def summary(found: Sequence[Outside]) -> Table:
-    """Return the table of bias and scatter, with one row for each quantity, law and maker."""
+def summary_table(found: Sequence[Outside]) -> Table:
+    """Return the table of bias and scatter, with one row for each quantity, model and publisher."""
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
@@ -194,8 +200,8 @@ def summary(found: Sequence[Outside]) -> Table:
     )
 
 
-def all_values(found: Sequence[Outside]) -> Table:
-    """Return the table of all outside values, one row each."""
+def published_values_table(found: Sequence[Outside]) -> Table:
+    """Return the table of all published values, each with its computed value and band."""
     rows: list[dict[Quantity | str, Cell]] = [
         {
             "quantity": x.quantity,
@@ -221,7 +227,7 @@ def all_values(found: Sequence[Outside]) -> Table:
     return Table.of("outside", "Each value that others print or measure, with the computed one", rows, note)
 
 
-#: Tables of the external sources that are judged here: who, and of which class. Those of THK stand among the nuts.
+#: Printed tables of the case `external` that are judged here: publisher and class. Tables of THK are judged with the nuts.
 PRINTED = {
     "external-masta": ("MASTA", PROGRAM),
     "external-nsk": ("NSK's programs", PROGRAM),
@@ -251,8 +257,8 @@ QUANTITIES = {
 OTHERS = {("external-contact", "approach"): "displacement"}
 
 
-def printed_elsewhere(study: Study) -> Iterator[Outside]:
-    """Yield every number of the tables in `PRINTED` that is computed; open ones are not judged."""
+def compare_external_tables(study: Study) -> Iterator[Outside]:
+    """Compare every number of the printed tables `PRINTED` that is computed; numbers of class "open" are not judged."""
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_by_table():
             continue
@@ -278,10 +284,10 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
             )
 
 
-def calculix(study: Study) -> Iterator[Outside]:
-    """Yield CalculiX's contact loads, extrapolated over its meshes, with those of the 3D reference.
+def compare_calculix(study: Study) -> Iterator[Outside]:
+    """Compare contact loads by the program CalculiX, extrapolated over its meshes, with those of the 3D reference.
 
-    Errors are in per cent of the mean load.
+    Errors are in per cent of the mean contact load.
     """
     from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped_results
     from rollbench.compare.studies.crosscheck.study import STUDIES

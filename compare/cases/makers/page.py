@@ -1,4 +1,4 @@
-"""Outside values in the report: how far what is computed lies from what others print and measure, and why."""
+"""Report page that compares computed values with makers' tables, measurements and other programs."""
 
 from __future__ import annotations
 
@@ -7,66 +7,72 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from rollbench.compare.cases.makers import bearings, nuts, outside
-from rollbench.compare.cases.makers.tables import tables
+from rollbench.compare.cases.makers.tables import read_tables
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
-TITLE = "Outside values: makers' tables, measurements, other programs"
+TITLE = "Computed values against makers' tables, measurements and other programs"
 #: Order of quantities in tables; others follow.
 ORDER = ("contact load", "displacement", "pressure", "torque", "rigidity", "rating", "preload")
-LAWS = (
-    bearings.sets,
-    bearings.ball_bearings,
-    bearings.printed_balls,
-    bearings.frozen_pairs,
-    nuts.nut_ratings,
-    nuts.nut_rigidity,
-    nuts.preloaded_nuts,
-    nuts.printed_torques,
-    nuts.measured_torques,
+COMPARISONS = (
+    bearings.compare_bearing_sets,
+    bearings.compare_ball_bearings,
+    bearings.compare_ratings_of_printed_balls,
+    bearings.compare_constant_angle_pairs,
+    nuts.compare_nut_ratings,
+    nuts.compare_nut_rigidity,
+    nuts.compare_preloaded_nuts,
+    nuts.compare_printed_torques,
+    nuts.compare_measured_torques,
 )
 
 
-def outside_values(study: Study) -> tuple[outside.Outside, ...]:
-    """Return every outside value, by quantity."""
-    return study.once(_computed)
+def published_values(study: Study) -> tuple[outside.Outside, ...]:
+    """Return all published values with their computed values, sorted by quantity; computed once per study."""
+    return study.once(_compare_all)
 
 
-def _computed(study: Study) -> tuple[outside.Outside, ...]:
-    """Compute all outside values, sorted by quantity."""
-    found = [*outside.printed_elsewhere(study), *outside.calculix(study), *(x for law in LAWS for x in law())]
+def _compare_all(study: Study) -> tuple[outside.Outside, ...]:
+    """Compute all values that are compared with published ones, sorted by quantity."""
+    found = [
+        *outside.compare_external_tables(study),
+        *outside.compare_calculix(study),
+        *(x for law in COMPARISONS for x in law()),
+    ]
     rank = {name: k for k, name in enumerate(ORDER)}
     return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Return number, bias and scatter of the outside values by quantity, as columns for the report's first page."""
-    return outside.by_quantity(outside_values(study))
+    """Return number, bias and scatter of the published values by quantity, as columns for the report's first page."""
+    return outside.statistics_by_quantity(published_values(study))
 
 
-def _of(found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = "") -> outside.Standing:
-    """Return bias and scatter of one quantity; law and maker are given by how their names begin."""
+def _statistics_of(
+    found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = ""
+) -> outside.ErrorStatistics:
+    """Return the statistics of the errors of one quantity; ``law``, ``maker``: how the names of model and maker begin."""
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
     result = outside.bias_and_scatter(values)
     assert result is not None
     return result
 
 
-def _clearances_off(found: Sequence[outside.Outside]) -> Array:
-    """Return the differences [um] of computed and printed axial clearances."""
-    clearances = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
-    return np.array([x.computed.value - x.value for x in clearances])
+def _clearance_errors(found: Sequence[outside.Outside]) -> Array:
+    """Return the differences [um] between computed and printed axial clearances of preloaded bearings."""
+    printed = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
+    return np.array([x.computed.value - x.value for x in printed])
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """Return the conclusion: how many values lie in the computed band, and errors where no input is free."""
+    """Return the page's conclusion: share of values in the computed band, and errors where no input is assumed."""
     judged = [x for x in found if not x.left]
-    clear = _of(found, "displacement", "bearing whose angle turns")
-    off = _clearances_off(found)
-    sets = [_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
+    clear = _statistics_of(found, "displacement", "bearing whose angle turns")
+    off = _clearance_errors(found)
+    sets = [_statistics_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
     within = sum(x.verdict == "in the band" for x in judged)
     return (
         (
@@ -79,10 +85,10 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def clearances(found: Sequence[outside.Outside]) -> str:
-    """Return a text on how NSK defines clearances and rigidities, as far as computed values show it."""
-    stiff = _of(found, "rigidity", "bearing whose angle turns")
-    off = _clearances_off(found)
+def clearances_text(found: Sequence[outside.Outside]) -> str:
+    """Return the paragraph on NSK's printed axial clearances and rigidities, which agree with a changing contact angle."""
+    stiff = _statistics_of(found, "rigidity", "bearing whose angle turns")
+    off = _clearance_errors(found)
     return (
         "NSK's axial clearances are called measured, but are computed with a contact angle that turns under "
         "load: with balls from the ratings and the conformity from one rigidity of each bearing, "
@@ -91,8 +97,8 @@ def clearances(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def why_softer(found: Sequence[outside.Outside]) -> str:
-    """Return a text on why makers print lower nut rigidities than computed."""
+def nut_rigidity_text(found: Sequence[outside.Outside]) -> str:
+    """Return the paragraph on why makers print lower rigidities of nuts than computed."""
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
     rest = outside.group_values(most, "maker")
@@ -114,16 +120,16 @@ def why_softer(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def balls_counted(found: Sequence[outside.Outside]) -> str:
-    """Return the number of loaded balls that the ratings imply."""
+def loaded_balls_text(found: Sequence[outside.Outside]) -> str:
+    """Return the paragraph on the number of loaded balls that makers' ratings C and C_0 imply."""
     shares = dict[str, list[tuple[float, float]]]()
-    for source in tables("nuts-"):
+    for source in read_tables("nuts-"):
         for row in source.rows:
             if row["ball_mm"] and not source.misprinted(row["nut"]) and source.head["maker"] != "Rexroth":
-                nut, unit = nuts.nut_of(source, row), source.unit("load_unit")
-                ratings = nuts.of_ratings(nut, nuts.CONFORMITY, 1.0)
+                nut, unit = nuts.read_nut(source, row), source.unit("load_unit")
+                ratings = nuts.nut_load_ratings(nut, nuts.CONFORMITY, 1.0)
                 printed = [source.number(row[key]) * unit / x for key, x in zip(("C", "C0"), ratings, strict=True)]
-                shares.setdefault(nuts.family(source, row), []).append((printed[0] ** 1.5, printed[1]))
+                shares.setdefault(nuts.maker_and_type(source, row), []).append((printed[0] ** 1.5, printed[1]))
     words = ", ".join(
         f"{name} {np.median([x for _, x in pairs]):.2f} ({np.median([x for x, _ in pairs]):.2f} by C)"
         for name, pairs in shares.items()
@@ -140,16 +146,18 @@ def balls_counted(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def drag(found: Sequence[outside.Outside]) -> str:
-    """Return a text on the makers' drag formulas, compared with sliding balls and with measured screws."""
-    rows = nuts.sweep()
+def drag_torque_text(found: Sequence[outside.Outside]) -> str:
+    """Return the paragraph on makers' formulas for drag torque, compared with sliding balls and with measured screws."""
+    rows = nuts.compare_drag_over_lead()
     leads = [r.lead for r in rows]
     sliding = [nuts.power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
     theirs = [nuts.power_exponent([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
     named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
     shares = [nuts.SHARE, 2.0 * nuts.SHARE]
     over = [
-        nuts.power_exponent([nuts.torque_of_ball(nuts.size(0.01), x, nuts.DEFAULT, double=d) for x in shares], shares)
+        nuts.power_exponent(
+            [nuts.torque_of_ball(nuts.compared_nut(0.01), x, nuts.DEFAULT, double=d) for x in shares], shares
+        )
         for d in (False, True)
     ]
     least = [float(np.median([r.least[k] / getattr(r, key) for r in rows])) for k, key in enumerate(("single", "double"))]
@@ -171,10 +179,10 @@ def drag(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def sweep_table() -> Table:
-    """Return the table of drag torque over preload times nominal diameter, by lead."""
+def drag_torque_table() -> Table:
+    """Return the table of the drag torque over preload times nominal diameter, for several leads."""
     rows: list[dict[Quantity | str, Cell]] = []
-    for one in nuts.sweep():
+    for one in nuts.compare_drag_over_lead():
         row: dict[Quantity | str, Cell] = {
             Quantity("lead", "lead", "mm", "g3"): 1e3 * one.lead,
             Quantity("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
@@ -187,11 +195,16 @@ def sweep_table() -> Table:
         rows.append(row)
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
     note = f"{at}; coefficient {nuts.DEFAULT:g}, or as named."
-    return Table.of("outside-drag", "Drag torque over preload times nominal diameter", rows, note)
+    return Table.of(
+        "outside-drag",
+        "Drag torque over preload times nominal diameter, for several leads: computed and by makers' formulas",
+        rows,
+        note,
+    )
 
 
-def figure(found: Sequence[outside.Outside]) -> Figure:
-    """Draw the sorted errors of the judged values, one curve for each quantity with more than 20 of them."""
+def errors_figure(found: Sequence[outside.Outside]) -> Figure:
+    """Draw the sorted errors against published values, one curve for each quantity with more than 20 values."""
     series = []
     for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:
@@ -208,13 +221,13 @@ def figure(found: Sequence[outside.Outside]) -> Figure:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report's section that compares computed values with makers, measurements and other programs."""
     step("outside values")
-    found = outside_values(study)
+    found = published_values(study)
     items = (
-        Text((clearances(found), why_softer(found), balls_counted(found), drag(found))),
-        outside.summary(found),
-        figure(found),
-        sweep_table(),
+        Text((clearances_text(found), nut_rigidity_text(found), loaded_balls_text(found), drag_torque_text(found))),
+        outside.summary_table(found),
+        errors_figure(found),
+        drag_torque_table(),
     )
-    return Section("outside", TITLE, (*items, outside.all_values(found)), conclusion=conclusion(found))
+    return Section("outside", TITLE, (*items, outside.published_values_table(found)), conclusion=conclusion(found))

@@ -1,4 +1,4 @@
-"""The tables as printed: comma-separated files with their origin in lines ``# key: value`` before the headings."""
+"""Reader of makers' printed tables: CSV files that begin with ``# key: value`` (maker, origin, format)."""
 
 from __future__ import annotations
 
@@ -10,48 +10,51 @@ from functools import cache
 from pathlib import Path
 
 FOLDER = Path(__file__).parent / "tables"
-#: SI units of what the tables print.
+#: Factors from the printed units to SI.
 UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um": 9.80665e6}
 
 
 @dataclass(frozen=True)
 class Table:
-    """One file of a maker's table: ``head`` (maker, origin, class, number format, remarks) and ``rows`` of texts."""
+    """A table printed by a maker, from one CSV file.
+
+    ``head``: maker, origin, class, number format and remarks; ``rows``: printed texts by column.
+    """
 
     name: str
     head: Mapping[str, str]
     rows: tuple[Mapping[str, str], ...]
 
     def number(self, text: str) -> float:
-        """Return a printed number: blanks between thousands, and the table's signs for decimals and thousands."""
+        """Convert a printed text to a number, with the table's decimal and thousands separators."""
         plain = re.sub(r"[\s\u00a0]", "", text).replace(self.head.get("thousands", " "), "")
         return float(plain.replace(self.head.get("decimal", "."), "."))
 
     def unit(self, key: str) -> float:
-        """Return the factor from the table's unit of load or rigidity to SI."""
+        """Return the factor to SI of a unit stated in the table's head; ``key``: such as "load_unit"."""
         return UNITS[self.head[key]]
 
     def misprinted(self, what: str) -> bool:
-        """Return whether an entry is listed as a misprint, by itself or with its whole row."""
+        """Return whether an entry is a known misprint; ``what``: part, or part and quantity, as in the table's head."""
         return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
 
 
 @cache
 def read_table(name: str) -> Table:
-    """Return the file ``tables/NAME.csv``, read once."""
+    """Read a maker's table from the file ``tables/NAME.csv``; further calls return the same object."""
     lines = (FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
     remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
     body = csv.DictReader(line for line in lines if not line.startswith("#"))
     return Table(name, {key: text for key, _, text in remarks if key != "note"}, tuple(body))
 
 
-def tables(prefix: str) -> list[Table]:
-    """Return all files whose name begins so, sorted."""
+def read_tables(prefix: str) -> list[Table]:
+    """Read all makers' tables whose file name begins with ``prefix``, sorted by name."""
     return [read_table(path.stem) for path in sorted(FOLDER.glob(f"{prefix}*.csv"))]
 
 
 def half_step(text: str) -> float:
-    """Return half a step of the last nonzero printed digit: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
+    """Return half a step of the last nonzero digit of a printed number: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
     plain = "".join(text.split()).replace(",", ".").lstrip("+-")
     places = len(plain.partition(".")[2])
     zeros = 0 if places else len(plain) - len(plain.rstrip("0"))

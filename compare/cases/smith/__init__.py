@@ -1,1 +1,1 @@
-"""Smith (1994), thesis on ball screws and their bearings."""
+"""Smith (1994), thesis on the support bearings of ball screws: printed numbers, reproduced."""

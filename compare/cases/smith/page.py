@@ -1,4 +1,4 @@
-"""Smith (1994) in the report: its tables as printed with ours beside them, chapter by chapter, and what they show."""
+"""Report pages on Smith (1994): printed tables and figures of each chapter, with the computed values."""
 
 from __future__ import annotations
 
@@ -23,20 +23,26 @@ from rollbench.lowfi.bearings.axis import axis_stiffness
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Sections by name: title, printed tables.
+#: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
-    "smith-ball": ("Chapter 2: angular-contact ball bearing", ("smith-table-2-1", "smith-2.1", "smith-2.2", "smith-2.3")),
-    "smith-taper": ("Chapter 3: tapered roller bearing", ("smith-3",)),
-    "smith-axis": ("Chapter 4: the axis", ("smith-4.1", "smith-4.2", "smith-4.3")),
-    "smith-tests": ("Chapter 5: tests of the axis", ("smith-5",)),
+    "smith-ball": (
+        "Smith (1994), Chapter 2: angular-contact ball bearing",
+        ("smith-table-2-1", "smith-2.1", "smith-2.2", "smith-2.3"),
+    ),
+    "smith-taper": ("Smith (1994), Chapter 3: tapered roller bearing", ("smith-3",)),
+    "smith-axis": (
+        "Smith (1994), Chapter 4: bearing loads and stiffness of the axis",
+        ("smith-4.1", "smith-4.2", "smith-4.3"),
+    ),
+    "smith-tests": ("Smith (1994), Chapter 5: tests of the axis", ("smith-5",)),
 }
 PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
     "Support bearings of a ball screw: three angular-contact ball bearings or two tapered roller bearings at either end. "
-    "Right values: exact elliptic integrals, line contacts, equilibrium of every set of rows, both ends of the axis side "
-    "by flank. With the source's faults: its fits, sharing and sum in series, kept only to show what they do.",
-    "Units are the source's: its lb are pounds-force, 4.44822 N (its own sheet takes 4.448), in-lb 0.112985 N m, lb/in "
-    "175.127 N/m, psi 6894.76 Pa. Cells of the same number in two units are both entries.",
+    "Correct values: exact elliptic integrals, line contacts, equilibrium of the bearing rows, both halves of the screw in "
+    "parallel. As printed: Smith's fits, load sharing and sum in series, computed only to show their effect.",
+    "Units are Smith's: lb are pounds-force, 4.44822 N (4.448 N in his spreadsheet), in-lb 0.112985 N m, lb/in "
+    "175.127 N/m, psi 6894.76 Pa. A number printed in two units is compared twice.",
     (
         "The formulas of the axis are closed and linear; they are a baseline for scenes with beams and rolling "
         "sets, not a substitute."
@@ -47,7 +53,7 @@ ABOUT = (
 
 
 def parameters_figure() -> Figure:
-    """Draw Table 2-1 as curves (the source's Figure 2-8), with errors of the table and fits 2.18, 2.25, 2.26."""
+    """Draw Smith's Figure 2-8: Hertz contact parameters of Table 2-1, with the errors of the table and of Smith's fits."""
     at = np.linspace(0.0, 0.9999, 200)
     exact = np.array([contact_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
@@ -74,33 +80,49 @@ def parameters_figure() -> Figure:
         Panel("error against exact integrals", "F(p)", "error / %", off),
     )
     caption = "The last b* of the table has a digit too many: 3.5 % off. The fit 2.26 of b* is some 40 % off and not shown."
-    return Figure("smith-figure-2-8", "The source's Figure 2-8: parameters of the contact", panels, caption)
+    return Figure(
+        "smith-figure-2-8",
+        "Smith (1994), Figure 2-8: Hertz contact parameters over the curvature difference F(p), printed and exact",
+        panels,
+        caption,
+    )
 
 
 def stiffness_panel(found: Sequence[Evidence]) -> Panel:
-    """Return the panel of the stiffness of one bearing over thrust: correct, by the spreadsheets, and tested."""
+    """Draw the stiffness of one bearing over thrust: computed, by Smith's spreadsheets, and tested."""
     loads = np.linspace(100.0, 3000.0, 30)
     tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
-    ours = [float(bearings.state(x * bearings.POUND).stiffness) / bearings.POUND_PER_INCH / 1e6 for x in loads]
+    ours = [
+        float(bearings.thrust_state_of_ball_bearing(x * bearings.POUND).stiffness) / bearings.POUND_PER_INCH / 1e6
+        for x in loads
+    ]
     theory = [1e-6 * (f.printed.value or 0.0) for f in found if f.printed.key.startswith("theory_")]
     series = (
         Series("ball, right", [float(x) for x in loads], ours, "line", emphasis=True),
-        Series("ball, sheet", [float(x) for x in loads], [bearings.sheet_tangent(float(x)) / 1e6 for x in loads], "line"),
+        Series(
+            "ball, sheet",
+            [float(x) for x in loads],
+            [bearings.ball_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
+            "line",
+        ),
         Series("ball, tested", at, [1e-6 * (f.printed.value or 0.0) for f in tested], "markers"),
         Series("ball, printed theory", at, theory, "markers"),
         Series(
-            "taper, right", [float(x) for x in loads], [bearings.tangent_stiffness(float(x)) / 1e6 for x in loads], "line"
+            "taper, right", [float(x) for x in loads], [bearings.taper_stiffness(float(x)) / 1e6 for x in loads], "line"
         ),
         Series(
-            "taper, sheet", [float(x) for x in loads], [bearings.taper_sheet_tangent(float(x)) / 1e6 for x in loads], "line"
+            "taper, sheet",
+            [float(x) for x in loads],
+            [bearings.taper_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
+            "line",
         ),
     )
     return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
 def axis_panel(found: Sequence[Evidence]) -> Panel:
-    """Return the panel of axis stiffness over nut position, for both kinds of support, with the sum in series."""
+    """Draw the axis stiffness over the nut's position, for both kinds of support, with Smith's sum in series."""
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
     unit = 1e6 * bearings.POUND_PER_INCH
@@ -108,7 +130,7 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
     for kind in axis.KINDS:
         k = axis.end_state(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
-            a = bearings.axis(k, right)
+            a = bearings.screw_axis(k, right)
             values = axis_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
@@ -116,8 +138,8 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
     return Panel("axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
-def figure(found: Sequence[Evidence]) -> Figure:
-    """Draw the stiffness of bearings and axis."""
+def stiffness_figure(found: Sequence[Evidence]) -> Figure:
+    """Draw the stiffness of the support bearings over thrust, and of the axis over the nut's position."""
     sums = [f for kind in axis.KINDS for f in found if f.printed.key == f"total_{kind}"]
     stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
@@ -130,8 +152,8 @@ def figure(found: Sequence[Evidence]) -> Figure:
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
 
 
-def loads_figure(found: Sequence[Evidence]) -> Figure:
-    """Draw loads of the rows of 4.2 from end to end: printed, by equilibrium."""
+def row_loads_figure(found: Sequence[Evidence]) -> Figure:
+    """Draw the loads of all bearing rows of section 4.2: printed by Smith, and computed from equilibrium."""
     panels = []
     for kind, words in (("ball", "ball bearings"), ("taper", "tapered roller bearings")):
         series, names = [], []
@@ -144,7 +166,7 @@ def loads_figure(found: Sequence[Evidence]) -> Figure:
             series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", emphasis=True))
         panels.append(Panel(words, "end and row", "load / lbf", series, zero=True, integer_x=True, names=names))
     caption = (
-        "After the preload, after the stretch, and with 1000 lbf on the carriage towards the left end. The source gives "
+        "After the preload, after the stretch, and with 1000 lbf on the carriage towards the left end. Smith gives "
         "each end half of the stretch, and takes the whole of a load from one side and adds it to the other."
     )
     return Figure("smith-loads", "Loads of the bearing rows at both ends of the axis (Smith 4.2)", panels, caption)
@@ -160,13 +182,13 @@ LAYOUT_NOTE = (
 
 
 def layout_table(study: Study) -> Table:
-    """Return the table of axis layouts by nut position: scene, closed formulas, and the source's sum."""
+    """Return the table of axis stiffness by layout and nut position: scene, closed formulas, Smith's sum in series."""
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
-    for layout, place, scene, closed in axis.every_place(study):
+    for layout, place, scene, closed in axis.compare_layouts(study):
         study.uses((layout.scene,))
         difference = float(error_percent(scene.stiffness, closed.stiffness))
-        series = axis.in_series(layout) / unit
+        series = axis.stiffness_sum_in_series(layout) / unit
         rows.append(
             {
                 "layout": layout.words,
@@ -181,7 +203,12 @@ def layout_table(study: Study) -> Table:
                 Quantity("series", "sum in series", "10⁶ lbf/in", ".3f"): series if np.isfinite(series) else None,
             }
         )
-    return Table.of("smith-layouts", "Stiffness of the axis by layout, solved as scenes", rows, LAYOUT_NOTE)
+    return Table.of(
+        "smith-layouts",
+        "End thrusts and stiffness of the axis by bearing layout and nut position: scene, formulas, Smith's sum",
+        rows,
+        LAYOUT_NOTE,
+    )
 
 
 ROLLER_NOTE = (
@@ -191,8 +218,8 @@ ROLLER_NOTE = (
 )
 
 
-def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
-    """Return table and figures of one roller in 3D against low-order laws, from stored runs; empty without runs."""
+def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
+    """Return table and figure of one tapered roller in 3D and by low-order laws, from stored runs; empty without runs."""
     study.uses(("smith-axis-taper",))
     scene = catalogue.shipped("smith-axis-taper")
     assert isinstance(scene, Assembly)
@@ -235,22 +262,27 @@ def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
         Panel("largest pressure across", "along the roller / mm", "MPa", pressures, zero=True),
     )
     caption = f"A roller under {roller.load:.4g} N: even but for the ends, where the rounding makes the pressure finite."
-    table = Table.of("smith-roller-3d", "A roller between its races in 3D", rows, note)
+    table = Table.of(
+        "smith-roller-3d",
+        "Deflection and pressure of a tapered roller between its races: 3D and low-order laws",
+        rows,
+        note,
+    )
     return table, Figure(
         "smith-roller-along", "Line load and contact pressure along a tapered roller in 3D", panels, caption
     )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the sections of the report."""
+    """Return the report's sections on Smith (1994)."""
     step("support bearings and axis")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}
     listed = read_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
-        "smith-ball": (parameters_figure(), figure(found)),
-        "smith-taper": roller_parts(study),
-        "smith-axis": (loads_figure(found), layout_table(study)),
+        "smith-ball": (parameters_figure(), stiffness_figure(found)),
+        "smith-taper": roller_table_and_figure(study),
+        "smith-axis": (row_loads_figure(found), layout_table(study)),
     }
     chapters = [
         Section(name, title, (*shown_tables(printed, listed, by_name), *drawn.get(name, ())))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.makers.bearings import ring
-from rollbench.compare.cases.makers.tables import tables
+from rollbench.compare.cases.makers.bearings import bearing_scene
+from rollbench.compare.cases.makers.tables import read_tables
 from rollbench.lowfi.bearings import torque
 from rollbench.lowfi.rating.contacts import contact_rating
 
@@ -52,13 +52,13 @@ def test_starting_torques_that_nsk_prints_lie_in_the_range(size, balls, ball, pi
     bearing of the same bore, outside diameter and width."""
     printed = [
         (table.number(row["preload_N"]), table.number(row["starting_torque_N_m"]))
-        for table in tables("nsk-tac")
+        for table in read_tables("nsk-tac")
         for row in table.rows
         if row["bearing"] == size and row["arrangement"].startswith("DB or")
     ]
     assert printed
     for preload, pair in printed:
-        rated = contact_rating(ring(balls, ball, pitch, np.radians(60.0)))
+        rated = contact_rating(bearing_scene(balls, ball, pitch, np.radians(60.0)))
         loads = preload, 0.0, preload / (balls * np.sin(np.radians(60.0)) * rated)
         low, high = torque.ball_torque("angular contact", np.radians(60.0), pitch, loads, None).starting
         assert low < 0.5 * pair < high

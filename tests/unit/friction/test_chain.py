@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.linear.bearing import (
 )
 from rollbench.lowfi.friction.linear.chain import force_maps, pair_state, prepare_chain, solve_linear_chain, solve_pair
 
-BEARING = source_cases.linear().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)
 
 

@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.linear.bearing import (
 from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
 
-BEARING = source_cases.linear().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 
 
 @pytest.mark.parametrize("conformity", [0.505, 0.52, 0.6, 0.95])

@@ -22,7 +22,7 @@ from rollbench.lowfi.friction.contact.laws import dissipated_power, equal_contac
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.screw.motion import source_law
 
-BEARING = source_cases.rotary("I").bearing
+BEARING = source_cases.rotary_scene("I").bearing
 DIAGONAL = np.stack([AXIAL, RADIAL], axis=1) * np.sqrt(0.5)
 ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])
 

@@ -184,7 +184,7 @@ def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("u_y", [0.0, 5.2e-6, 8.0e-6])
 def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     """Its x, y, z (axis, radius, path) are z3, x3, y3 here; its inner ring is the screw."""
-    ring = source_cases.rotary("I").bearing
+    ring = source_cases.rotary_scene("I").bearing
     s = solve_ball(ring, 100.0, u_y, fast=True)
     screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
     order = [0, 1, 3, 2]  # IL, IR, OL, OR

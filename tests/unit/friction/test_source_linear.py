@@ -16,7 +16,7 @@ from rollbench.lowfi.friction.as_source.chain import (
 from rollbench.lowfi.friction.linear.bearing import angle_deviations, balanced_loads
 from rollbench.lowfi.friction.linear.chain import pair_state, prepare_chain, solve_linear_chain, solve_pair
 
-BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)
+BEARING = replace(source_cases.linear_pair_scene().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
 
 

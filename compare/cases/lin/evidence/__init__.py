@@ -1,1 +1,1 @@
-"""Computed values for the thesis's printed numbers, section by section."""
+"""Computed values for the numbers printed in Lin's thesis, section by section."""

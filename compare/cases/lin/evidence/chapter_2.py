@@ -1,4 +1,4 @@
-"""Chapter 2 and Table B.1: case studies, geometric errors, Hertz constants, and the effect of open choices."""
+"""Chapter 2 and Table B.1 of Lin's thesis: contact loads of the case studies, geometric errors, Hertz constants."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from rollbench.meshes.parts import SIDES, Errors, Scene, SideErrors, Support
 from rollbench.meshes.section import fixed_partition, groove_section
 from rollbench.meshes.surface import principal_curvatures
 
-#: Conformity that Table B.1 was computed with (Table 3.6), not Table 2.1's groove radius.
+#: Conformity with which Table B.1 was computed (that of Table 3.6), instead of Table 2.1's groove radius.
 TABLE_CONFORMITY = 0.56
 
 
-def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
-    """Return the quantities of Table B.1 by exact elliptic integrals: by screw "S" or nut "N", then by name."""
+def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
+    """Return the Hertz parameters of Lin's Table B.1 by elliptic integrals: for screw "S" and nut "N", by name, in SI."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
@@ -51,7 +51,7 @@ def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
     return out
 
 
-#: Quantities of the table by the key's first part: attribute with the faults, key of the right value, unit of the table.
+#: Quantities of Table B.1 by the key's first part: attribute as printed, name of the correct value, factor to the unit.
 QUANTITIES = {
     "e_": ("e", "e", 1.0),
     "C_": ("C", "C", 1.0),
@@ -67,20 +67,23 @@ QUANTITIES = {
 SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
-def right_b_1(scene: Scene) -> dict[str, float]:
-    """Return the correct values of Table B.1 in its units, by its keys, for the groove of the scene."""
-    right = right_sides(scene)
+def correct_table_b_1(scene: Scene) -> dict[str, float]:
+    """Return the correct values of Lin's Table B.1 for the groove of the scene, by the table's keys and in its units."""
+    right = exact_hertz_parameters(scene)
     keys = [(f"{start}{letter}", letter, name, unit) for letter in "SN" for start, (_, name, unit) in QUANTITIES.items()]
     return {key: unit * right[letter][SWAPPED.get(key, name)] for key, letter, name, unit in keys}
 
 
 def table_b_1(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table B.1.
+    """Compute the Hertz parameters of Table B.1 of Lin's thesis, into ``findings``.
 
-    As printed: conformity 0.56 with the source's faults. Correct: the groove of Table 2.1, which the text names.
+    As printed: conformity 0.56, with the thesis's faults. Correct: the groove of Table 2.1, which the text names.
     """
     scene = study.scene("lin-case1")
-    right, faulty = right_b_1(scene), dict(zip("SN", printed_sides(with_groove(scene, TABLE_CONFORMITY)), strict=True))
+    right, faulty = (
+        correct_table_b_1(scene),
+        dict(zip("SN", printed_sides(with_groove(scene, TABLE_CONFORMITY)), strict=True)),
+    )
     for letter, printed in faulty.items():
         for start, (attribute, _, unit) in QUANTITIES.items():
             key = f"{start}{letter}"
@@ -92,7 +95,7 @@ def table_b_1(findings: Findings, study: Study) -> None:
 
 
 def table_2_1(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 2.1 and the loads of 2.4.1: inputs, as the scenes hold them."""
+    """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them."""
     scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
     mm = {"length": scene.screw.length, "R_P": track.pitch_radius, "lead": track.lead, "R_B": scene.balls.radius}
@@ -107,20 +110,21 @@ def table_2_1(findings: Findings, study: Study) -> None:
 
 
 def partition_elements(study: Study) -> int:
-    """Return the number of beam elements in the source's partition: 12 outside, 3 of 15 mm in the nut, 12 outside."""
+    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside."""
     return fixed_partition(study.changed("lin-case1", partition="source")).size - 1
 
 
 def table_2_2(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 2.2: elements of the source's partition; times and the ANSYS mesh stay open."""
+    """Compute the number of beam elements in Table 2.2 of Lin's thesis, into ``findings``."""
     findings.number("elements_proposed", float(partition_elements(study)), "12 outside + 3 of 15 mm inside + 12 outside")
 
 
 @dataclass(frozen=True)
-class Reading:
-    """One interpretation of the screw's right end: label, and names of the scenes without and with offset.
+class EndSupport:
+    """An interpretation of the support of the screw's right end in Lin's case study 3.
 
-    ``of_text``: whether the text states it.
+    ``label``: restrained freedoms; ``plain``, ``offset``: names of the scenes without and with lateral offset;
+    ``of_text``: whether Lin's text states it.
     """
 
     label: str
@@ -129,44 +133,44 @@ class Reading:
     of_text: bool = False
 
 
-#: Readings of the right end; the others are measured against the first, which the 3D reference has.
-READINGS = (
-    Reading("ux and uy held", "lin-case3", "lin-case3-offset"),
-    Reading("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
-    Reading("only ux held", "lin-case3-ux", "lin-case3-offset-ux", of_text=True),
+#: Interpretations of the right end's support; the first is that of the 3D reference.
+END_SUPPORTS = (
+    EndSupport("ux and uy held", "lin-case3", "lin-case3-offset"),
+    EndSupport("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
+    EndSupport("only ux held", "lin-case3-ux", "lin-case3-offset-ux", of_text=True),
 )
 
 
-CASES = ("lin-case1", "lin-case2", *(name for r in READINGS for name in (r.plain, r.offset)))
+CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.plain, r.offset)))
 
 
-def ratio(load: Array) -> float:
-    """Return the largest over smallest load; infinite where a ball is not loaded."""
+def load_ratio(load: Array) -> float:
+    """Return the largest over the smallest ball load; infinite if a ball carries no load."""
     return float(load.max() / load.min()) if load.min() > 0.0 else float("inf")
 
 
-def two_point(load: Array) -> bool:
-    """Return whether every ball carries load on SL and NR and none on SR and NL; load ``(n, 4)`` [N]."""
+def is_two_point_contact(load: Array) -> bool:
+    """Return whether every ball is loaded on the flanks SL and NR only; ``load``: contact loads (n, 4) [N]."""
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 
 
-def spread_of_choices(study: Study) -> str:
-    """Return the range of the load ratio over both partitions of the beam and both interpretations of C.8."""
+def load_ratio_range(study: Study) -> str:
+    """Return in words the range of case 1's load ratio over both beam partitions and interpretations of equation C.8."""
     variants = [
         study.changed("lin-case1", partition=p, section=s)
         for p in ("nodal", "source")
         for s in ("groove", "groove squared")
     ]
-    ratios = [ratio(study.solve(v).load[:, 0]) for v in variants]
+    ratios = [load_ratio(study.solve(v).load[:, 0]) for v in variants]
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
 
 def section_2_4_1(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims of 2.4.1."""
-    _case_1(study, findings)
-    _case_2(study, findings)
-    _case_3(study, findings)
-    _against_ansys(study, findings)
+    """Compute the numbers and claims printed in section 2.4.1 of Lin's thesis, into ``findings``."""
+    _compute_case_1(study, findings)
+    _compute_case_2(study, findings)
+    _compute_case_3(study, findings)
+    _compare_with_ansys(study, findings)
     findings.number("elements", value_of("lin-2.2", "elements_proposed"))
     times = {k: value_of("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
     findings.number(
@@ -176,28 +180,32 @@ def section_2_4_1(findings: Findings, study: Study) -> None:
     )
 
 
-def _case_1(study: Study, findings: Findings) -> None:
+def _compute_case_1(study: Study, findings: Findings) -> None:
+    """Compute load ratio, two-point contact and lateral displacement of Lin's case study 1, into ``findings``."""
     load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
     mei = study.solve("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
     run = study.reference("lin-case1")  # without errors of the grooves, as the case: the one number that it can say
-    in_3d, p = None if run is None else ratio(run.load[:, 0]), entry("lin-2.4.1", "case1_ratio")
-    words = f"Low-order: {spread_of_choices(study)}"
+    in_3d, p = None if run is None else load_ratio(run.load[:, 0]), entry("lin-2.4.1", "case1_ratio")
+    words = f"Low-order: {load_ratio_range(study)}"
     if in_3d is not None:
         side = "within" if (p.low or 0.0) <= in_3d <= (p.high or 0.0) else "outside"
         off = float(error_percent(in_3d, p.value or 0.0))
         words += f". The sentence is on ANSYS too: our 3D reference, {in_3d:.4f}, is {side} the band ({off:+.1f} %)"
-    findings.number("case1_ratio", ratio(load[:, 0]), words, reference=in_3d)
+    findings.number("case1_ratio", load_ratio(load[:, 0]), words, reference=in_3d)
     falling = f"{mei[0]:.1f} N at ball 1 falling at every ball to {mei[-1]:.1f} N at ball 32"
     findings.claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
     findings.claim(
-        "case1_two_point", two_point(load), f"SL {count_of(load[:, 0] > 0)} loaded, SR {count_of(load[:, 1] > 0)}"
+        "case1_two_point",
+        is_two_point_contact(load),
+        f"SL {count_of(load[:, 0] > 0)} loaded, SR {count_of(load[:, 1] > 0)}",
     )
     words = f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model"
     findings.claim("case1_lateral", lateral > 0.1, words)
 
 
-def _case_2(study: Study, findings: Findings) -> None:
+def _compute_case_2(study: Study, findings: Findings) -> None:
+    """Check that in Lin's case study 2 the oversize ball 17 changes its own load only, into ``findings``."""
     case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
     change = error_percent(case2, case1, float(case1.mean()))
     most = float(np.abs(np.delete(change, 16)).max())
@@ -205,21 +213,22 @@ def _case_2(study: Study, findings: Findings) -> None:
     findings.claim("case2_ball17", bool(change[16] > 5.0 * most), words)
 
 
-def _case_3(study: Study, findings: Findings) -> None:
+def _compute_case_3(study: Study, findings: Findings) -> None:
+    """Check four-point contact and the last balls' load rise by the offset in Lin's case study 3, into ``findings``."""
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
     findings.claim("case3_four_point", min(smallest) > 0.0, words)
-    rise = [study.solve(r.offset).load - study.solve(r.plain).load for r in READINGS]
+    rise = [study.solve(r.offset).load - study.solve(r.plain).load for r in END_SUPPORTS]
     last = [int(np.argsort(x[:, 1] + x[:, 2])[-3:].min()) + 1 for x in rise]
-    places = ", ".join(f"{ball} and up ({r.label})" for ball, r in zip(last, READINGS, strict=True))
+    places = ", ".join(f"{ball} and up ({r.label})" for ball, r in zip(last, END_SUPPORTS, strict=True))
     findings.claim(
         "case3_last_balls", all(x >= 30 for x in last), f"the three largest rises of SR + NL are at balls {places}"
     )
 
 
-def _against_ansys(study: Study, findings: Findings) -> None:
-    """Compute the source's errors against ANSYS: of its model against the 3D reference, and by readings of the text."""
-    every = [c.errors["own"] for c in study.once(combined.every_combination) if not c.against_text]
+def _compare_with_ansys(study: Study, findings: Findings) -> None:
+    """Compute the errors that Lin prints against ANSYS: his model against the 3D reference, into ``findings``."""
+    every = [c.errors["own"] for c in study.once(combined.evaluate_combinations) if not c.against_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
         found = study.reference(name)
@@ -236,20 +245,20 @@ def _against_ansys(study: Study, findings: Findings) -> None:
             findings.number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
 
 
-# --- case study 1 under the choices that the source leaves open, and under its faults
+# --- case study 1 under the choices that the thesis leaves open, and under its faults
 
 
 @dataclass(frozen=True)
-class Choice:
-    """One modelling choice: description, result, and largest change against the first choice [% of its mean load]."""
+class ModelChoice:
+    """Contact loads of Lin's case study 1 under one modelling choice: description, result, change from the default."""
 
     label: str
     result: StaticResult
     change: LoadError
 
 
-def choices(study: Study) -> list[Choice]:
-    """Return case 1 under every choice that the source leaves open, and under its faults; the first is the default."""
+def case_1_by_choice(study: Study) -> list[ModelChoice]:
+    """Solve Lin's case study 1 under each modelling choice that the thesis leaves open; the first is the default."""
     base = study.solve("lin-case1")
     case = study.scene("lin-case1")
     small = with_groove(case, TABLE_CONFORMITY)
@@ -278,35 +287,35 @@ def choices(study: Study) -> list[Choice]:
         ("axial bars only, nut an elastic bar (Mei)", case, "mei-nut"),
     )
     found = [(label, study.solve(scene, model)) for label, scene, model in variants]
-    return [Choice(label, result, load_error(result.load, base.load)) for label, result in found]
+    return [ModelChoice(label, result, load_error(result.load, base.load)) for label, result in found]
 
 
 # --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need drawn screws
 
 
-#: Change of a load, in per cent of the mean load, from which a distribution counts as significantly changed: twice the
-#: largest error that the source reports of its own model (5.38 %).
+#: Change of a contact load [% of the mean load] above which a load distribution counts as significantly changed: twice the
+#: largest error that Lin reports for his model (5.38 %).
 SIGNIFICANT = 2.0 * 5.38
-#: Fraction of the drawn screws that a claim on random errors must hold in.
+#: Fraction of the randomly drawn screws for which a claim on random errors must hold.
 SEEN = 0.05
 
 
 def section_2_4_2(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims of 2.4.2.
+    """Compute the numbers and claims on geometric errors printed in section 2.4.2 of Lin's thesis, into ``findings``.
 
-    Those on random errors stay open where the study draws no screws.
+    Claims on random errors stay open if the study draws no screws.
     """
     groove = groove_section(study.scene("lin-case1"))
     findings.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
     findings.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
-    _given_errors(study, findings)
-    _single_errors(study, findings)
+    _compute_given_errors(study, findings)
+    _check_single_error_claims(study, findings)
     if study.members != 0:
-        _drawn_errors(study, findings)
+        _check_random_error_claims(study, findings)
 
 
-def _given_errors(study: Study, findings: Findings) -> None:
-    """Compute the entries of the given errors, as in the scenes."""
+def _compute_given_errors(study: Study, findings: Findings) -> None:
+    """Record the amplitudes of the geometric errors that Lin prints, as the scenes contain them, into ``findings``."""
     profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
         findings.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
@@ -314,12 +323,12 @@ def _given_errors(study: Study, findings: Findings) -> None:
     findings.number("random_sigma", 1e6 * study.scene("lin-random").errors.balls.sigma)
 
 
-def _single_errors(study: Study, findings: Findings) -> None:
-    """Compute the claims on profile errors and on pitch errors, each alone."""
+def _check_single_error_claims(study: Study, findings: Findings) -> None:
+    """Check Lin's claims on contact loads with profile errors only and with pitch errors only, into ``findings``."""
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_of(load[:, 0] > 0)}, SR {count_of(load[:, 1] > 0)} loaded"
-        findings.claim(f"{name}_two_point", two_point(load), words)
+        findings.claim(f"{name}_two_point", is_two_point_contact(load), words)
     little, much = load_error(profile, base), load_error(pitch, base)
     findings.claim(
         "profile_little",
@@ -333,11 +342,11 @@ def _single_errors(study: Study, findings: Findings) -> None:
     )
 
 
-def _drawn_errors(study: Study, findings: Findings) -> None:
-    """Compute the claims on randomly drawn errors, from the stored study."""
+def _check_random_error_claims(study: Study, findings: Findings) -> None:
+    """Check Lin's claims on contact loads with random ball errors, by drawn screws, into ``findings``."""
     base = study.solve("lin-case1").load
     random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
-    kept = np.array([two_point(load) for load in random])
+    kept = np.array([is_two_point_contact(load) for load in random])
     findings.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])
     low, high = np.percentile(changed, [5, 95])
@@ -353,22 +362,25 @@ def _drawn_errors(study: Study, findings: Findings) -> None:
 
 
 SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
-#: Clearances tried for the claim of two-point contact: change of every ball's radius [m].
+#: Changes of all ball radii [m], at which the claim of two-point contact is checked.
 CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
-def spread(result: StaticResult) -> float:
-    """Return the standard deviation of the loads on SL over their mean."""
+def load_variation(result: StaticResult) -> float:
+    """Return the standard deviation over the mean of the loads on flank SL."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
 
-def unloaded(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return the mask (n,) of the balls that carry no load."""
+def unloaded_balls(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Return for each ball whether it carries no load, (n,)."""
     return np.asarray(result.load.sum(axis=1) == 0.0)
 
 
-def cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[int, float]:
-    """Return the dominant number of cycles per turn (1 to 4) in the pattern of lost balls, and its share of the power."""
+def dominant_cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[int, float]:
+    """Return the dominant harmonic (1 to 4 cycles per turn) of the pattern of unloaded balls, and its share of the power.
+
+    ``lost``: whether each ball is unloaded.
+    """
     phi = ball_layout(scene).azimuth
     x = lost.astype(float) - lost.mean()
     power = np.array([np.abs((x * np.exp(-1j * k * phi)).sum()) ** 2 for k in range(1, 5)])
@@ -377,8 +389,8 @@ def cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) 
     return int(power.argmax()) + 1, float(power.max() / power.sum())
 
 
-def readings(scene: Scene) -> list[tuple[str, Scene]]:
-    """Return scenes with other supports and clearances than shipped, which the source does not print; with labels."""
+def scenes_of_open_inputs(scene: Scene) -> list[tuple[str, Scene]]:
+    """Return labelled copies of a scene with other supports and clearances, which Lin does not print."""
     rotation = (Support(0.0, (("rz", 0.0),)),)
     lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
     no_right = replace(scene.errors, SR=SideErrors())
@@ -395,17 +407,17 @@ def readings(scene: Scene) -> list[tuple[str, Scene]]:
 
 
 def section_4_3_2(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims of 4.3.2."""
+    """Compute the numbers and claims on manufacturing errors printed in section 4.3.2 of Lin's thesis."""
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
     findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
     findings.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
     findings.number("force", pitch.loads[0].force[2], "key of the scene")
     for screw in SCREWS:
-        _claims(study, findings, screw)
+        _check_claims_of_screw(study, findings, screw)
 
 
-def _claims(study: Study, findings: Findings, screw: str) -> None:
-    """Compute the claims of 4.3.2 on one screw."""
+def _check_claims_of_screw(study: Study, findings: Findings, screw: str) -> None:
+    """Check the claims of section 4.3.2 on one screw: two-point contact, uneven loads, unloaded balls."""
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
     findings.claim(
@@ -416,12 +428,13 @@ def _claims(study: Study, findings: Findings, screw: str) -> None:
     )
     findings.claim(
         f"less_uniform_{screw}",
-        spread(roundness) > spread(pitch),
-        f"standard deviation over mean {spread(roundness):.2f} with roundness, {spread(pitch):.2f} with pitch error",
+        load_variation(roundness) > load_variation(pitch),
+        f"standard deviation over mean {load_variation(roundness):.2f} with roundness, "
+        f"{load_variation(pitch):.2f} with pitch error",
     )
-    lost = unloaded(roundness)
-    words = f"{count_of(lost)} balls without contact; with pitch error {count_of(unloaded(pitch))}"
+    lost = unloaded_balls(roundness)
+    words = f"{count_of(lost)} balls without contact; with pitch error {count_of(unloaded_balls(pitch))}"
     findings.claim(f"lost_{screw}", bool(lost.any()), words)
-    count, power = cycles(study.scene(f"lin-roundness-{screw}"), lost)
+    count, power = dominant_cycles(study.scene(f"lin-roundness-{screw}"), lost)
     words = f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else "no ball loses contact"
     findings.claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)

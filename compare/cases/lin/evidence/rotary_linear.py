@@ -1,4 +1,4 @@
-"""Sections 3.2 and 3.3 and appendix G: computed values of every printed number, and other assumptions."""
+"""Sections 3.2, 3.3 and appendix G of Lin's thesis: ball motion and friction in a rotary and a linear bearing."""
 
 from __future__ import annotations
 
@@ -24,60 +24,73 @@ from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 
-#: Tables 3.1 and 3.3: inputs of the two case studies.
-ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force
-LINEAR, VERTICAL, SIDE = source_cases.linear().bearing, source_cases.linear().vertical, float(source_cases.linear().side[0])
-THETA, WORST = source_cases.linear().deviation, source_cases.linear(source_cases.LINEAR_WORST).deviation
+#: Inputs of the rotary bearing (Table 3.1) and the linear bearing (Table 3.3).
+ROTARY, AXIAL = source_cases.rotary_scene("I").bearing, source_cases.rotary_scene("I").force
+LINEAR, VERTICAL, SIDE = (
+    source_cases.linear_pair_scene().bearing,
+    source_cases.linear_pair_scene().vertical,
+    float(source_cases.linear_pair_scene().side[0]),
+)
+THETA, WORST = (
+    source_cases.linear_pair_scene().deviation,
+    source_cases.linear_pair_scene(source_cases.LINEAR_WORST).deviation,
+)
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
-CASES = {name: source_cases.rotary(name).displacement for name in source_cases.ROTARY_SCENES}
+CASES = {name: source_cases.rotary_scene(name).displacement for name in source_cases.ROTARY_SCENES}
 #: Slope of the normalised friction force, as printed.
-K_F = source_cases.k_f()
-#: The source's own law of friction, with what was inferred for it.
+K_F = source_cases.printed_friction_slope()
+#: Lin's friction law, with the inferred parameters.
 PRINTED_LAW = source_law(
-    ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
+    ROTARY, source_cases.rotary_scene("I", printed=True).sharpness, source_cases.rotary_scene("I", printed=True).map_step
 )
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
-#: Yield strength [MPa] and its multiple that make the allowable pressure of appendix G.
+#: Yield strength [MPa], and allowable pressure of appendix G over it.
 YIELD, MULTIPLE = 370.0, 4.2
 
 
-# --- solutions, each made once
+# --- solutions, each computed once
 
 
 @cache
-def as_printed(case: str) -> bearing.Solution:
-    """Solve a case of Table 3.2 as the source does: its Hertz constants, sigmoid friction law, and root finding."""
-    scene = source_cases.rotary(case, printed=True)
+def solve_rotary_as_printed(case: str) -> bearing.Solution:
+    """Solve the ball motion of a case of Table 3.2 as Lin does: his Hertz constants, sigmoid friction law, root finding."""
+    scene = source_cases.rotary_scene(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     return bearing.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
 def solve_rotary(case: str, hertz: Mode = "right") -> bearing.Solution:
-    """Solve the motion of one ball of the rotary bearing by least dissipation.
+    """Solve the ball motion of a case of Table 3.2 by least dissipation.
 
-    ``hertz``: "as printed" keeps the source's loads and contact ellipses.
+    ``hertz``: "as printed" keeps Lin's loads and contact ellipses.
     """
     return bearing.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
 
 @cache
-def pair(theta: float = THETA, loads: Loads = "balanced", mated: bool = False, mu_balls: float = 0.1) -> PairResult:
-    """Return the linear pair at the side force ratio of the case study."""
+def solve_linear_pair(
+    theta: float = THETA, loads: Loads = "balanced", mated: bool = False, mu_balls: float = 0.1
+) -> PairResult:
+    """Solve the contact of two neighbouring balls in the linear bearing, at the side force of Lin's case study.
+
+    ``theta``: deviation of the contact angle [rad]; ``loads``: assumption on the contact loads; ``mated``: grooves of
+    case (b); ``mu_balls``: friction coefficient between the balls.
+    """
     return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
 
 @cache
-def claim_maps() -> PairMaps:
-    """Return the coarse maps with which the claims are tested: theta from -3 to 3 deg, rho from -0.6 to 0.6."""
+def force_and_loss_maps() -> PairMaps:
+    """Return maps of the force and losses of two balls: theta from -3 to 3 deg, side force ratio from -0.6 to 0.6."""
     return force_maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
 
-# --- values of the printed entries
+# --- computed values for printed numbers
 
 
 def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Table 3.1: inputs."""
+    """Record the inputs of the rotary bearing, Table 3.1 of Lin's thesis, into ``findings``."""
     b = ROTARY
     values = {
         "R_B": 1e3 * b.ball_radius,
@@ -94,7 +107,7 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def rotary_value(s: bearing.Solution, key: str) -> float:
-    """Return the computed value of a row of Table 3.2 in its printed unit; ``key``: of the row, without the case."""
+    """Return the computed value for a row of Table 3.2 in its printed unit; ``key``: such as "F_sum" or "torque"."""
     kind, _, what = key.partition("_")
     if kind == "F":
         return float(s.load.force.sum() if what == "sum" else s.load.force[bearing.SIDES.index(what)])
@@ -105,35 +118,35 @@ def rotary_value(s: bearing.Solution, key: str) -> float:
     return 1e3 * s.torque
 
 
-def increase_percent(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
-    """Return the increase of the summed contact forces [%], or that of the torque over the first torque."""
+def force_or_torque_increase(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
+    """Return the increase between two cases: of the sum of contact forces [%], or of the torque as a fraction."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
     return raised.torque / first.torque - 1.0
 
 
-#: Names of the 3D model's values by the start of a key of Table 3.2, and their unit in the table's.
+#: Names of the 3D model's results by key of Table 3.2, with the factor to the table's unit.
 IN_3D = {"P_IL": ("loss IL mW", 1e-3), "P_IR": ("loss IR mW", 1e-3), "P_OL": ("loss OL mW", 1e-3)}
 IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B": ("orbit rad/s", 1.0)}
 IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 
 
 def table_3_2(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 3.2 and the increases of 3.2.2.
+    """Compute contact forces, losses and ball motion of the rotary bearing: Table 3.2 and section 3.2.2 of Lin's thesis.
 
     As printed, and with exact Hertz constants and least dissipation.
     """
-    solid = {case: source_cases.in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()}
+    solid = {case: source_cases.results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()}
     for row in load_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
             what = key.removesuffix("_increase")
             faulty, true = (
-                increase_percent(as_printed("I"), as_printed(case), what),
-                increase_percent(solve_rotary("I"), solve_rotary(case), what),
+                force_or_torque_increase(solve_rotary_as_printed("I"), solve_rotary_as_printed(case), what),
+                force_or_torque_increase(solve_rotary("I"), solve_rotary(case), what),
             )
         else:
-            faulty, true = rotary_value(as_printed(case), key), rotary_value(solve_rotary(case), key)
+            faulty, true = rotary_value(solve_rotary_as_printed(case), key), rotary_value(solve_rotary(case), key)
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
         name, unit = IN_3D.get(key, ("", 1.0))
         value = solid[case].get(name)
@@ -143,7 +156,7 @@ def table_3_2(findings: Findings, study: Study) -> None:
 
 
 def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Table 3.3: inputs, the worst case of 3.3.4.1 and its claims."""
+    """Compute inputs, worst case and claims of the linear bearing: Table 3.3 and section 3.3.4.1 of Lin's thesis."""
     b = LINEAR
     values = {
         "ball_radius": 1e3 * b.ball_radius,
@@ -158,13 +171,13 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
     findings.numbers(values)
-    _worst_case(findings)
-    _claims_of_maps(findings, claim_maps())
+    _compute_worst_case(findings)
+    _check_map_claims(findings, force_and_loss_maps())
 
 
-def _worst_case(findings: Findings) -> None:
-    """Compute the entry of the worst case: loss between the balls over the loss without contact."""
-    worst = pair(WORST)
+def _compute_worst_case(findings: Findings) -> None:
+    """Compute Lin's worst case: friction loss between two balls over the loss without ball-to-ball contact."""
+    worst = solve_linear_pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.free.loss))
     findings.number(
         "worst_ratio",
@@ -174,8 +187,8 @@ def _worst_case(findings: Findings) -> None:
     )
 
 
-def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
-    """Compute the claims on the maps of force and losses."""
+def _check_map_claims(findings: Findings, m: PairMaps) -> None:
+    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force."""
     difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
@@ -200,28 +213,28 @@ def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
 
 
 def formula_deviation(mated: bool) -> Array:
-    """Return the velocity deviations (2,) of both balls by formula (3.43), at the loads stated in the text."""
+    """Return the velocity deviations (2,) of both balls by Lin's formula (3.43), at the loads stated in the text."""
     angles, loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
 def table_3_4(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 3.4: velocity deviations [%], and its inputs."""
+    """Compute the velocity deviations [%] of two balls in the linear bearing: Table 3.4 of Lin's thesis."""
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
-        scene = source_cases.linear(name)
+        scene = source_cases.linear_pair_scene(name)
         top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
         findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
-        found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)
-        solid = source_cases.in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
+        found, formula = solve_linear_pair(mated=mated).free.deviation, formula_deviation(mated)
+        solid = source_cases.results_in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
         findings.number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
         findings.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
 
-def misprinted_force() -> float:
-    """Return the force by formula (3.51) for case (a) with the misprinted exponents -2/3, as if its unit were N."""
+def force_with_misprinted_exponents() -> float:
+    """Return the ball-to-ball force of case (a) by Lin's formula (3.51) with the misprinted exponents -2/3, taken in N."""
     loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
@@ -229,22 +242,24 @@ def misprinted_force() -> float:
 
 
 def formula_force(*, mated: bool) -> float:
-    """Return the force [N] by formula (3.51) for case (a), or for case (b) with mated grooves."""
+    """Return the ball-to-ball force [N] by Lin's formula (3.51) for case (a), or with ``mated`` grooves for case (b)."""
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
 def table_3_5(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
-    spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
+    """Compute ball-to-ball forces [N] of the linear bearing and differences from ANSYS: Table 3.5 of Lin's thesis."""
+    spread = ", ".join(f"{loads} {solve_linear_pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
-    solid = {case: source_cases.in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
-    as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
+    solid = {case: source_cases.results_in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
+    as_is = f"with the exponents -2/3 as printed the formula gives {force_with_misprinted_exponents():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
-        findings.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads, reference=solid[case])
+        findings.number(
+            f"{case}_force_numerical", solve_linear_pair(mated=case == "b").force, of_loads, reference=solid[case]
+        )
         findings.number(f"{case}_force_ansys", None, reference=solid[case])
         findings.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
     ansys = value_of("lin-3.5", "a_force_ansys")
-    for name, ours in (("numerical", pair().force), ("analytic", formula["a"])):
+    for name, ours in (("numerical", solve_linear_pair().force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
         words = f"ours is {off[0]} off the printed ANSYS force" + "".join(f", {x} off our 3D" for x in off[1:])
         first = value_of("lin-3.5", "a_force_numerical") if name == "numerical" else ours  # arithmetic on printed numbers
@@ -253,8 +268,8 @@ def table_3_5(findings: Findings, study: Study) -> None:
         findings.remark(f"{case}_time_{model}", "another machine and language; not compared")
 
 
-def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
-    """Return the ratio b/a, and a over the ball's radius at the Hertz pressure [Pa], of a ball in a straight groove."""
+def straight_groove_contact(conformity: float, pressure: float) -> tuple[float, float]:
+    """Return semi-axis ratio b/a, and a over the ball's radius at a Hertz pressure [Pa], of a ball in a straight groove."""
     h = hertz_constants(
         np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
     )
@@ -262,11 +277,11 @@ def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
 
 
 def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the linear range of the friction force (appendix G), for the groove of Table 3.3 and conformity 0.52."""
+    """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis."""
     pressure = MULTIPLE * YIELD
-    ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
+    ratio = straight_groove_contact(LINEAR.conformity, 1e6 * pressure)[0]
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
-    a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
+    a_over_r = straight_groove_contact(0.52, 1e6 * pressure)[1]
     reach, cut = value_of("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
     off = 100.0 * float(linear_error(ratio, K_F))
     findings.number(
@@ -282,17 +297,17 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
     findings.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
 
 
-# --- lin 3.2 and 3.3 under several sets of assumptions: balance of power of the rotary cases, loads of the linear pair
+# --- sections 3.2 and 3.3 under several assumptions: balance of power in the rotary bearing, loads of the linear bearing
 
 
 def balance_rows() -> list[Row]:
-    """Return cases I to III: torque [N mm], power in and out [W], contacts at rest, by three sets of assumptions."""
+    """Return table rows of the rotary bearing's torque [N mm] and power balance [W], for three sets of assumptions."""
     rows: list[Row] = []
     for case in CASES:
         for label, s in (
             ("right", solve_rotary(case)),
             ("least dissipation at the loads as printed", solve_rotary(case, "as printed")),
-            ("as printed", as_printed(case)),
+            ("as printed", solve_rotary_as_printed(case)),
         ):
             torque = bearing.inner_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.screw_speed
@@ -315,15 +330,15 @@ def balance_rows() -> list[Row]:
 
 
 def sensitivity_rows() -> list[Row]:
-    """Return the results of the linear pair under each assumption on loads and on friction between the balls.
+    """Return table rows of force and losses of two balls in the linear bearing, for several assumptions.
 
-    Deviations and changes are in per cent, the force is in N.
+    The assumptions are on the contact loads and on friction between the balls.
     """
     rows: list[Row] = []
     printed = entry("lin-3.5", "a_force_numerical")
     against = f"against the printed {printed.printed} N"
     for loads, mu in product(LOADS, (0.1, 0.0)):
-        r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
+        r, worst = solve_linear_pair(loads=loads, mu_balls=mu), solve_linear_pair(WORST, loads, mu_balls=mu)
         increase = float(error_percent(worst.touching.loss, worst.free.loss))
         rows.append(
             {

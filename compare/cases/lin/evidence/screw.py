@@ -1,4 +1,4 @@
-"""Sections 3.4 and 4.3: computed values of every printed number, each solution made once."""
+"""Sections 3.4 and 4.3 of Lin's thesis: friction and ball-to-ball contact in a ball screw, torque of two bearings."""
 
 from __future__ import annotations
 
@@ -39,81 +39,87 @@ from rollbench.lowfi.friction.whole.circuit import Onset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 
-#: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
-THETA = {name: degrees(source_cases.deviation(name)) for name in source_cases.PAIR_SCENES}
+#: Deviations theta [deg] of the contact angle in Table 3.7; amplitudes [deg] in the simulations of 3.4.4, not printed.
+THETA = {name: degrees(source_cases.pair_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load in 4.3.1.
-ANGLES = source_cases.bearings().angle
-#: Error of the steps of a run that is small enough, as a fraction of its mean torque.
+ANGLES = source_cases.bearing_pair_scene().angle
+#: Permitted time-step error of a simulation, over its mean torque.
 STEP_GOAL = 0.003
-#: Level of the stored 3D runs of a pair that is taken.
+#: Level of the stored 3D runs of a ball pair that is used.
 FINEST = 3
-#: Scenes of 4.3.2.
+#: Scenes of section 4.3.2, by kind of geometric error.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
 
 
-# --- solutions, each made once
+# --- solutions, each computed once
 
 
 @cache
-def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
-    """Solve a case of Table 3.7 by the text as printed ("plain") or with the inferred oversize ("inferred")."""
+def solve_screw_pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
+    """Solve two balls of the screw in a case of Table 3.7; ``reading``: text as printed, or with the inferred oversize."""
     return solve_pair(case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
 
 
 @cache
-def screw_run(amplitude: float) -> History:
-    """Return the run of the whole screw of 3.4.4, with steps chosen by `stepped`; amplitude of theta [deg]."""
-    return stepped(amplitude)[0]
+def simulate_screw(amplitude: float) -> History:
+    """Simulate the whole screw of section 3.4.4 with controlled time steps; ``amplitude``: of theta [deg]."""
+    return simulate_with_step_control(amplitude)[0]
 
 
 @cache
-def stepped(amplitude: float) -> tuple[History, StepError | None]:
-    """Return the run with as many steps as keep their error below ``STEP_GOAL``, and that error."""
-    run = source_cases.run_of(amplitude)
+def simulate_with_step_control(amplitude: float) -> tuple[History, StepError | None]:
+    """Simulate the whole screw of section 3.4.4 with a step error below `STEP_GOAL`; return history and step error.
+
+    ``amplitude``: of theta [deg].
+    """
+    run = source_cases.shipped_run(amplitude)
     return resolved(run, run.duration, None, STEP_GOAL)
 
 
 @cache
-def as_stepped(amplitude: float) -> History:
-    """Return the run in the source's 200 steps, with loads and motions at the start of each step."""
-    return equal_steps(source_cases.run_of(amplitude))
+def simulate_in_200_steps(amplitude: float) -> History:
+    """Simulate the whole screw of section 3.4.4 in 200 steps, as Lin does, with loads and motions at their start."""
+    return equal_steps(source_cases.shipped_run(amplitude))
 
 
 @cache
-def loose_run() -> History:
-    """Return the run with theta of 3 degrees, without oversize, where friction moves balls and screw."""
-    return equal_steps(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
+def simulate_without_oversize() -> History:
+    """Simulate the screw of section 3.4.4 without oversize (theta of 3 deg), loads coupled to friction."""
+    return equal_steps(replace(source_cases.shipped_run(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache
-def curve(name: str, tilt: bool) -> TorqueCurve:
-    """Return the torque against load angle of a bearing of Table 4.2, "4P" or "DR"."""
+def torque_over_load_angle(name: str, tilt: bool) -> TorqueCurve:
+    """Compute the friction torque over load angle of a bearing of Table 4.2; ``name``: "4P" (four-point) or "DR"."""
     return torque_curve(source_cases.four_point(tilt=tilt) if name == "4P" else source_cases.double_row(tilt=tilt), ANGLES)
 
 
 def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
-    """Return the largest over smallest torque up to a load angle [deg]."""
+    """Return the largest over the smallest torque, for load angles up to ``end`` [deg]."""
     torque = found.torque[found.angle <= radians(end) * (1.0 + 1e-12)]
     return float(torque.max() / torque.min())
 
 
-def increase(r: PairResult) -> float:
-    """Return the increase of the total friction loss due to ball-to-ball contact [%]."""
+def loss_increase(r: PairResult) -> float:
+    """Return the increase [%] of the total friction loss of two balls due to ball-to-ball contact."""
     return float(error_percent(r.touching.motion.loss, r.free.motion.loss))
 
 
-def onset(study: Study, errors: str, idle: float) -> Onset:
-    """Return the onset of ball-to-ball contact on the screw of Table 4.1 with one kind of error."""
+def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
+    """Compute when neighbouring balls first touch in the screw of Table 4.1 with one kind of geometric error.
+
+    ``idle``: velocity of unloaded balls over the nominal one.
+    """
     name = SCREWS[errors]
     return contact_onset(study.scene(name), study.solve(name), idle=idle)
 
 
-# --- values of the printed entries
+# --- computed values for printed numbers
 
 
 def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Table 3.6: inputs."""
+    """Record the inputs of the ball screw, Table 3.6 of Lin's thesis, into ``findings``."""
     g = source_cases.table_3_6()
     values = {
         "R_B": 1e3 * g.ball_radius,
@@ -130,84 +136,88 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "theta_2_b": THETA["b"],
     }
     findings.numbers(values)
-    _modulus(findings, g.young)
+    _record_youngs_modulus(findings, g.young)
 
 
-def _modulus(findings: Findings, young: float) -> None:
-    """Compute the entry of Young's modulus in the unit printed."""
+def _record_youngs_modulus(findings: Findings, young: float) -> None:
+    """Record Young's modulus [Pa], shown in the misprinted unit of the thesis."""
     findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
 def table_3_7(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 3.7 and its text: by the text as printed, and with the inferred oversize."""
+    """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis."""
     for case in THETA:
-        solid = source_cases.in_3d(study, source_cases.PAIR_SCENES[case])
-        _pair_of_3_7(findings, case, solid)
+        solid = source_cases.results_in_3d(study, source_cases.PAIR_SCENES[case])
+        _compute_force_and_increase(findings, case, solid)
         force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
         findings.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        _ansys_of_3_7(findings, study, case)
+        _compare_force_with_ansys(findings, study, case)
         findings.remark(f"time_{case}", "another machine and language")
         findings.remark(f"time_ansys_{case}", "another machine and program")
     printed = [value_of("lin-3.5", "error_numerical"), *(value_of("lin-3.7", f"difference_{case}") for case in THETA)]
     findings.number("within", max(printed), "the largest of the printed differences")
 
 
-def _pair_of_3_7(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
-    """Compute force and increase of one case of Table 3.7."""
+def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
+    """Compute ball-to-ball force and loss increase of a case of Table 3.7; ``solid``: results of the 3D rolling model."""
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
-    as_text, oversized = pair(case, "plain"), pair(case, "inferred")
+    as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
     implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
     findings.number(
         f"force_{case}",
         as_text.force,
-        f"{_both(as_text.force, oversized.force)}; the text as printed does not give it ({off[0]:+.0f} %): printed force "
-        f"and increase imply {implied:.0f} N of contact load a ball, plainly read it is {as_text.ball_loads.mean():.0f} N, "
+        f"{_both_interpretations(as_text.force, oversized.force)}; the text as printed does not give it "
+        f"({off[0]:+.0f} %): printed force and increase imply {implied:.0f} N of contact load a ball, plainly read "
+        f"it is {as_text.ball_loads.mean():.0f} N, "
         f"the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
         reference=solid.get("force 1-2 N"),
     )
-    values = increase(as_text), increase(oversized)
+    values = loss_increase(as_text), loss_increase(oversized)
     off = [float(error_percent(value, percent)) for value in values]
-    words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
+    words = f"{_both_interpretations(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
     findings.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
 
 
-def _ansys_of_3_7(findings: Findings, study: Study, case: str) -> None:
-    """Set the 3D rolling model's force next to the printed one of ANSYS, under both interpretations."""
+def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> None:
+    """Record the 3D rolling model's ball-to-ball force, to compare with Lin's ANSYS, under both interpretations."""
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
-    as_text, oversized = (source_cases.in_3d(study, scene).get("force 1-2 N") for scene in scenes)
-    words = "no stored run" if as_text is None or oversized is None else _both(as_text, oversized)
+    as_text, oversized = (source_cases.results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
+    words = "no stored run" if as_text is None or oversized is None else _both_interpretations(as_text, oversized)
     words = f"3D rolling of elastic half spaces: {words}"
     findings.number(f"ansys_{case}", None, words, reference=as_text)
 
 
-def _both(as_text: float, oversized: float) -> str:
-    """Return a text with the values of the plain and the inferred interpretation."""
+def _both_interpretations(as_text: float, oversized: float) -> str:
+    """Return in words a value by the text as printed, and with the inferred oversize."""
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 
-def settled(r: History) -> Array:
-    """Return the torque of the grooves [N m] after the first step, whose loads are computed without friction."""
+def torque_after_first_step(r: History) -> Array:
+    """Return the friction torque [N m] of the groove contacts from the second step on.
+
+    Loads of the first step are computed without friction.
+    """
     return r.groove_torque[1:]
 
 
-def variation(r: History) -> float:
-    """Return the largest less smallest torque of the grooves over its mean, from the second step on."""
-    torque = settled(r)
+def torque_variation(r: History) -> float:
+    """Return (largest - smallest)/mean of the groove contacts' torque, from the second step on."""
+    torque = torque_after_first_step(r)
     return float(np.ptp(torque) / torque.mean())
 
 
-def engages_again(r: History) -> bool:
-    """Return whether ball-to-ball contact begins, ends, and begins again."""
+def contact_begins_again(r: History) -> bool:
+    """Return whether ball-to-ball contact begins, ends and begins again during a simulation."""
     touch = np.asarray(np.any(r.contact, axis=1), dtype=bool).reshape(-1)
     changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
     return not bool(touch[0]) and changes.tolist() == [True, False, True]
 
 
-def steps_in_words(amplitude: float) -> str:
-    """Return a sentence on the steps of the run: number, error, and the result with the source's number of steps."""
-    (found, error), base = stepped(amplitude), as_stepped(amplitude)
+def steps_sentence(amplitude: float) -> str:
+    """Return in words the number of time steps of a simulation, their error, and the result with Lin's 200 steps."""
+    (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
     few = 100.0 * summarise(base).largest
     return (
@@ -217,7 +227,7 @@ def steps_in_words(amplitude: float) -> str:
 
 
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of 3.4.4: inputs, the numbers with theta of 3 degrees (and of 2 in the words), and the claims."""
+    """Compute the simulation of the whole screw: inputs, numbers and claims of section 3.4.4 of Lin's thesis."""
     base = source_cases.lin_3_4_4()
     inputs = {
         "balls": base.count,
@@ -228,39 +238,42 @@ def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - e
         "occupation": 100.0 * base.occupation,
     }
     findings.numbers(inputs)
-    _numbers_of_run(findings)
-    _claims_of_run(findings)
+    _compute_ball_contact_torque(findings)
+    _check_simulation_claims(findings)
 
 
-def _numbers_of_run(findings: Findings) -> None:
-    low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
+def _compute_ball_contact_torque(findings: Findings) -> None:
+    """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and ends."""
+    low, high = (summarise(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
-    words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {steps_in_words(3.0)}"
-    near = {key: f"; {nearest_reading(key)}" for key in PRINTED_OF_RUN}
+    words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {steps_sentence(3.0)}"
+    near = {key: f"; {nearest_interpretation(key)}" for key in PRINTED_OF_RUN}
     findings.number("largest", 100.0 * high.largest, words + near["largest"])
     findings.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + near["largest_at"])
     findings.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + near["none_at"])
 
 
-def _claims_of_run(findings: Findings) -> None:
-    low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
+def _check_simulation_claims(findings: Findings) -> None:
+    """Check Lin's claims on groups of touching balls, steady groove torque, and contact that ends and begins again."""
+    low, high = (summarise(simulate_screw(a)) for a in AMPLITUDES)
     words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
     findings.claim("groups", low.groups == high.groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
-    loose = loose_run()
+    loose = simulate_without_oversize()
     findings.claim(
         "groove_steady",
         max(vary) < 0.03,
         f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
-        f"coupled to friction, {variation(loose):.1%} from the second step on and {summarise(loose).groove_variation:.0%} "
-        "with the first, whose loads are computed without friction: mostly the start, not third contacts that come and go",
+        f"coupled to friction, {torque_variation(loose):.1%} from the second step on and "
+        f"{summarise(loose).groove_variation:.0%} with the first, whose loads are computed without friction: mostly "
+        f"the start, not third contacts that come and go",
     )
-    again = [engages_again(screw_run(a)) for a in AMPLITUDES]
+    again = [contact_begins_again(simulate_screw(a)) for a in AMPLITUDES]
     findings.claim("none_then_again", all(again), "with 2 and with 3 deg")
 
 
 def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Table 4.2: inputs; dimensions that enter no model here stay open."""
+    """Record the inputs of the four-point and the double-row bearing, Table 4.2 of Lin's thesis, into ``findings``."""
     four, double = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False)
     g = four.groove
     values = {
@@ -277,7 +290,7 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
             f"balls_{key}": case.count,
         }
     findings.numbers(values)
-    _modulus(findings, g.young)
+    _record_youngs_modulus(findings, g.young)
     apart = 2e3 * (double.rows[1].place - double.rows[0].place)
     findings.number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
     for key in ("outer_diameter", "inner_diameter", "thickness_4p"):
@@ -285,10 +298,10 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def section_4_3(findings: Findings, study: Study) -> None:
-    """Compute the entries of 4.3.1 and the conclusion of 4.3.2 carried through to ball-to-ball contact."""
-    _bearings(findings)
-    first = {(e, i): degrees(onset(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
-    lost = {e: int((onset(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
+    """Compute bearing torques (4.3.1) and the onset of ball-to-ball contact (4.3.2): section 4.3 of Lin's thesis."""
+    _compute_bearing_torques(findings)
+    first = {(e, i): degrees(onset_of_ball_contact(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
+    lost = {e: int((onset_of_ball_contact(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
     findings.claim(
         "roundness_quicker",
         all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)),
@@ -298,12 +311,16 @@ def section_4_3(findings: Findings, study: Study) -> None:
     )
 
 
-def _bearings(findings: Findings) -> None:
-    """Compute the entries of 4.3.1: torque over load angle of both bearings."""
-    four, double = curve("4P", True), curve("DR", True)
-    ratios = torque_ratio_up_to(four, 18.0), torque_ratio_up_to(double, 18.0), torque_ratio_up_to(curve("DR", False), 18.0)
+def _compute_bearing_torques(findings: Findings) -> None:
+    """Compute friction torque over load angle of the four-point and the double-row bearing: section 4.3.1."""
+    four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
+    ratios = (
+        torque_ratio_up_to(four, 18.0),
+        torque_ratio_up_to(double, 18.0),
+        torque_ratio_up_to(torque_over_load_angle("DR", False), 18.0),
+    )
     at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
-    still = torque_ratio_up_to(curve("4P", False), 18.0)
+    still = torque_ratio_up_to(torque_over_load_angle("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
     findings.number("ratio_4p", ratios[0], words)
     findings.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
@@ -319,45 +336,49 @@ def _bearings(findings: Findings) -> None:
     )
 
 
-#: Ends of the range [deg] that the ratio of torques of 4.3.1 is taken over.
+#: Ends of the range of load angles [deg] over which the ratio of torques of 4.3.1 is taken.
 ENDS = (10.0, 18.0, 30.0)
-#: Steps and time [s] of the runs in the sensitivity table: one turn of the nut, 7.2 degrees a step.
+#: Steps and duration [s] of the simulations in the sensitivity table: one turn of the nut, 7.2 degrees per step.
 SHORT = {"steps": 50, "duration": 1.0}
-#: Velocities of unloaded balls over the nominal one.
+#: Velocities of unloaded balls over the nominal velocity.
 IDLE = (0.0, 0.5, 0.9, 1.0)
 #: Labels of rows that the introduction quotes.
 AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
 AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
-#: Oversizes [m] and axial loads [N] of the maps of a pair.
+#: Oversizes [m] of the ball radius and axial loads [N] in the maps of two balls.
 OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0)
 
 
-def oversize_text() -> str:
-    """Return the inferred oversize in words."""
+def oversize_in_words() -> str:
+    """Return the inferred oversize of the ball radius in words, such as "1.7 µm"."""
     return f"{1e6 * source_cases.inferred_oversize():g} µm"
 
 
-def oversized() -> str:
-    """Return the label of the interpretation with inferred oversize."""
-    return f"{oversize_text()} oversize, not coupled"
+def oversize_label() -> str:
+    """Return the table label of the interpretation with inferred oversize and loads not coupled to friction."""
+    return f"{oversize_in_words()} oversize, not coupled"
 
 
-def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
-    """Return interpretations of Table 3.7: kind, what is assumed, function that makes the pair for a theta [rad]."""
+def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
+    """Return the interpretations of Table 3.7: kind, assumptions, and function that returns the ball pair.
+
+    The function's argument is the deviation theta of the contact angle [rad].
+    """
 
     def wide(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+        """Return a function that makes the pair and replaces fields."""
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
     radial = wide(source_cases.case_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
-    size = oversize_text()
+    size = oversize_in_words()
     one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.table_3_6(hertz="as printed")
     return [
         ("plain", AS_TEXT, source_cases.case_as_printed),
         ("plain, varied", UNCOUPLED, wide(source_cases.case_as_printed, coupling="none")),
         ("plain, varied", "friction moves balls and screw", wide(source_cases.case_as_printed, coupling="ball and screw")),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", oversized(), source_cases.inferred),
+        ("inferred", oversize_label(), source_cases.inferred),
         ("inferred, varied", f"{size}, friction moves the balls", wide(source_cases.inferred, coupling="ball")),
         (
             "inferred, varied",
@@ -378,10 +399,10 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
     ]
 
 
-def reading_rows() -> list[Row]:
-    """Return the rows of Table 3.7 by interpretation: force [N], its error [%], increase [%], load of a ball [N]."""
+def pair_interpretation_rows() -> list[Row]:
+    """Return table rows for Table 3.7 by interpretation: force [N], its error [%], loss increase [%], ball load [N]."""
     rows = list[Row]()
-    for kind, label, make in readings():
+    for kind, label, make in pair_interpretations():
         row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
         good = True
         for case, theta in THETA.items():
@@ -390,7 +411,7 @@ def reading_rows() -> list[Row]:
             row |= {
                 Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
                 Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
-                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): increase(r),
+                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): loss_increase(r),
                 Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.ball_loads.mean()),
             }
             good = good and r.converged
@@ -399,28 +420,28 @@ def reading_rows() -> list[Row]:
 
 
 def implied_contact_load() -> float:
-    """Return the contact load [N] of a ball that the printed force and increase of case a imply together."""
+    """Return the contact load [N] of a ball that follows from the printed force and loss increase of case a, Table 3.7."""
     force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
     return implied_load(source_cases.inferred(radians(THETA["a"])), force, 1e-2 * increase)
 
 
 @cache
-def pair_map(case: str, coupling: Coupling) -> PairMap:
-    """Return the map of force and increase of a case of Table 3.7 over oversizes ``OVERSIZE`` and loads ``AXIAL``."""
+def oversize_and_load_map(case: str, coupling: Coupling) -> PairMap:
+    """Compute force and loss increase of a case of Table 3.7 over ball oversizes `OVERSIZE` and axial loads `AXIAL`."""
     return oversize_map(
         replace(source_cases.inferred(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
     )
 
 
-def run_changes() -> list[tuple[str, str, dict[str, object]]]:
-    """Return the variations of the whole run: what is changed, label of its new value, changed fields."""
+def simulation_variations() -> list[tuple[str, str, dict[str, object]]]:
+    """Return the variations of the whole-screw simulation: name of the input, label of its new value, changed fields."""
     changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
     changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
     changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
     changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
     changes += [
         ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
-        ("coupling", f"{oversize_text()}, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("coupling", f"{oversize_in_words()}, friction moves balls and screw", {"coupling": "ball and screw"}),
         ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
@@ -431,10 +452,10 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     return changes
 
 
-#: What 3.4.4 leaves open and was tried: the part that theta stays with (the azimuth of Figure 3.23 counts from it), its
-#: amplitude [deg], oversize [um] and pattern. Amplitude and oversize by which the printed numbers are sought confirm none.
-Reading = tuple[str, float, float, str]
-TRIED: tuple[Reading, ...] = (
+#: Interpretations of inputs that 3.4.4 leaves open: the part that theta moves with (the azimuth of Figure 3.23 counts from
+#: it), amplitude of theta [deg], oversize [um] and pattern. They are chosen to meet the printed numbers, so confirm none.
+Interpretation = tuple[str, float, float, str]
+TRIED: tuple[Interpretation, ...] = (
     ("screw", 2.0, 1.7, "both"),
     ("screw", 2.6, 1.7, "both"),
     ("screw", 3.0, 1.7, "both"),
@@ -448,44 +469,44 @@ TRIED: tuple[Reading, ...] = (
     ("screw", 3.0, 1.7, "one"),
     ("nut", 3.0, 2.5, "one"),
 )
-#: Amplitudes [deg] by the part that theta stays with, for the source's rule of contact.
+#: Part that theta moves with and amplitude of theta [deg], for the simulations with Lin's rule of ball contact.
 BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
-def as_read(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
-    """Return the run of 3.4.4 under one interpretation, given by a row of `TRIED`."""
+def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
+    """Return the inputs of the simulation of 3.4.4 under one interpretation of `TRIED`."""
     flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.lin_3_4_4().pattern
     return source_cases.lin_3_4_4(follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks)
 
 
 @cache
-def tried_results() -> tuple[RunSummary, ...]:
-    """Return the results of the run under every interpretation of `TRIED`, in 200 steps as in the source."""
-    return tuple(summarise(equal_steps(as_read(*reading))) for reading in TRIED)
+def interpretation_results() -> tuple[RunSummary, ...]:
+    """Simulate section 3.4.4 under every interpretation of `TRIED`, in 200 steps as Lin does."""
+    return tuple(summarise(equal_steps(simulation_inputs(*reading))) for reading in TRIED)
 
 
 PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
-def nearest_reading(key: str) -> str:
-    """Return a text on the interpretation of `TRIED` closest to one printed number, with its other numbers."""
-    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in tried_results()])[:, PRINTED_OF_RUN.index(key)]
+def nearest_interpretation(key: str) -> str:
+    """Return in words the interpretation of `TRIED` that comes closest to a printed number, with its other results."""
+    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in interpretation_results()])[:, PRINTED_OF_RUN.index(key)]
     k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
-    (follows, amplitude, oversize, pattern), s = TRIED[k], tried_results()[k]
+    (follows, amplitude, oversize, pattern), s = TRIED[k], interpretation_results()[k]
     text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
     numbers = f"{100.0 * s.largest:.1f} % at {s.at:.0f}°, no contact from {s.none_at:.0f}°"
     return f"nearest of {len(TRIED)} readings: {text}: {numbers} (table friction-run-readings)"
 
 
-def reading_of_run_rows() -> list[Row]:
-    """Return the rows of the run under every interpretation, with differences from the three printed numbers."""
-    found: list[tuple[str, Reading, list[Any]]] = [
+def simulation_interpretation_rows() -> list[Row]:
+    """Return table rows of the simulation under every interpretation, with differences from the three printed numbers."""
+    found: list[tuple[str, Interpretation, list[Any]]] = [
         ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
-        for reading, s in zip(TRIED, tried_results(), strict=True)
+        for reading, s in zip(TRIED, interpretation_results(), strict=True)
     ]
     for follows, amplitude in BY_SOURCE:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
-        of_source = source_run_row(as_read(*reading))
+        of_source = lin_method_row(simulation_inputs(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
     off = [Quantity(f"{q.key}_off", f"{q.label}, off print", q.unit, "+.1f") for q in RUN[2:5]]
     printed = [value_of("lin-3.4.4", key) for key in PRINTED_OF_RUN]
@@ -499,7 +520,7 @@ def reading_of_run_rows() -> list[Row]:
 
 READING = ("rule of contact", "theta stays with", "amplitude / °", "oversize / µm", "contacts of the screw")
 
-#: What a row on the whole run says.
+#: Columns of a row on the whole-screw simulation.
 RUN = (
     Quantity("assumption", "assumption", "", "s"),
     Quantity("value", "value", "", "s"),
@@ -513,18 +534,18 @@ RUN = (
 )
 
 
-def summary_row(label: str, value: str, r: History) -> Row:
-    """Return the row of one run in the sensitivity table."""
+def simulation_row(label: str, value: str, r: History) -> Row:
+    """Return the sensitivity-table row of one simulation; ``label``, ``value``: assumption and its value."""
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
     at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
-    torque, steps = 1e3 * float(settled(r).mean()), f"{int(r.converged.sum())} of {r.converged.size}"
-    values = label, value, 100.0 * s.largest, at, none_at, s.groups, 100.0 * variation(r), torque, steps
+    torque, steps = 1e3 * float(torque_after_first_step(r).mean()), f"{int(r.converged.sum())} of {r.converged.size}"
+    values = label, value, 100.0 * s.largest, at, none_at, s.groups, 100.0 * torque_variation(r), torque, steps
     return dict(zip(RUN, values, strict=True))
 
 
-def source_run_row(run: Run) -> Row:
-    """Return the row of the run by the source's method, where motions without contact decide which balls touch."""
+def lin_method_row(run: Run) -> Row:
+    """Return the table row of a simulation by Lin's method, where motions without contact decide which balls touch."""
     r = simulate_by_root(run)
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
@@ -538,22 +559,23 @@ def source_run_row(run: Run) -> Row:
     return dict(zip(RUN, values, strict=True))
 
 
-def run_rows() -> list[Row]:
-    """Return the rows of the run: as in the case study, by the source's contact rule, with one change at a time."""
+def simulation_rows() -> list[Row]:
+    """Return table rows of the simulation: as Lin's case study, by Lin's contact rule, with one input changed."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).steps} steps", screw_run(a))
+        simulation_row(AS_CASE, f"{n}, {oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a))
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
-    rows.append(source_run_row(source_cases.lin_3_4_4()))
+    rows.append(lin_method_row(source_cases.lin_3_4_4()))
     rows += [
-        summary_row(name, value, equal_steps(source_cases.lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()
+        simulation_row(name, value, equal_steps(source_cases.lin_3_4_4(**(SHORT | new))))
+        for name, value, new in simulation_variations()
     ]
     return rows
 
 
-def bearing_cases() -> list[tuple[str, str, BearingCase]]:
-    """Return the bearings of 4.3.1 under varied assumptions: kind, assumption, case."""
+def bearing_variations() -> list[tuple[str, str, BearingCase]]:
+    """Return the bearings of section 4.3.1 under varied assumptions: kind of bearing, assumption, inputs."""
     face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
     four = source_cases.four_point(tilt=True)
     faulty: Mode = "as printed"
@@ -576,10 +598,10 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
     return out
 
 
-def bearing_rows() -> list[Row]:
-    """Return the rows of the varied bearings: torque [N mm] at 0 deg, largest over smallest torque by range."""
+def bearing_torque_rows() -> list[Row]:
+    """Return table rows of the varied bearings of 4.3.1: torque [N mm] at 0 deg, largest over smallest torque by range."""
     rows = list[Row]()
-    for bearing, label, case in bearing_cases():
+    for bearing, label, case in bearing_variations():
         found = torque_curve(case, ANGLES)
         torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
         row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
@@ -594,12 +616,12 @@ def bearing_rows() -> list[Row]:
     return rows
 
 
-def onset_rows(study: Study) -> list[Row]:
-    """Return the rows of the first ball-to-ball contact (4.3.2), by kind of error and by speed of unloaded balls."""
+def ball_contact_onset_rows(study: Study) -> list[Row]:
+    """Return table rows of the first ball-to-ball contact (4.3.2), by kind of error and velocity of unloaded balls."""
     rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:
-            o = onset(study, errors, idle)
+            o = onset_of_ball_contact(study, errors, idle)
             meet, first = int(np.isfinite(o.meeting).sum()), degrees(o.first) if np.isfinite(o.first) else None
             rows.append(
                 {

@@ -1,6 +1,6 @@
-"""Cases of the source as used by evidence, sections, benches and tests: read from the shipped scenes, changed by keyword.
+"""Bearings, screws and ball pairs of Lin's chapters 3 and 4, read from the shipped scenes; arguments replace single values.
 
-No numbers of a case are written here: they, and what is assumed or inferred, are in ``compare/scenes``.
+Dimensions and loads, and what is assumed or inferred, are in ``compare/cases/lin/scenes/friction``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.run import Pair, Run
 
-#: Scenes of the cases of 3.2: as computed here, and with the source's constants and law.
+#: Scenes of the cases of section 3.2, by number; of the cases of Table 3.7.
 ROTARY_SCENES = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}
 PAIR_SCENES = {"a": "lin-screw-pair-a", "b": "lin-screw-pair-b"}
 #: Scenes of 3.4.4 by the amplitude of theta [deg].
@@ -28,23 +28,23 @@ LINEAR_PAIR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-
 BEARINGS = "lin-bearing-pairs"
 
 
-def rotary(name: str, *, printed: bool = False) -> BearingBallScene:
-    """Return case "I", "II" or "III" of Table 3.2; ``printed``: with the source's Hertz constants and law."""
+def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
+    """Return the scene of case "I", "II" or "III" of Table 3.2; ``printed``: with Lin's constants and friction law."""
     return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
-def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
-    """Return a pair of the linear bearing of Table 3.3."""
+def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
+    """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3."""
     return case(name, LinearPairScene)
 
 
-def k_f() -> float:
-    """Return the slope of the friction force over c/a that the source read off its Figure 3.11 for its formulas."""
+def printed_friction_slope() -> float:
+    """Return the slope of the normalised friction force over c/a that Lin reads off Figure 3.11."""
     return value_of("lin-G", "k_f")
 
 
-def in_3d(study: Study, name: str) -> Mapping[str, float]:
-    """Return results of a scene's finest stored 3D rolling run, such as "force 1-2 N"; empty without a run."""
+def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
+    """Return results of a scene's finest stored run of the 3D rolling model, by name; empty without a run."""
     from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
     run = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
@@ -52,61 +52,61 @@ def in_3d(study: Study, name: str) -> Mapping[str, float]:
 
 
 def case_as_printed(theta: float | None = None) -> Pair:
-    """Return the case of 3.4.3 exactly as the text states it: no clearance, friction coupled to the loads.
+    """Return the ball pair of section 3.4.3 exactly as Lin states it: no clearance, friction coupled to the loads.
 
-    theta: angle between neighbours [rad], if it differs.
+    ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
-    return _with_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
+    return _replace_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
 def inferred(theta: float | None = None) -> Pair:
-    """Return the pair with inferred (not printed) oversize balls, so that all four contacts carry load.
+    """Return the ball pair of section 3.4.3 with the inferred (not printed) oversize, so that all four contacts are loaded.
 
-    ``theta``: deviation of the leading ball's contact angle [rad], if it differs from the scene's.
+    ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
-    return _with_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
+    return _replace_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
 
 
-def _with_theta(pair: Pair, theta: float | None) -> Pair:
-    """Return the pair with its second theta replaced, unless ``theta`` is None."""
+def _replace_theta(pair: Pair, theta: float | None) -> Pair:
+    """Return the ball pair with the second ball's deviation of the contact angle [rad] replaced, unless it is None."""
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 
-def deviation(name: str) -> float:
-    """Return the deviation theta [rad] of case "a" or "b" of Table 3.7."""
+def pair_angle_deviation(name: str) -> float:
+    """Return the second ball's deviation of the contact angle [rad] in case "a" or "b" of Lin's Table 3.7."""
     return case(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
 def inferred_oversize() -> float:
-    """Return the oversize of the ball radius [m] inferred from Table 3.7."""
+    """Return the oversize of the ball radius [m] that was inferred from the forces of Lin's Table 3.7."""
     return inferred().oversize
 
 
 def table_3_6(**changes: object) -> ScrewGroove:
-    """Return the screw of Table 3.6; ``changes``: other values."""
+    """Return grooves, speed and material of the ball screw of Lin's Table 3.6; ``changes``: fields to replace."""
     return replace(case_as_printed().groove, **changes)  # type: ignore[arg-type]
 
 
 def lin_3_4_4(**changes: object) -> Run:
-    """Return the run of 3.4.4 (theta of 3 degrees) with its assumptions; ``changes``: fields to replace."""
-    return replace(run_of(3.0), **changes)  # type: ignore[arg-type]
+    """Return the inputs of the whole-screw simulation in section 3.4.4 (3 deg); ``changes``: fields to replace."""
+    return replace(shipped_run(3.0), **changes)  # type: ignore[arg-type]
 
 
-def run_of(degrees: float) -> Run:
-    """Return the shipped run of 3.4.4 with theta of 2 or 3 degrees."""
+def shipped_run(degrees: float) -> Run:
+    """Return the inputs of the simulation of section 3.4.4 with an amplitude of theta of 2 or 3 degrees."""
     return case(RUN_SCENES[degrees], ScrewRunScene).run
 
 
-def bearings() -> BearingPairScene:
-    """Return both bearings of Table 4.2 and the angles of the load."""
+def bearing_pair_scene() -> BearingPairScene:
+    """Return the scene of the four-point and the double-row bearing of Lin's Table 4.2, with the angles of the load."""
     return case(BEARINGS, BearingPairScene)
 
 
 def four_point(*, tilt: bool = True, **changes: object) -> BearingCase:
-    """Return the four-point bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
-    return replace(bearings().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
+    """Return the four-point bearing of Table 4.2; ``tilt``: inner ring free to tilt; ``changes``: fields to replace."""
+    return replace(bearing_pair_scene().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
 
 
 def double_row(*, tilt: bool = True, **changes: object) -> BearingCase:
-    """Return the double-row bearing of Table 4.2; tilt: inner ring free to tilt; ``changes``: of the case."""
-    return replace(bearings().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]
+    """Return the double-row bearing of Table 4.2; ``tilt``: inner ring free to tilt; ``changes``: fields to replace."""
+    return replace(bearing_pair_scene().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]

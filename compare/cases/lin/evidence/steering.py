@@ -1,4 +1,4 @@
-"""Section 4.2: lash tests of a ball screw, sizing of bearing and ball screw in a steering gear, and what is not printed."""
+"""Section 4.2 of Lin's thesis: lash tests of a ball screw; contact loads of ball screw and bearing in a steering gear."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import reduced_lead
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
-#: Ends of the axial lash test; those of the conical one are not printed, and taken to be the same.
+#: Loads of the axial lash test; those of the conical test are not printed and assumed to be the same.
 ENDS = "-200N:200N:2"
-#: Loaded track of Table 4.1 [turns], and directions of the lateral force [rad]: each with its opposite.
+#: Length of the loaded track of Table 4.1 [turns]; directions of the lateral force [rad], each also reversed.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
-#: Freedoms of the screw's left end that are held: turning only.
+#: Restrained freedoms of the screw's left end: rotation about its axis only.
 TURNING = ("rz",)
 PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
 
 
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return the azimuths [rad] of the balls in a pattern of Figure 4.2; stacked balls touch one another.
+    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2; stacked balls touch one another.
 
-    For "stacked on one side", every turn has its gap opposite the x axis, at an azimuth of pi.
+    For "stacked on one side", the gap of every turn lies opposite the x axis, at an azimuth of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS
@@ -54,28 +54,30 @@ def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
     return tuple(out)
 
 
-def with_balls(scene: Scene, pattern: str) -> Scene:
-    """Return the screw with its balls at the places of a pattern."""
+def place_balls(scene: Scene, pattern: str) -> Scene:
+    """Return a copy of the screw with its balls arranged in a pattern of Lin's Figure 4.2."""
     return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
 
 
-def axial(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
-    """Solve the axial test.
+def solve_axial_lash(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
+    """Solve the axial lash test of a ball screw: displacement over an axial load that reverses.
 
     Parameters
     ----------
     scene
         The screw.
     loads
-        Axial loads at the screw's left end, as ``rollbench solve --curve`` takes them.
+        Axial loads at the screw's left end, in the form of ``rollbench solve --curve``.
     held
-        Fixed freedoms of the left end.
+        Restrained freedoms of the left end.
     """
-    return _test(scene, f"{loads}:0mm", held)
+    return _solve_lash_test(scene, f"{loads}:0mm", held)
 
 
-def conical(scene: Scene, direction: float, reach: float, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
-    """Solve the conical test.
+def solve_conical_lash(
+    scene: Scene, direction: float, reach: float, loads: str = ENDS, held: Sequence[str] = TURNING
+) -> LoadCurve:
+    """Solve the conical lash test of a ball screw: displacement over a lateral load that reverses.
 
     Parameters
     ----------
@@ -86,53 +88,59 @@ def conical(scene: Scene, direction: float, reach: float, loads: str = ENDS, hel
     reach
         Distance of the load to the right of the nut's centre [m].
     loads
-        Loads, as ``rollbench solve --curve`` takes them.
+        Lateral loads, in the form of ``rollbench solve --curve``.
     held
-        Fixed freedoms of the left end.
+        Restrained freedoms of the left end.
     """
-    return _test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", held)
+    return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", held)
 
 
-def _test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
-    """Return the load curve of a test with some freedoms of the left end fixed."""
+def _solve_lash_test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
+    """Return the load curve of a lash test with some freedoms of the screw's left end restrained."""
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
     return load_curve(scene, read_course(course), "lin", Options(engine="compiled"))
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Return the displacement [m] between both ends of a lash test.
+    """Return the displacement [m] between both end loads of a lash test.
 
-    Raises ValueError if an end has no equilibrium.
+    Raises ValueError if there is no equilibrium under an end load.
     """
     if test.peak_to_peak is None:
-        raise ValueError(f"{test.scene}: no equilibrium at the ends of its lash test")
+        raise ValueError(f"{test.scene}: no equilibrium under an end load of the lash test")
     return test.peak_to_peak
 
 
-def difference(values: list[float]) -> float:
-    """Return (largest - smallest) / smallest [%] over the patterns: the definition that fits the printed axial one best."""
+def pattern_difference(values: list[float]) -> float:
+    """Return (largest - smallest)/smallest [%] of the lash over ball patterns.
+
+    This definition fits the printed axial difference best.
+    """
     return float(error_percent(max(values), min(values)))
 
 
 @dataclass(frozen=True)
-class Lash:
-    """Differences of the lash between ball patterns [%]: axial, and conical by direction of the force."""
+class LashDifferences:
+    """Differences of the lash between ball patterns [%]: axial test, and conical test by direction of the force."""
 
     axial: float
     conical: tuple[float, ...]
 
 
-def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
-    """Return the lash differences of both tests, with the lateral force at a distance [m] from the nut.
+def lash_differences(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> LashDifferences:
+    """Return the lash differences between ball patterns by the axial and the conical test.
 
-    ``held``: fixed freedoms of the screw's left end.
+    ``reach``: distance of the lateral force from the nut [m]; ``held``: restrained freedoms of the screw's left end.
     """
-    screws = [with_balls(scene, p) for p in PATTERNS]
-    cones = [[peak_to_peak(conical(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
-    return Lash(difference([peak_to_peak(axial(s, held=held)) for s in screws]), tuple(map(difference, cones)))
+    screws = [place_balls(scene, p) for p in PATTERNS]
+    cones = [[peak_to_peak(solve_conical_lash(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
+    return LashDifferences(
+        pattern_difference([peak_to_peak(solve_axial_lash(s, held=held)) for s in screws]),
+        tuple(map(pattern_difference, cones)),
+    )
 
 
-# --- section 4.2: lash tests of a ball screw, sizing of bearing and ball screw in a steering gear
+# --- lash tests of a ball screw; contact loads of bearing and ball screw in a steering gear
 
 
 #: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
@@ -142,18 +150,18 @@ RACK_FORCE, REACH = 14500.0, 0.3
 TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
-def rack() -> Assembly:
-    """Return the shipped steering gear."""
+def steering_gear() -> Assembly:
+    """Return the shipped scene of Lin's steering gear: a rack with ball screw and bearing."""
     found = catalogue.shipped(RACK)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{RACK} has several sets")
+        raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing")
     return found
 
 
-def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
-    """Solve the gear with half of the rack force at each end, at a tie-rod angle [deg].
+def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
+    """Solve the steering gear with half of the rack force at each end, at a tie-rod angle [deg].
 
-    ``opposed``: whether the side forces of the two ends oppose each other.
+    ``opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
     t = np.radians(angle)
     sides = (1.0, -1.0 if opposed else 1.0)
@@ -163,19 +171,25 @@ def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResu
 
 
 def largest_loads(result: AxisResult) -> tuple[float, float]:
-    """Return the largest contact loads [N] of ball screw and bearing."""
+    """Return the largest contact loads [N] of the steering gear's ball screw and bearing."""
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
 
 
-def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
-    """Return the largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
-    low, high = largest_loads(at_angle(gear, 0.0)), largest_loads(at_angle(gear, 18.0, opposed=opposed))
+def load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
+    """Return the largest contact load at a tie-rod angle of 18 deg over that at 0 deg, for ball screw and bearing.
+
+    ``opposed``: whether the lateral forces of both tie rods have opposite directions.
+    """
+    low, high = (
+        largest_loads(solve_at_tie_rod_angle(gear, 0.0)),
+        largest_loads(solve_at_tie_rod_angle(gear, 18.0, opposed=opposed)),
+    )
     return high[0] / low[0], high[1] / low[1]
 
 
 def section_4_2(findings: Findings, study: Study) -> None:
-    """Compute the entries of Table 4.1 and sections 4.2.1, 4.2.2."""
+    """Compute lash and contact loads of the steering gear: Table 4.1, sections 4.2.1 and 4.2.2 of Lin's thesis."""
     scene = study.scene(SCREW)
     material = scene.balls.material
     given = {
@@ -192,13 +206,13 @@ def section_4_2(findings: Findings, study: Study) -> None:
         "nu": material.poissons_ratio,
     }
     findings.numbers(given)
-    _lash(findings, study)
-    _sizing(findings)
+    _compute_lash(findings, study)
+    _compute_load_ratios(findings)
 
 
-def _lash(findings: Findings, study: Study) -> None:
-    """Compute the entries of the lash tests."""
-    found = lash(study.scene(SCREW), REACH)
+def _compute_lash(findings: Findings, study: Study) -> None:
+    """Compute the differences of lash between ball patterns: section 4.2.1 of Lin's thesis, into ``findings``."""
+    found = lash_differences(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
     findings.number("axial", found.axial, "screw kept from turning only")
@@ -206,22 +220,24 @@ def _lash(findings: Findings, study: Study) -> None:
     findings.claim("robust", found.axial < min(found.conical), f"{found.axial:.1f} % against {by_direction} %")
 
 
-def _sizing(findings: Findings) -> None:
-    """Compute the entries of the sizing of ball screw and bearing."""
-    gear = rack()
-    results = [at_angle(gear, angle) for angle in TIE_ROD]
+def _compute_load_ratios(findings: Findings) -> None:
+    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2 of Lin's thesis."""
+    gear = steering_gear()
+    results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_loads(r) for r in results])
-    bands = ratio_bands(gear)
+    bands = ratio_ranges(gear)
     for k, key in enumerate(("screw", "bearing")):
-        by_input = "; ".join(f"{b.changed} {_words(getattr(b, key), findings.printed(f'ratio_{key}'))}" for b in bands)
+        by_input = "; ".join(
+            f"{b.changed} {_range_in_words(getattr(b, key), findings.printed(f'ratio_{key}'))}" for b in bands
+        )
         findings.number(
             f"ratio_{key}", float(loads[-1, k] / loads[0, k]), f"over what is not printed, one at a time: {by_input}"
         )
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
     findings.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
-    even, ring = (_loaded(results[0], i) for i in range(2))
+    even, ring = (_nonzero_loads(results[0], i) for i in range(2))
     findings.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
-    tilted = _loaded(results[-1], 0)
+    tilted = _nonzero_loads(results[-1], 0)
     low, high = (float(x / even.mean()) for x in (even.min(), even.max()))
     words = (
         f"{even.min():.0f} to {even.max():.0f} N, {low:.2f} to {high:.2f} of the mean, scatter "
@@ -230,25 +246,25 @@ def _sizing(findings: Findings) -> None:
     findings.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
 
 
-def _words(band: tuple[float, float], printed: float) -> str:
-    """Return a range as text, with whether it contains the printed value."""
-    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if band_holds(band, printed) else 'without'} it)"
+def _range_in_words(band: tuple[float, float], printed: float) -> str:
+    """Return a range in words, and whether it contains the printed value."""
+    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if range_contains(band, printed) else 'without'} it)"
 
 
-def band_holds(band: tuple[float, float], printed: float) -> bool:
+def range_contains(band: tuple[float, float], printed: float) -> bool:
     """Return whether a range contains a printed value that is rounded to two decimals."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
-def _loaded(result: AxisResult, i: int) -> Array:
-    """Return the nonzero contact loads [N] of one set of balls."""
+def _nonzero_loads(result: AxisResult, i: int) -> Array:
+    """Return the nonzero contact loads [N] of the steering gear's ball screw (0) or bearing (1)."""
     balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError("the set has balls")
+        raise AssertionError("expected contact loads of balls")
     return np.asarray(balls.load[balls.load > 0.0])
 
 
-# --- how the results of Lin 4.2 depend on what the source does not print: lash of 4.2.1, ratios of 4.2.2
+# --- influence of inputs that Lin does not print: on the lash of 4.2.1, on the load ratios of 4.2.2
 
 
 #: Outer diameters [m], distances of the lateral force from the nut [m], restraints of the screw's left end.
@@ -258,26 +274,30 @@ RESTRAINTS = {
     "guided across": ("ux", "uy", "rz"),
     "clamped but for its axis": ("ux", "uy", "rx", "ry", "rz"),
 }
-#: Stations of the pinion [m], its restraints, offsets of the bearing from the nut's centre [m], angles [deg].
+#: Axial positions of the pinion [m], its restraints, offsets of bearing from nut centre [m], tie-rod angles [deg].
 PINIONS = (0.35, 0.45, 0.55, 0.65, 0.75)
 PINION_HOLDS = {"held but along the rack": ("ux", "uy", "rx", "ry", "rz"), "pinned across": ("ux", "uy", "rz")}
 OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 
 @dataclass(frozen=True)
-class LashPoint:
-    """Inputs of the lash tests that the source leaves open, and the lash differences between patterns [%]."""
+class LashVariation:
+    """One variation of inputs of the lash tests that Lin leaves open, with the lash differences between patterns.
+
+    ``changed``: name of the input that differs; ``diameter``: of the screw [m]; ``position``: of the nut [m]; ``reach``:
+    distance of the lateral force from the nut [m].
+    """
 
     changed: str
     diameter: float
     position: float
     reach: float
     restraint: str
-    found: Lash
+    found: LashDifferences
 
 
-def lash_map(scene: Scene) -> Iterator[LashPoint]:
-    """Yield the lash differences with one open input changed at a time.
+def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
+    """Compute the lash differences between ball patterns, with one input that Lin leaves open changed at a time.
 
     The lateral force stays on the longer side of the screw.
     """
@@ -289,13 +309,17 @@ def lash_map(scene: Scene) -> Iterator[LashPoint]:
     cases += [("restraint", (*usual[:3], name)) for name in RESTRAINTS if name != usual[3]]
     for changed, (diameter, position, reach, restraint) in cases:
         screw, nut = replace(scene.screw, outer_diameter=diameter), replace(scene.nut, position=position)
-        found = lash(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
-        yield LashPoint(changed, diameter, position, reach, restraint, found)
+        found = lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
+        yield LashVariation(changed, diameter, position, reach, restraint, found)
 
 
 @dataclass(frozen=True)
-class RatioPoint:
-    """Layout of the steering gear, and largest loads at 18 deg over those at 0 deg of ball screw and bearing."""
+class LayoutRatios:
+    """Load ratios of the steering gear (largest contact load at 18 deg over 0 deg) for one layout.
+
+    ``pinion``: axial position [m]; ``hold``: restraint of the pinion; ``opposed``: lateral forces in opposite directions;
+    ``offset``: of the bearing from the nut [m]; ``screw``, ``bearing``: ratios.
+    """
 
     pinion: float
     hold: str
@@ -305,8 +329,8 @@ class RatioPoint:
     bearing: float
 
 
-def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
-    """Return the gear with another station of its pinion [m], restraint, and offset of its bearing from the nut [m]."""
+def change_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
+    """Return the steering gear with another pinion position [m], pinion restraint and offset of bearing from nut [m]."""
     (support,) = gear.supports
     held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
     sets = []
@@ -318,25 +342,25 @@ def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Asse
     return replace(gear, supports=(held,), sets=tuple(sets))
 
 
-def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
-    """Yield the load ratios over pinion station, pinion restraint, sense of the side forces, and bearing offset.
+def vary_layout(gear: Assembly) -> Iterator[LayoutRatios]:
+    """Compute the load ratios for every pinion position, pinion restraint, direction of lateral forces and bearing offset.
 
-    A pinion that holds the rack against tilting keeps the far end's side force from the nut, so that its sense does
-    not matter.
+    A pinion that restrains the rack's tilting keeps the far end's lateral force from the nut, so that the direction of
+    this force has no influence.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
             for offset in OFFSETS:
                 for pinion in PINIONS:
-                    layout = with_layout(gear, pinion, hold, offset)
-                    yield RatioPoint(pinion, hold, opposed, offset, *ratios(layout, opposed=opposed))
+                    layout = change_layout(gear, pinion, hold, offset)
+                    yield LayoutRatios(pinion, hold, opposed, offset, *load_ratios(layout, opposed=opposed))
 
 
 @dataclass(frozen=True)
-class RatioBand:
-    """Range of the load ratios over one input that is not printed, with all else as in the shipped scene."""
+class RatioRange:
+    """Range of the steering gear's load ratios over one input that is not printed, other inputs as in the scene."""
 
-    #: The input.
+    #: Name of the input.
     changed: str
     #: Stated range of the input.
     values: str
@@ -346,12 +370,12 @@ class RatioBand:
     bearing: tuple[float, float]
 
 
-#: Excess radii of the balls of bearing and screw [m], and places of the bearing's first ball [deg], over a pitch of 40 deg.
+#: Oversizes of the ball radius in bearing and screw [m]; azimuths of the bearing's first ball [deg], within a pitch of 40.
 BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6), (0.0, 10.0, 20.0, 30.0)
 
 
-def _changed(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return the gear with its ball screw or its bearing changed."""
+def _change_parts(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
+    """Return the steering gear with a change applied to its ball screw (``of_nut``) or its bearing."""
     sets = tuple(
         replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) and (s.parts.track.lead > 0.0) == of_nut else s
         for s in gear.sets
@@ -359,80 +383,90 @@ def _changed(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> 
     return replace(gear, sets=sets)
 
 
-def _oversize(scene: Scene, excess: float) -> Scene:
-    """Return the scene with all ball radii larger by an excess [m]."""
+def _enlarge_balls(scene: Scene, excess: float) -> Scene:
+    """Return the scene with all ball radii enlarged by ``excess`` [m]."""
     return replace(scene, errors=Errors(balls=BallErrors(oversize=excess)))
 
 
 Parts = TypeVar("Parts", Scene, Assembly)
 
 
-def _thick(scene: Parts, diameter: float) -> Parts:
-    """Return the scene with another outer diameter of its screw [m]."""
+def _set_outer_diameter(scene: Parts, diameter: float) -> Parts:
+    """Return the scene with another outer diameter of the screw [m]."""
     return replace(scene, screw=replace(scene.screw, outer_diameter=diameter))
 
 
-def _turned(scene: Scene, angle: float) -> Scene:
-    """Return the scene with its balls moved on by an angle [deg]."""
+def _turn_balls(scene: Scene, angle: float) -> Scene:
+    """Return the scene with all balls turned about the axis by an angle [deg]."""
     azimuths = tuple(a + float(np.radians(angle)) for a in scene.balls.azimuths)
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
-def open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
-    """Yield the inputs of the load ratios that are not printed: name, range, gears with ``opposed`` of `ratios`."""
+def vary_open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
+    """Yield each input of the load ratios that Lin does not print: name, range in words, gears over this range.
+
+    With each gear: whether its lateral forces have opposite directions.
+    """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
-    yield "pinion's station", "350 to 750 mm", [(with_layout(gear, z, held, 0.0), False) for z in PINIONS]
-    across = with_layout(gear, pinion.at, pinned, 0.0)
+    yield "pinion's station", "350 to 750 mm", [(change_layout(gear, z, held, 0.0), False) for z in PINIONS]
+    across = change_layout(gear, pinion.at, pinned, 0.0)
     yield (
         "pinion's restraint, sense of the side forces",
         f"{held}; {pinned}, alike or opposed",
         [*((gear, False), (across, False), (across, True))],
     )
-    yield "bearing from the nut's centre", "-20 to 20 mm", [(with_layout(gear, pinion.at, held, x), False) for x in OFFSETS]
+    yield (
+        "bearing from the nut's centre",
+        "-20 to 20 mm",
+        [(change_layout(gear, pinion.at, held, x), False) for x in OFFSETS],
+    )
     yield (
         "outer diameter of the rack",
         "26 to 30 mm",
-        [(_changed(_thick(gear, d), True, partial(_thick, diameter=d)), False) for d in DIAMETERS],
+        [
+            (_change_parts(_set_outer_diameter(gear, d), True, partial(_set_outer_diameter, diameter=d)), False)
+            for d in DIAMETERS
+        ],
     )
     yield (
         "excess radius of the bearing's balls",
         "-10 to 2 um",
-        [(_changed(gear, False, partial(_oversize, excess=x)), False) for x in BEARING_FITS],
+        [(_change_parts(gear, False, partial(_enlarge_balls, excess=x)), False) for x in BEARING_FITS],
     )
     yield (
         "excess radius of the screw's balls",
         "-5 to 5 um",
-        [(_changed(gear, True, partial(_oversize, excess=x)), False) for x in SCREW_FITS],
+        [(_change_parts(gear, True, partial(_enlarge_balls, excess=x)), False) for x in SCREW_FITS],
     )
     yield (
         "first ball of the bearing",
         "0 to 30 deg from the side force",
-        [(_changed(gear, False, partial(_turned, angle=x)), False) for x in FIRST],
+        [(_change_parts(gear, False, partial(_turn_balls, angle=x)), False) for x in FIRST],
     )
     yield (
         "places of the screw's balls",
         ", ".join(PATTERNS),
-        [(_changed(gear, True, partial(with_balls, pattern=p)), False) for p in PATTERNS],
+        [(_change_parts(gear, True, partial(place_balls, pattern=p)), False) for p in PATTERNS],
     )
 
 
 @cache
-def ratio_bands(gear: Assembly) -> tuple[RatioBand, ...]:
-    """Return the range of the load ratios over each input that is not printed, one input varied at a time."""
+def ratio_ranges(gear: Assembly) -> tuple[RatioRange, ...]:
+    """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time."""
     out = []
-    for changed, values, gears in open_inputs(gear):
-        screw, bearing = zip(*(ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
-        out.append(RatioBand(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
+    for changed, values, gears in vary_open_inputs(gear):
+        screw, bearing = zip(*(load_ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
+        out.append(RatioRange(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
     return tuple(out)
 
 
-def band_of(points: Sequence[RatioPoint]) -> RatioBand:
-    """Return the range of the load ratios over all layouts of `ratio_map` together."""
+def range_over_layouts(points: Sequence[LayoutRatios]) -> RatioRange:
+    """Return the range of the load ratios over all layouts together."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "station, restraint, sense and bearing, each with each"
-    return RatioBand("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
+    return RatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
 
 
-def over_angles(gear: Assembly) -> list[tuple[float, float]]:
-    """Return the largest contact loads [N] of ball screw and bearing at each of ``ANGLES``."""
-    return [largest_loads(at_angle(gear, angle)) for angle in ANGLES]
+def loads_over_angles(gear: Assembly) -> list[tuple[float, float]]:
+    """Return the largest contact loads [N] of ball screw and bearing at each tie-rod angle of `ANGLES`."""
+    return [largest_loads(solve_at_tie_rod_angle(gear, angle)) for angle in ANGLES]

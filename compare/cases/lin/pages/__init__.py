@@ -1,1 +1,1 @@
-"""Sections of the report on the thesis."""
+"""Sections of the report on Lin's thesis."""

@@ -1,10 +1,9 @@
-"""Lin's chapter 2 in the report, with Table B.1 and section 4.3.2; each function makes one section.
+"""Report sections on chapter 2, Table B.1 and section 4.3.2 of Lin's thesis.
 
-Case studies 1, 2 and 3 of 2.4.1: load distributions, centreline, claims, interpretations of the right end, modelling
-choices. Geometric errors of 2.4.2, alone and combined, with random errors as bands over drawn screws. Hertz constants
-as printed, with the source's faults repeated, and correct. Pitch against roundness errors (4.3.2) on two screws, and
-how the claims depend on inputs that are not printed. The agreement of two solvers of the same equations, and the
-measured difference between the two kinematic forms.
+Case studies 1, 2 and 3 of 2.4.1: contact loads, centreline, interpretations of the right end's support, modelling choices.
+Geometric errors of 2.4.2: alone and combined, random errors as percentiles of drawn screws. Hertz constants of Table B.1:
+as printed, with the thesis's faults, and correct. Pitch and roundness errors of 4.3.2 on two screws. Agreement of two
+solvers and of two kinematic forms of the same model.
 """
 
 from __future__ import annotations
@@ -16,7 +15,14 @@ from typing import Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
-from rollbench.compare.cases.lin.evidence.chapter_2 import SCREWS, TABLE_CONFORMITY, ratio, readings, spread, unloaded
+from rollbench.compare.cases.lin.evidence.chapter_2 import (
+    SCREWS,
+    TABLE_CONFORMITY,
+    load_ratio,
+    load_variation,
+    scenes_of_open_inputs,
+    unloaded_balls,
+)
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.load_cases import solve_one
 from rollbench.compare.models.registry import DEFAULT, Options
@@ -34,24 +40,27 @@ from rollbench.meshes.parts import SIDES, Errors, Scene
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 
 
-def reference_words(study: Study, name: str) -> str:
-    """Return the text that says which 3D reference a scene has."""
+def reference_level(study: Study, name: str) -> str:
+    """Return in words the finest mesh level of a scene's stored 3D reference, or "none stored"."""
     found = study.reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
 
 
-def readings_table(study: Study) -> Table:
-    """Return the table of load extremes by interpretation of the right end, and changes against the first one."""
+def end_support_table(study: Study) -> Table:
+    """Return the table of case 3's largest and smallest loads by interpretation of the right end's support."""
     rows: list[Row] = []
-    for reading in chapter_2.READINGS:
-        for name, first in ((reading.plain, chapter_2.READINGS[0].plain), (reading.offset, chapter_2.READINGS[0].offset)):
+    for reading in chapter_2.END_SUPPORTS:
+        for name, first in (
+            (reading.plain, chapter_2.END_SUPPORTS[0].plain),
+            (reading.offset, chapter_2.END_SUPPORTS[0].offset),
+        ):
             row: Row = {
                 "scene": name,
                 Quantity("held", "right end", "", "s"): reading.label,
-                Quantity("text", "text's reading", "", "s"): "yes" if reading.of_text else "no",
-                Quantity("reference", "3D reference", "", "s"): reference_words(study, name),
+                Quantity("text", "stated by the text", "", "s"): "yes" if reading.of_text else "no",
+                Quantity("reference", "3D reference", "", "s"): reference_level(study, name),
             }
-            for model, words in (("lin", "source's model"), (DEFAULT, "refined model")):
+            for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = study.solve(name, model)
                 e = load_error(result.load, study.solve(first, model).load)
                 where = f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–"
@@ -65,22 +74,27 @@ def readings_table(study: Study) -> Table:
     note = (
         "The text sets only the x-displacement of the last node (2.4.1.3). A bearing there holds the y-displacement too, "
         "which is what the 3D reference was computed for; whether it holds rotations is open. Changes are against the "
-        "first reading."
+        "first row."
     )
-    return Table.of("cases-readings", "Case 3: readings of the right end", rows, note)
+    return Table.of(
+        "cases-readings",
+        "Lin's case study 3: largest and smallest contact loads by interpretation of the right end's support",
+        rows,
+        note,
+    )
 
 
-# --- case studies 1, 2, 3 of Lin 2.4.1: load distributions, centreline, claims, and what the open choices change
+# --- case studies 1, 2, 3 of Lin 2.4.1: contact loads, centreline, influence of modelling choices
 
 
-def choice_rows(found: Sequence[chapter_2.Choice]) -> list[Row]:
-    """Return rows of the table of choices."""
+def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
+    """Return the table rows of case 1 under each modelling choice: loads, largest change, axial displacement."""
     return [
         {
             "choice": c.label,
             Quantity("max", "max", "N", ".2f"): float(c.result.load.max()),
             Quantity("min", "min", "N", ".2f"): float(c.result.load[:, 0].min()),
-            Quantity("ratio", "max/min", "", ".4f"): chapter_2.ratio(c.result.load[:, 0]),
+            Quantity("ratio", "max/min", "", ".4f"): chapter_2.load_ratio(c.result.load[:, 0]),
             Quantity("error", "largest change", "% of mean", ".3f"): c.change.max_percent,
             Quantity("rms", "RMS change", "% of mean", ".3f"): c.change.rms_percent,
             Quantity("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.result.centreline[0, 2]),
@@ -91,7 +105,7 @@ def choice_rows(found: Sequence[chapter_2.Choice]) -> list[Row]:
 
 
 def load_table(study: Study) -> Table:
-    """Return loads of all cases and flanks, ball by ball."""
+    """Return the table of the contact loads of all case studies and flanks, ball by ball."""
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -102,11 +116,11 @@ def load_table(study: Study) -> Table:
             load = Quantity(f"{short}-{SIDES[s]}", f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f")
             for i, row in enumerate(rows):
                 row[load] = float(r.load[i, s])
-    return Table.of("cases-loads", "Contact loads of the case studies, ball by ball", rows)
+    return Table.of("cases-loads", "Contact loads of Lin's case studies, ball by ball", rows)
 
 
 def summary_table(study: Study) -> Table:
-    """Return the table of largest and smallest load per flank, with balance and residual, of each case study."""
+    """Return the table of largest and smallest load on each flank, with balance and residual, for all case studies."""
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -120,7 +134,7 @@ def summary_table(study: Study) -> Table:
                         "side": side,
                         Quantity("max", "max", "N", ".2f"): float(load.max()),
                         Quantity("min", "min", "N", ".2f"): float(load.min()),
-                        Quantity("ratio", "max/min", "", ".4f"): chapter_2.ratio(load),
+                        Quantity("ratio", "max/min", "", ".4f"): chapter_2.load_ratio(load),
                         Quantity("ball", "ball of max", "", "s"): int(load.argmax()) + 1,
                         Quantity("residual", "residual", "", "g2"): r.solver.residual,
                         Quantity("force", "force balance", "", "g2"): r.equilibrium.force_residual,
@@ -134,13 +148,13 @@ def summary_table(study: Study) -> Table:
     )
 
 
-def pairs_apart(study: Study) -> float:
-    """Return the largest load difference [N] between opposite contacts of a ball in all case studies."""
+def largest_pair_difference(study: Study) -> float:
+    """Return the largest difference [N] between the loads of opposite contacts of a ball, in all case studies."""
     return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
 
 
-def figures(study: Study) -> tuple[Figure, ...]:
-    """Draw the load distributions of cases 1 to 3 and the centreline of case 1."""
+def case_study_figures(study: Study) -> tuple[Figure, ...]:
+    """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3."""
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
     case2 = study.solve("lin-case2")
@@ -151,12 +165,12 @@ def figures(study: Study) -> tuple[Figure, ...]:
         load_curve("Mei, rigid nut", mei, 0),
         load_curve("Mei, nut as a bar", nut, 0),
     )
-    title = f"case 2, SL = NR: {oversized(study.scene('lin-case2'))}"
+    title = f"case 2, SL = NR: {oversized_balls(study.scene('lin-case2'))}"
     second = load_panel(title, load_curve("case 2", case2, 0, emphasis=True), load_curve("case 1", case1, 0))
     panels = []
-    for reading in chapter_2.READINGS:
+    for reading in chapter_2.END_SUPPORTS:
         plain, offset = study.solve(reading.plain), study.solve(reading.offset)
-        moved = f"offset {1e6 * offset_of(study.scene(reading.offset)):g} µm"
+        moved = f"offset {1e6 * prescribed_displacement(study.scene(reading.offset)):g} µm"
         panels.append(
             load_panel(
                 f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
@@ -181,24 +195,24 @@ def figures(study: Study) -> tuple[Figure, ...]:
             "cases-3",
             "Contact load over the ball's number, Lin's case study 3, for each interpretation of the right end's support",
             tuple(panels),
-            f"NR follows SL and NL follows SR to within {pairs_apart(study):.2f} N.",
+            f"NR follows SL and NL follows SR to within {largest_pair_difference(study):.2f} N.",
         ),
         Figure("cases-centreline", "Displacement of the screw's centreline by each model", (line, bend)),
     )
 
 
-def oversized(scene: Scene) -> str:
-    """Return the balls of a scene whose radii are off, in words."""
+def oversized_balls(scene: Scene) -> str:
+    """Return in words which balls of a scene are oversized, and by how much."""
     return "; ".join(f"ball {ball} oversized by {1e6 * radius:g} µm" for ball, radius in scene.errors.balls.listed)
 
 
-def offset_of(scene: Scene) -> float:
-    """Return the largest displacement [m] that a support of a scene prescribes."""
+def prescribed_displacement(scene: Scene) -> float:
+    """Return the largest displacement [m] that the supports of a scene prescribe."""
     return max(abs(value) for support in scene.supports for freedom, value in support.fixed if freedom.startswith("u"))
 
 
-def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
-    """Return a 3D picture of a loaded screw."""
+def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
+    """Return a 3D picture of a screw with arrows for its contact loads."""
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Case 3 with offset: contact loads on the balls"
@@ -208,26 +222,26 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
 
 
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on case studies 1, 2 and 3."""
+    """Return the report section on Lin's case studies 1, 2 and 3: contact loads and centreline."""
     step("cases 1, 2, 3 on four models")
     step("what the open choices change")
-    rows = choice_rows(study.once(chapter_2.choices))
+    rows = choice_rows(study.once(chapter_2.case_1_by_choice))
     offset = study.solve("lin-case3-offset")
     return Section(
         "cases",
-        "Case studies 1, 2, 3 (2.4.1)",
+        "Lin 2.4.1: contact loads in case studies 1, 2 and 3",
         (
-            *figures(study),
-            picture(
+            *case_study_figures(study),
+            loaded_screw_picture(
                 study.scene("lin-case3-offset"),
                 offset,
                 "Arrows are the contact loads of all four flanks, balls are coloured by their largest contact load.",
             ),
             summary_table(study),
-            readings_table(study),
+            end_support_table(study),
             Table.of(
                 "cases-choices",
-                "Case 1: what each open choice and each fault changes",
+                "Lin's case study 1: change of the contact loads by each modelling choice and each fault of the thesis",
                 rows,
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),
@@ -237,22 +251,22 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
                     "The printed errors against ANSYS refer to loads that only a figure shows: section "
                     "reconstruction discusses where they may come from, section reference compares with "
                     "this project's own 3D reference. The printed ratio of case 1 is compared with the "
-                    f"spread over the choices that the source leaves open: {chapter_2.spread_of_choices(study)}.",
+                    f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range(study)}.",
                 )
             ),
         ),
     )
 
 
-def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
-    """Return the band from the 5th to the 95th percentile of a flank's loads over the ball number."""
+def percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
+    """Return the 5th to 95th percentile of a flank's loads over drawn screws, as a band over the ball number."""
     low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
     balls = [float(i + 1) for i in range(low.size)]
     return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
 
 
 def errors_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on geometric errors."""
+    """Return the report section on contact loads with geometric errors, Lin 2.4.2."""
     step("profile and pitch errors")
     base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
     ensembles = {}
@@ -267,14 +281,14 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
         load_curve("profile errors", profile, 0),
         load_curve("pitch errors", pitch, 0),
         load_curve("random ball radii, one draw", one, 0),
-        band("random, 5 to 95 %", random, 0),
+        percentile_band("random, 5 to 95 %", random, 0),
     )
     right = load_panel(
         "all three together",
         load_curve("SL, one draw", all_three, 0, emphasis=True),
         load_curve("SR, one draw", all_three, 1),
-        band("SL, 5 to 95 %", combined, 0),
-        band("SR, 5 to 95 %", combined, 1),
+        percentile_band("SL, 5 to 95 %", combined, 0),
+        percentile_band("SR, 5 to 95 %", combined, 1),
     )
     rows: list[Row] = []
     for name, e in ensembles.items():
@@ -282,7 +296,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
             load = e.loads[:, :, s]
             largest = load.max(axis=1)
             low, mid, high = np.percentile(largest, [5, 50, 95])
-            ratios = [ratio(one) for one in load]
+            ratios = [load_ratio(one) for one in load]
             rows.append(
                 {
                     "scene": name,
@@ -304,7 +318,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
             {
                 "scene": name,
                 Quantity("max", "largest load", "N", ".1f"): float(r.load.max()),
-                Quantity("ratio", "max/min on SL", "", ".3f"): ratio(r.load[:, 0]),
+                Quantity("ratio", "max/min on SL", "", ".3f"): load_ratio(r.load[:, 0]),
                 Quantity("change", "largest change", "% of mean", ".2f"): e2.max_percent,
                 Quantity("rms", "RMS change", "% of mean", ".2f"): e2.rms_percent,
                 Quantity("ball", "at ball", "", "s"): f"{e2.ball} {e2.side}",
@@ -313,7 +327,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
         )
     return Section(
         "errors",
-        "Geometric errors (2.4.2)",
+        "Lin 2.4.2: contact loads with geometric errors",
         (
             Figure(
                 "errors-loads",
@@ -321,14 +335,22 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
                 (left, right),
                 f"Bands: 5th to 95th percentile per ball, {len(random.loads)} and {len(combined.loads)} drawn screws.",
             ),
-            Table.of("errors-changes", "Change against case 1 (random ones: the draw of the shipped seed)", changes),
-            Table.of("errors-bands", "Random errors as ensembles", rows),
+            Table.of(
+                "errors-changes",
+                "Lin 2.4.2: change of the contact loads by each geometric error, against case study 1",
+                changes,
+            ),
+            Table.of(
+                "errors-bands",
+                "Lin 2.4.2: largest contact load and unloaded balls of screws drawn with random errors",
+                rows,
+            ),
         ),
     )
 
 
 def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on Hertz constants."""
+    """Return the report section on the Hertz constants of Lin's Table B.1, as printed and correct."""
     step("Table B.1")
     case = study.scene("lin-case1")
     compared = [
@@ -355,11 +377,11 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
             )
     return Section(
         "hertz",
-        "Hertz contact: Table B.1",
+        "Lin, Table B.1: Hertz constants as printed and correct",
         (
             Text(
                 (
-                    "Table B.1 comes out to every printed digit when the source's faults are repeated: a groove radius "
+                    "Table B.1 comes out to every printed digit when the thesis's faults are repeated: a groove radius "
                     "of 0.56 ball diameters instead of Table 2.1's 3.254 mm, eigenvalues of the second fundamental form "
                     "alone, a correction factor of 1, and the ratio of B.8 inverted against the table's labels. The "
                     "right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
@@ -367,15 +389,15 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             Table.of(
                 "hertz-grooves",
-                "What the faults and the groove radius do to the Hertz constant, and the contact at 225 N",
+                "Hertz constant as printed and correct, for two groove radii, and the contact under 225 N",
                 constants,
             ),
         ),
     )
 
 
-def equivalent_errors(scene: Scene) -> Panel:
-    """Return the panel of pitch and roundness errors along the nominal contact normal over azimuth (Lin 4.2, 4.4)."""
+def equivalent_errors_panel(scene: Scene) -> Panel:
+    """Draw pitch and roundness error along the nominal contact normal over the azimuth (Lin's equations 4.2, 4.4)."""
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
@@ -394,8 +416,8 @@ def equivalent_errors(scene: Scene) -> Panel:
 
 
 def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on manufacturing errors (4.3.2)."""
-    panels = [equivalent_errors(study.scene("lin-pitch-4p1"))]
+    """Return the report section on contact loads with pitch and roundness errors, Lin 4.3.2."""
+    panels = [equivalent_errors_panel(study.scene("lin-pitch-4p1"))]
     rows: list[Row] = []
     for screw, label in SCREWS.items():
         step(f"pitch and roundness errors on the screw of {label}")
@@ -403,7 +425,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         for kind in ("pitch", "roundness"):
             scene = study.scene(f"lin-{kind}-{screw}")
             curves.append(load_curve(f"{kind} error", study.solve(scene), 0, emphasis=True))
-            for reading, variant in readings(scene):
+            for reading, variant in scenes_of_open_inputs(scene):
                 r = study.solve(variant)
                 third = r.load[:, [1, 2]]
                 rows.append(
@@ -413,8 +435,8 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                         "reading": reading,
                         Quantity("max", "max SL", "N", ".1f"): float(r.load[:, 0].max()),
                         Quantity("min", "min SL", "N", ".1f"): float(r.load[:, 0].min()),
-                        Quantity("spread", "st. dev. / mean", "", ".3f"): spread(r),
-                        Quantity("lost", "balls without contact", "", "s"): int(unloaded(r).sum()),
+                        Quantity("spread", "st. dev. / mean", "", ".3f"): load_variation(r),
+                        Quantity("lost", "balls without contact", "", "s"): int(unloaded_balls(r).sum()),
                         Quantity("third", "balls with a third contact", "", "s"): int((third > 0.0).any(axis=1).sum()),
                         Quantity("third_max", "largest third contact", "N", ".1f"): float(third.max()),
                         "status": r.status,
@@ -425,7 +447,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
     return Section(
         "manufacturing",
-        "Steering gear (4.2), pitch against roundness errors (4.3.2)",
+        "Lin 4.3.2: contact loads with pitch errors and with roundness errors",
         (
             Figure(
                 "manufacturing-loads",
@@ -438,7 +460,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                 "manufacturing-readings",
                 "Change of the steering gear's results with the inputs that are not printed (Lin 4.3.2)",
                 rows,
-                "The source's statement of two-point contact needs clearance in the grooves, which it does not give.",
+                "Lin's statement of two-point contact needs clearance in the grooves, which is not printed.",
             ),
             Text(
                 (
@@ -465,8 +487,8 @@ SCENES = (
 )
 
 
-def agreement(study: Study, name: str) -> Row:
-    """Return the row of load differences between the source's and the energy solver on a scene [% of mean load]."""
+def solver_agreement_row(study: Study, name: str) -> Row:
+    """Return the table row of load differences [% of mean load] between Lin's Newton solver and the energy solver."""
     scene, by_energy = study.scene(name), study.solve(name)
     solver = by_energy.solver
     row: Row = {
@@ -490,11 +512,11 @@ def agreement(study: Study, name: str) -> Row:
 
 
 def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on the two solvers and the two kinematic forms."""
+    """Return the report section on two solvers and two kinematic forms of Lin's static model."""
     rows = []
     for name in SCENES:
         step(f"both solvers on {name}")
-        rows.append(agreement(study, name))
+        rows.append(solver_agreement_row(study, name))
     return Section(
         "formulations",
         "Lin's model solved by two formulations gives the same loads",
@@ -506,11 +528,15 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
                     "with a Jacobian of their own. On the same equations both agree to round-off.",
                     "The remaining difference between the two forms is kinematic. Here the groove's arc moves rigidly "
                     "with the section at the nominal contact, so that every contact load keeps its line of action "
-                    "through the arc's centre. In the source's form the point of application, its lever arm and its "
+                    "through the arc's centre. In Lin's form the point of application, its lever arm and its "
                     "station follow the contact angle, and a linearised rotation stretches the arc by half the square "
                     "of the rotation. Freezing the lever arm at the nominal contact changes more than either.",
                 )
             ),
-            Table.of("formulations-agreement", "Differences of the loads", rows),
+            Table.of(
+                "formulations-agreement",
+                "Difference of contact loads between Lin's Newton solver and the energy solver, by scene",
+                rows,
+            ),
         ),
     )

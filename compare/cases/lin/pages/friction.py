@@ -1,6 +1,7 @@
-"""Page on Lin's friction: 3.2 and 3.3 (one ball of a rotary bearing, balls of a linear bearing), 3.4 and 4.3.
+"""Report sections on friction in Lin's thesis.
 
-Sections 3.4 and 4.3 have two balls of a ball screw, a whole screw over time, and two bearings that are compared.
+Sections 3.2 and 3.3: one ball of a rotary bearing, two balls of a linear bearing. Sections 3.4 and 4.3: two balls of a ball
+screw, a whole screw over time, torque of a four-point and a double-row bearing.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import (
     PRINTED_LAW,
     ROTARY,
     VERTICAL,
-    as_printed,
     balance_rows,
     sensitivity_rows,
     solve_rotary,
+    solve_rotary_as_printed,
 )
 from rollbench.compare.cases.lin.evidence.source_cases import (
     LINEAR_PAIR,
@@ -34,7 +35,7 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     inferred,
     lin_3_4_4,
 )
-from rollbench.compare.cases.lin.extremes import pair_rows, root_rows
+from rollbench.compare.cases.lin.extremes import extreme_pair_rows, root_finding_rows
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
@@ -51,12 +52,14 @@ from rollbench.reports.content import Figure, Panel, Section, Series, Table, Tex
 
 
 def balance_table() -> Table:
-    """Return the table of the power balance of cases I to III by three sets of assumptions."""
-    table = Table.of("friction-balance", "Rotary bearing: balance of power", balance_rows())
+    """Return the table of the rotary bearing's power balance in cases I to III, for three sets of assumptions."""
+    table = Table.of(
+        "friction-balance", "Rotary bearing (Lin 3.2): power input against friction losses, by model", balance_rows()
+    )
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        "The source takes its torque from the dissipation (3.21); interpolation between its maps shifts "
+        "Lin takes the torque from the dissipation (3.21); interpolation between his maps shifts "
         f"that by {off:+.1f} % from the friction moment in case {worst['case']}. In cases I and II the "
         "sigmoid moves a contact that is at rest under Coulomb friction: the sum of the losses stays, their "
         "distribution over the contacts does not."
@@ -65,9 +68,13 @@ def balance_table() -> Table:
 
 
 def sensitivity_table() -> Table:
-    """Return the table of the linear pair's results under each assumption on loads and ball-to-ball friction."""
+    """Return the table of force and losses of two balls in the linear bearing, by assumption on loads and friction."""
     printed = entry("lin-3.5", "a_force_numerical")
-    table = Table.of("friction-sensitivity", "Linear pair: what the load assumption changes", sensitivity_rows())
+    table = Table.of(
+        "friction-sensitivity",
+        "Two balls of a linear bearing (Lin 3.3): force and losses by assumption on the contact loads",
+        sensitivity_rows(),
+    )
     target = printed.value or 0.0
     forces = [float(row["force"] or 0.0) for row in table.rows]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
@@ -84,25 +91,35 @@ def sensitivity_table() -> Table:
 
 
 def stability_table() -> Table:
-    """Return the table of extreme cases of the linear pair."""
+    """Return the table of the friction solver's residuals on extreme cases of two balls in the linear bearing."""
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
-    return Table.of("friction-stability", "Linear pair: extreme cases", pair_rows(), note)
+    return Table.of(
+        "friction-stability",
+        "Two balls of a linear bearing: residuals of the friction solver on extreme cases",
+        extreme_pair_rows(),
+        note,
+    )
 
 
-def root_table() -> Table:
-    """Return the table that compares the source's root finding with least dissipation."""
+def root_finding_table() -> Table:
+    """Return the table of starts from which Lin's root finding and least dissipation find the ball's motion."""
     note = (
         "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
         "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
     )
-    return Table.of("friction-roots", "Rotary bearing: starts from which the motion is found", root_rows(), note)
+    return Table.of(
+        "friction-roots",
+        "Rotary bearing: number of random starts from which root finding and least dissipation find the motion",
+        root_finding_rows(),
+        note,
+    )
 
 
 # --- figures
 
 
 def torque_figure() -> Figure:
-    """Draw Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
+    """Draw Lin's Figure 3.7: forces, torque, losses and ball rotation over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
     true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
     good = np.array([s.motion.status == "exact" for s in printed])
@@ -110,7 +127,8 @@ def torque_figure() -> Figure:
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
-    def curves(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+    def curves_of_quantity(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+        """Return curves of a quantity by both friction laws, and markers of the values printed in Table 3.2."""
         drawn = [
             Series(
                 name,
@@ -126,23 +144,30 @@ def torque_figure() -> Figure:
 
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
     panels = (
-        Panel("sum of contact loads", label, "force / N", curves(lambda s: s.load.force.sum(), "F_sum"), zero=True),
-        Panel("friction torque", label, "torque / N mm", curves(lambda s: s.torque, "torque", 1e3), zero=True),
+        Panel(
+            "sum of contact loads", label, "force / N", curves_of_quantity(lambda s: s.load.force.sum(), "F_sum"), zero=True
+        ),
+        Panel("friction torque", label, "torque / N mm", curves_of_quantity(lambda s: s.torque, "torque", 1e3), zero=True),
         Panel("right: friction loss of each contact", label, "loss / W", losses, zero=True),
-        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves(lambda s: s.motion.q[1], "omega_x")),
+        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves_of_quantity(lambda s: s.motion.q[1], "omega_x")),
     )
     missing = int(np.sum(~good))
     caption = (
         "Once four contacts carry load, torque rises several times faster than force: the light contacts first slide "
         "(steep part), then all spin (after the bend). With exact Hertz constants the bend comes earlier, so case II, "
         "which is just before it as printed, lies beyond it. The printed sum of forces of case III lies below the curve: "
-        f"a misprint. Gaps: the source's root was not found at {missing} of {u.size} points."
+        f"a misprint. Gaps: Lin's root finding fails at {missing} of {u.size} points."
     )
-    return Figure("friction-torque", "Rotary bearing: forces, torque, losses and motion over u_y", panels, caption)
+    return Figure(
+        "friction-torque",
+        "Rotary bearing (Lin, Figure 3.7): forces, torque, losses and ball rotation over the radial displacement",
+        panels,
+        caption,
+    )
 
 
 def velocity_panel(case: str, s: Solution, title: str) -> Panel:
-    """Return the panel of sliding velocity at each loaded groove along the contact's major axis."""
+    """Draw the sliding velocity along the major axis of each loaded contact of a ball."""
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
     for i in np.flatnonzero(s.load.force > 0.0):
@@ -153,19 +178,28 @@ def velocity_panel(case: str, s: Solution, title: str) -> Panel:
 
 
 def velocity_figure() -> Figure:
-    """Draw Figure 3.8 as curves: cases I to III, right and as printed."""
+    """Draw Lin's Figure 3.8 as curves: sliding velocity in cases I to III, correct and as printed."""
     panels = [velocity_panel(case, solve_rotary(case), "right") for case in CASES]
-    panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
+    panels += [velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
     caption = (
         "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
         "other spins about its centre. As printed, case II slides in IR and OL while OR is nearly at rest; with exact "
         "Hertz constants all four contacts already spin. Case III: all four spin."
     )
-    return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)
+    return Figure(
+        "friction-velocity",
+        "Rotary bearing (Lin, Figure 3.8): sliding velocity along the major axes of the contacts",
+        panels,
+        caption,
+        3,
+    )
 
 
 def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
-    """Return panels of the numerical model, the formula and their difference over rho, with one curve per theta."""
+    """Draw results of the numerical model, of Lin's formula and their difference over the side force ratio.
+
+    One curve for each deviation theta of the contact angle.
+    """
     x = plain_numbers(m.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
@@ -178,12 +212,12 @@ def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
 
 
 def map_figures() -> tuple[Figure, Figure]:
-    """Draw Figures 3.14 and 3.15 as families of curves."""
+    """Draw Lin's Figures 3.14 and 3.15: velocity difference, force and loss ratio over the side force ratio."""
     m = force_maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
     short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
         "friction-difference",
-        "Velocity difference of two balls (Figure 3.14)",
+        "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over the side force ratio",
         map_panels(m, m.difference, "ε₁ − ε₂"),
         "The balls close in where the curve is above zero: θ and ρ of opposite sign. The formula is nearly straight in "
         "ρ and falls short by up to "
@@ -192,7 +226,7 @@ def map_figures() -> tuple[Figure, Figure]:
     )
     second = Figure(
         "friction-force",
-        "Ball-to-ball force and total over baseline loss (Figure 3.15)",
+        "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over the side force ratio",
         [*map_panels(m, m.force, "force / N"), *map_panels(m, m.ratio, "loss ratio")],
         "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
         f"up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % of the baseline (printed as an "
@@ -206,29 +240,29 @@ def map_figures() -> tuple[Figure, Figure]:
 
 INTRODUCTION = (
     "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
-    "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
+    "the thesis's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
     "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
     f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in CASES.values())} µm and the "
     "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
     "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
-    "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
+    "For the linear bearing Lin, too, uses exact Hertz constants; misprints in his formulas (exponents "
     "of 3.51) are corrected here. The load state behind the printed "
     f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
 )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report's section on friction in a rotary and a linear bearing, Lin 3.2 and 3.3."""
     step("velocities of the rotary bearing")
     study.uses((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
     drawn = [velocity_figure()]
     step("maps of the linear pair")
     drawn += map_figures()
     step("extreme cases and starts")
-    checks = (stability_table(), root_table())
+    checks = (stability_table(), root_finding_table())
     return Section(
         "friction",
-        "Friction and ball motion: one ball in a rotary bearing; balls in contact in a linear bearing",
+        "Lin 3.2 and 3.3: friction and ball motion in a rotary bearing, two touching balls in a linear bearing",
         (Text(INTRODUCTION), balance_table(), drawn[0], sensitivity_table(), drawn[1], drawn[2], *checks),
     )
 
@@ -236,30 +270,30 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 #: Axial force [N] of Table 3.7.
 LOAD = 50.0
 
-#: Load angle [deg] up to which the source compares torques.
+#: Load angle [deg] up to which Lin compares torques.
 END = 18.0
 
-#: Steps whose contacts are drawn.
+#: Number of time steps whose contacts are drawn.
 DOTS = 66
 
 
 def torque_panel(title: str, r: History) -> Panel:
-    """Return the panel of a run's torque over time, split into its contributions (Figure 3.25)."""
+    """Draw a simulation's friction torque over time, by contribution (Lin's Figure 3.25)."""
     time = plain_numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
     parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
     curves = [Series(name, time, plain_numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
     return Panel(title, "time / s", "torque / N mm", curves, zero=True)
 
 
-def theta_panel(case: Run) -> Panel:
-    """Return the assumed deviation of the contact angles over the azimuth on the screw (Figure 3.23)."""
+def angle_deviation_panel(case: Run) -> Panel:
+    """Draw the assumed deviation of the contact angles over the azimuth on the screw (Lin's Figure 3.23)."""
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
     curve = Series("assumed", plain_numbers(np.degrees(phi)), plain_numbers(np.degrees(deviation(case, phi))), "line")
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
 def contact_panels(r: History) -> tuple[Panel, Panel]:
-    """Return panels of touching neighbours over time: their places, number and groups (Figure 3.24)."""
+    """Draw positions, number and groups of touching neighbours over time (Lin's Figure 3.24)."""
     along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
     some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
@@ -268,43 +302,49 @@ def contact_panels(r: History) -> tuple[Panel, Panel]:
     pairs = Series("touching pairs", plain_numbers(time), plain_numbers(r.contact.sum(axis=1)), "line")
     found = Series("groups", plain_numbers(time), plain_numbers(r.groups), "line")
     return (
-        Panel(f"contacts in the nut, {amplitude(r)}", "time / s", "place along the nut's track / deg", (dots,)),
-        Panel(f"touching pairs and groups, {amplitude(r)}", "time / s", "number", (pairs, found), zero=True),
+        Panel(f"contacts in the nut, {amplitude_in_words(r)}", "time / s", "place along the nut's track / deg", (dots,)),
+        Panel(f"touching pairs and groups, {amplitude_in_words(r)}", "time / s", "number", (pairs, found), zero=True),
     )
 
 
-def amplitude(r: History) -> str:
-    """Return the amplitude of theta of a run as text."""
+def amplitude_in_words(r: History) -> str:
+    """Return in words the amplitude of the contact angle's deviation theta in a simulation."""
     return f"θ of {np.degrees(r.setting.amplitude):g}°"
 
 
-def run_figure() -> Figure:
-    """Draw Figures 3.23 to 3.25."""
-    three, two, open_grooves = screw.screw_run(3.0), screw.screw_run(2.0), screw.loose_run()
+def simulation_figure() -> Figure:
+    """Draw Lin's Figures 3.23 to 3.25: torque and touching balls of the whole screw over time."""
+    three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_without_oversize()
     panels = (
-        theta_panel(three.setting),
-        torque_panel(f"torque, {amplitude(three)}, {1e6 * three.setting.oversize:g} µm", three),
-        torque_panel(f"torque, {amplitude(two)}, {1e6 * two.setting.oversize:g} µm", two),
+        angle_deviation_panel(three.setting),
+        torque_panel(f"torque, {amplitude_in_words(three)}, {1e6 * three.setting.oversize:g} µm", three),
+        torque_panel(f"torque, {amplitude_in_words(two)}, {1e6 * two.setting.oversize:g} µm", two),
         *contact_panels(three),
         torque_panel(
-            f"torque, {amplitude(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled", open_grooves
+            f"torque, {amplitude_in_words(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled", open_grooves
         ),
     )
     high, low = summarise(three), summarise(two)
     caption = (
         "With four loaded contacts the grooves' torque is nearly constant. Ball-to-ball torque builds up to "
-        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude(three)}) or {low.largest:.0%} at "
-        f"{low.at:.0f}° ({amplitude(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
+        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude_in_words(three)}) or {low.largest:.0%} at "
+        f"{low.at:.0f}° ({amplitude_in_words(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
         "groups, one in each cycle of θ. Without oversize the grooves' torque is lower and varies by "
-        f"{screw.variation(open_grooves):.0%} after the first step, whose loads are computed without friction. "
-        "Amplitude, phase and oversize are assumed; the source prints none of them."
+        f"{screw.torque_variation(open_grooves):.0%} after the first step, whose loads are computed without friction. "
+        "Amplitude, phase and oversize are assumed; the thesis prints none of them."
     )
-    return Figure("friction-run", "Whole screw over two seconds (Figures 3.23 to 3.25)", panels, caption, 3)
+    return Figure(
+        "friction-run",
+        "Whole screw (Lin, Figures 3.23 to 3.25): friction torque and touching balls over time",
+        panels,
+        caption,
+        3,
+    )
 
 
-def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
-    """Return the force and increase over oversize, a curve for each load on the screw."""
-    m, x = screw.pair_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
+def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
+    """Draw ball-to-ball force and loss increase of two balls over their oversize, one curve for each axial load."""
+    m, x = screw.oversize_and_load_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "not coupled" if coupling == "none" else "friction moves the balls"
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
@@ -320,42 +360,49 @@ def screw_map_panels(case: str, coupling: Coupling) -> list[Panel]:
     return panels
 
 
-def plain_ratio(case: str, coupling: Coupling) -> float:
-    """Return the force of a pair without oversize at ``LOAD`` over the printed one."""
-    m = screw.pair_map(case, coupling)
+def force_ratio_without_oversize(case: str, coupling: Coupling) -> float:
+    """Return the ball-to-ball force without oversize at an axial load of `LOAD`, over the printed force."""
+    m = screw.oversize_and_load_map(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
     return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
 
 
-def meetings(key: str) -> str:
-    """Return as text the oversizes at which the uncoupled curve of ``LOAD`` meets each case's printed value."""
+def oversizes_at_printed(key: str) -> str:
+    """Return in words the oversizes at which the computed value at `LOAD` equals the printed one, for each case.
+
+    ``key``: "force" or "increase".
+    """
     words = []
     for case in ("a", "b"):
-        m, printed = screw.pair_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
+        m, printed = screw.oversize_and_load_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
         values = (m.force if key == "force" else 100.0 * m.increase)[:, screw.AXIAL.index(LOAD)]
-        words.append(f"{' and '.join(f'{x:.1f}' for x in crossings(values, printed)) or 'no oversize'} µm in case ({case})")
+        words.append(
+            f"{' and '.join(f'{x:.1f}' for x in find_crossings(values, printed)) or 'no oversize'} µm in case ({case})"
+        )
     return ", ".join(words)
 
 
-def crossings(values: Array, level: float) -> list[float]:
-    """Return oversizes [µm] at which values over ``OVERSIZE`` cross a level, by straight lines between them."""
+def find_crossings(values: Array, level: float) -> list[float]:
+    """Return the oversizes [µm] at which values over `OVERSIZE` cross a level, by linear interpolation."""
     off, x = values - level, 1e6 * np.array(screw.OVERSIZE)
     k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
     return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
 
 
-def map_figure() -> Figure:
-    """Draw maps of the pair over oversize and load, as curves."""
+def oversize_map_figure() -> Figure:
+    """Draw ball-to-ball force and loss increase of two balls of a screw over oversize and axial load."""
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
-    panels = [p for case, coupling in sets for p in screw_map_panels(case, coupling)]
+    panels = [p for case, coupling in sets for p in oversize_map_panels(case, coupling)]
     caption = (
         "Once all four contacts are loaded (the bend, which comes later for larger axial forces) the force grows with the "
         "oversize whatever the axial force is, while the relative increase of friction falls because the grooves' losses "
         f"grow faster. Before the bend forces are small: without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, "
         "friction that displaces the balls changes the force by a factor of "
-        f"{plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f}, to {plain_ratio('a', 'ball'):.2f} of the printed one. "
-        f"The curves of {LOAD:g} N meet the printed forces at {meetings('force')}, and the printed increases at "
-        f"{meetings('increase')}; oversize and load of the other figures are inferred from both together: "
+        f"{force_ratio_without_oversize('a', 'ball') / force_ratio_without_oversize('a', 'none'):.1f}, to "
+        f"{force_ratio_without_oversize('a', 'ball'):.2f} of the printed one. "
+        f"The curves of {LOAD:g} N meet the printed forces at {oversizes_at_printed('force')}, and the printed "
+        f"increases at "
+        f"{oversizes_at_printed('increase')}; oversize and load of the other figures are inferred from both together: "
         f"{1000000.0 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
     )
     return Figure(
@@ -367,124 +414,150 @@ def map_figure() -> Figure:
     )
 
 
-def onset_of(found: TorqueCurve) -> float:
-    """Return the first load angle [deg] at which a ball takes more than two contacts."""
+def first_angle_beyond_two_contacts(found: TorqueCurve) -> float:
+    """Return the smallest load angle [deg] at which a ball of the bearing has more than two contacts."""
     return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
 
 
 def bearing_figure() -> Figure:
-    """Draw the torque against load angle of both bearings (Figure 4.7)."""
+    """Draw Lin's Figure 4.7: friction torque of a four-point and a double-row bearing over the load angle."""
     curves = [
-        ("four-point, tilt free", screw.curve("4P", True)),
-        ("four-point, tilt held", screw.curve("4P", False)),
-        ("double row, tilt free", screw.curve("DR", True)),
-        ("double row, tilt held", screw.curve("DR", False)),
+        ("four-point, tilt free", screw.torque_over_load_angle("4P", True)),
+        ("four-point, tilt held", screw.torque_over_load_angle("4P", False)),
+        ("double row, tilt free", screw.torque_over_load_angle("DR", True)),
+        ("double row, tilt held", screw.torque_over_load_angle("DR", False)),
     ]
     x, label = plain_numbers(np.degrees(screw.ANGLES)), "load angle / deg"
 
-    def panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
+    def draw_panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
+        """Draw a quantity of all bearings over the load angle."""
         drawn = [
             Series(name, x, plain_numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)
         ]
         return Panel(title, label, unit, drawn, zero=True)
 
     ratio, printed = (
-        panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
+        draw_panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
         value_of("lin-4.3", "ratio_4p"),
     )
     panels = (
-        panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
+        draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
         replace(ratio, series=(*ratio.series, Series("printed: largest over smallest", [0.0, END], [printed] * 2, "line"))),
-        panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
+        draw_panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
     )
     free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
     caption = (
         "The four-point bearing's torque climbs with the load's angle, steeply once balls take more than two contacts "
-        f"(from {onset_of(free):.0f}° on, with an inner ring free to tilt); the double row's stays within "
+        f"(from {first_angle_beyond_two_contacts(free):.0f}° on, with an inner ring free to tilt); the double row's "
+        f"stays within "
         f"{screw.torque_ratio_up_to(curves[2][1], END):.2f} times of its smallest up to {END:g}°. "
         f"With the inner ring held against "
-        "tilting " + (f"balls do so from {onset_of(held):.0f}° on." if held.four.any() else f"none does up to {last:.0f}°.")
+        "tilting "
+        + (
+            f"balls do so from {first_angle_beyond_two_contacts(held):.0f}° on."
+            if held.four.any()
+            else f"none does up to {last:.0f}°."
+        )
     )
-    return Figure("friction-load-angle", "Torque against load angle (4.3.1)", panels, caption, 3)
+    return Figure(
+        "friction-load-angle",
+        "Four-point and double-row bearing (Lin 4.3.1): friction torque over the load angle",
+        panels,
+        caption,
+        3,
+    )
 
 
-# --- lin 3.4 and 4.3 in the report: two balls of a ball screw, a whole screw in time, bearings in pairs
+# --- Lin 3.4 and 4.3: two balls of a ball screw, a whole screw over time, two bearings
 
 
 # --- tables
 
 
-def readings_table() -> Table:
-    """Return the table of the interpretations of Table 3.7."""
+def pair_interpretations_table() -> Table:
+    """Return the table of ball-to-ball force and loss increase by interpretation of Lin's Table 3.7."""
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA}
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
         "Oversize is of the ball's radius; it was chosen so "
-        "that the printed force and increase agree on the contact load, and is nowhere in the source."
+        "that the printed force and increase agree on the contact load, and is not in the thesis."
     )
-    return Table.of("friction-readings", "Table 3.7 in plain and inferred readings", screw.reading_rows(), note)
+    return Table.of(
+        "friction-readings",
+        "Lin, Table 3.7: ball-to-ball force and loss increase by interpretation of the text",
+        screw.pair_interpretation_rows(),
+        note,
+    )
 
 
-def run_table() -> Table:
-    """Return the table of the whole run's sensitivity to assumptions that 3.4.4 does not print."""
+def simulation_sensitivity_table() -> Table:
+    """Return the table of the whole-screw simulation's results by assumption that Lin 3.4.4 does not print."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
-        "finding as in the source, where neighbours touch if they are near and approach when alone (3.77): overlapping "
+        "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
-        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_text()} oversize, loads not coupled, over one turn "
+        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, loads not coupled, over "
+        f"one turn "
         "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table.of(
         "friction-run-sensitivity",
         "Whole screw over two seconds: change of the results with each assumption",
-        screw.run_rows(),
+        screw.simulation_rows(),
         note,
     )
 
 
-def run_reading_table() -> Table:
-    """Return the table of the interpretations of 3.4.4, with their differences from the printed numbers."""
+def simulation_interpretations_table() -> Table:
+    """Return the table of the whole-screw simulation by interpretation of Lin 3.4.4, with differences from print."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
         "part the azimuth of Figure 3.23 counts, amplitude, oversize, and whether both contacts of the screw deviate; "
-        "the rule of contact is the source's (3.77) in the last rows. No reading gives all three: with theta on the "
+        "the rule of contact is Lin's (3.77) in the last rows. No interpretation gives all three: with theta on the "
         "screw contact begins and ends too early; with theta that stays with the nut the largest and its angle come "
         "out together, and the end is too late; both angles come out within 7° at two fifths of the printed torque. "
-        "Readings that were found from print confirm none of it."
+        "Interpretations chosen by the printed numbers confirm none of them."
     )
-    rows = screw.reading_of_run_rows()
-    return Table.of("friction-run-readings", "Whole screw: readings of the text", rows, note)
+    rows = screw.simulation_interpretation_rows()
+    return Table.of(
+        "friction-run-readings", "Whole screw (Lin 3.4.4): ball-to-ball torque by interpretation of the text", rows, note
+    )
 
 
-def bearing_table() -> Table:
-    """Return the table of the torque ratios of the bearings of Table 4.2 under varied assumptions."""
+def bearing_torque_table() -> Table:
+    """Return the table of torque ratios of the bearings of Lin's Table 4.2, under varied assumptions."""
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
-        "ratio does not depend on the friction coefficient. Range of load angles read off the source's figure."
+        "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
-    return Table.of("friction-bearings", "Bearings of Table 4.2: torque over load angle", screw.bearing_rows(), note)
+    return Table.of(
+        "friction-bearings",
+        "Bearings of Lin's Table 4.2: largest over smallest friction torque, by assumption",
+        screw.bearing_torque_rows(),
+        note,
+    )
 
 
-def onset_table(study: Study) -> Table:
-    """Return the table of the time until balls meet (4.3.2), by kind of error and speed of unloaded balls."""
+def ball_contact_onset_table(study: Study) -> Table:
+    """Return the table of the nut angle at which neighbouring balls first touch, by kind of geometric error (Lin 4.3.2)."""
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
         "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
     )
-    title = "Pitch against roundness error: when balls meet (4.3.2)"
-    return Table.of("friction-onset", title, screw.onset_rows(study), note)
+    title = "Nut angle at which neighbouring balls first touch, with pitch or roundness error (Lin 4.3.2)"
+    return Table.of("friction-onset", title, screw.ball_contact_onset_rows(study), note)
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
-    """Return the text that introduces the tables of the pair and of the whole run."""
-    return Text((_of_the_pair(pairs), _of_the_run(runs)))
+    """Return the text that introduces the tables of two balls and of the whole screw."""
+    return Text((_pair_paragraph(pairs), _simulation_paragraph(runs)))
 
 
-def _of_the_pair(pairs: Table) -> str:
-    """Return the paragraph on the pair of Table 3.7."""
+def _pair_paragraph(pairs: Table) -> str:
+    """Return the paragraph on the load state of the two balls in Lin's Table 3.7."""
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
@@ -492,19 +565,20 @@ def _of_the_pair(pairs: Table) -> str:
         for row in (loose, coupled)
     )
     return (
-        f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
+        f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
         f"{case_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
         f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
-        f"{screw.oversize_text()} of oversize would give {float(rows[screw.oversized()]['load_a'] or 0.0):.0f} N. The "
+        f"{screw.oversize_in_words()} of oversize would give "
+        f"{float(rows[screw.oversize_label()]['load_a'] or 0.0):.0f} N. The "
         "literal reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because "
         "its oversize was inferred from these numbers."
     )
 
 
-def _of_the_run(runs: Table) -> str:
-    """Return the paragraph on the whole run of 3.4.4."""
+def _simulation_paragraph(runs: Table) -> str:
+    """Return the paragraph on the whole-screw simulation of Lin 3.4.4."""
     cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
@@ -516,22 +590,22 @@ def _of_the_run(runs: Table) -> str:
     return (
         "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
         f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "
-        f"for the end of contact; {found}. With the source's rule for contact between balls the largest "
+        f"for the end of contact; {found}. With Lin's rule for contact between balls the largest "
         f"torque ratio is {ratio:.2f} of the one by complementarity at the same theta, with balls that "
         "overlap. This may be why the printed ratio is smaller; it does not explain the angles."
     )
 
 
 def screw_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on the screw."""
+    """Return the report section on friction in a ball screw, Lin 3.4 and 4.3."""
     step("readings and maps of two balls")
-    pairs = (readings_table(), map_figure())
+    pairs = (pair_interpretations_table(), oversize_map_figure())
     step("whole screw and what its assumptions change")
-    whole = (run_figure(), run_reading_table(), run_table())
+    whole = (simulation_figure(), simulation_interpretations_table(), simulation_sensitivity_table())
     step("bearings and errors")
-    last = (bearing_table(), onset_table(study))
+    last = (bearing_torque_table(), ball_contact_onset_table(study))
     return Section(
         "friction-screw",
-        "Friction in a ball screw: two balls, a whole screw, and bearings in pairs",
+        "Lin 3.4 and 4.3: friction in a ball screw and in two bearings",
         (introduction(pairs[0], whole[2]), *pairs, *whole, *last),
     )

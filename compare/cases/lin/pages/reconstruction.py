@@ -1,4 +1,4 @@
-"""Page on the origin of the errors printed in 2.4.1: combined interpretations of the text, and other statements."""
+"""Report section on the origin of the model errors printed in Lin 2.4.1: combined interpretations of the text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence.chapter_2 import READINGS
+from rollbench.compare.cases.lin.evidence.chapter_2 import END_SUPPORTS
 from rollbench.compare.cases.lin.reconstruction import readings as combined
 from rollbench.compare.cases.lin.reconstruction.readings import (
     CASES,
@@ -18,8 +18,8 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
     SOLID,
     Combination,
     key_of,
-    largest_change,
-    tilt_that_slides,
+    largest_change_by_friction,
+    tilt_at_onset_of_sliding,
 )
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import DEFAULT
@@ -37,10 +37,10 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Ser
 if TYPE_CHECKING:
     from rollbench.compare.scenes.friction_kinds.common import KindScene
 
-#: Balls that are "the last few".
+#: Number of balls that count as "the last few".
 LAST = 3
 FORCE = "force 1-2 N"
-#: Scenes of the ball-to-ball forces by table and printed entries: low order, ANSYS.
+#: Ball-to-ball forces: printed table, keys of the low-order and the ANSYS value, scene.
 FORCES = {
     "3.5 (a)": ("lin-3.5", "a_force_numerical", "a_force_ansys", "lin-pair-a"),
     "3.7 (a)": ("lin-3.7", "force_a", "ansys_a", "lin-screw-pair-a"),
@@ -50,19 +50,26 @@ FORCES = {
 }
 
 
-def other_table(study: Study) -> Table:
-    """Return the table of the source's other statements on both models, with computed values and conclusions."""
-    rows = [_times(study), _lateral(study), *(_case_3(study, model) for model in ("lin", DEFAULT)), *map(_force, FORCES)]
-    return Table.of("reconstruction-others", "Other statements that compare the source's model with ANSYS", rows)
+def other_statements_table(study: Study) -> Table:
+    """Return the table of Lin's other statements that compare both models, with computed values and conclusions."""
+    rows = [
+        _run_time_row(study),
+        _lateral_displacement_row(study),
+        *(_case_3_row(study, model) for model in ("lin", DEFAULT)),
+        *map(_ball_force_row, FORCES),
+    ]
+    return Table.of(
+        "reconstruction-others", "Lin's other statements that compare his model with ANSYS, and computed values", rows
+    )
 
 
-def _statement(place: str, printed: str, computed: str, verdict: str) -> Row:
-    """Return the row of one statement of the source."""
+def _statement_row(place: str, printed: str, computed: str, verdict: str) -> Row:
+    """Return the table row of one statement in Lin's thesis, with the computed value and a verdict."""
     return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
-def _times(study: Study) -> Row:
-    """Return the row of run times: printed, and of the 3D model here with a mesh of equal size."""
+def _run_time_row(study: Study) -> Row:
+    """Return the table row of run times: printed for ANSYS, and measured for a 3D model of equal cells."""
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -70,7 +77,7 @@ def _times(study: Study) -> Row:
         if run is None
         else f"{run.setup_seconds + run.solve_seconds:.0f} s with {run.unknowns:,} unknowns, measured with {run.measured}"
     )
-    return _statement(
+    return _statement_row(
         "Table 2.2",
         f"{hours:g} h with {elements:,.0f} elements",
         f"a 3D model of the same cells, condensed by contacts: {time}",
@@ -78,8 +85,8 @@ def _times(study: Study) -> Row:
     )
 
 
-def _lateral(study: Study) -> Row:
-    """Return the row of Figure 2.10: largest lateral displacement of the screw's axis by both models."""
+def _lateral_displacement_row(study: Study) -> Row:
+    """Return the table row of Lin's Figure 2.10: largest lateral displacement of the screw's axis by both models."""
     low, found = study.solve("lin-case1"), study.reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T
@@ -87,7 +94,7 @@ def _lateral(study: Study) -> Row:
     ours, theirs = (float(1e6 * np.hypot(x, y).max()) for x, y in (there, motion[:2]))
     off = 1e6 * float(np.hypot(there[0] - motion[0], there[1] - motion[1]).max())
     share = float(error_percent(off, 0.0, theirs))
-    return _statement(
+    return _statement_row(
         "Figure 2.10",
         '"good agreement in predicting the presence of lateral deformation"',
         f"largest {ours:.2f} um by the low-order model, {theirs:.2f} um in 3D, {off:.2f} um apart ({share:.0f} %)",
@@ -95,16 +102,16 @@ def _lateral(study: Study) -> Row:
     )
 
 
-def _case_3(study: Study, model: str) -> Row:
-    """Return the row of case 3: interpretations of the right end whose load change has the printed shape."""
+def _case_3_row(study: Study, model: str) -> Row:
+    """Return the table row of case 3: supports of the right end for which the offset changes loads as printed."""
     largest, right = [], []
-    for reading in READINGS:
+    for reading in END_SUPPORTS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
         ball, side = (int(k) for k in np.unravel_index(int(np.abs(change).argmax()), change.shape))
         shaped = has_shape(change)
         right += [reading.label] if shaped else []
         largest.append(f"{reading.label}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
-    return _statement(
+    return _statement_row(
         "2.4.1.3, case 3",
         "the offset raises SR and NL of the last few balls most",
         f"{model}: {'; '.join(largest)}",
@@ -113,20 +120,20 @@ def _case_3(study: Study, model: str) -> Row:
 
 
 def has_shape(change: Array) -> bool:
-    """Return whether the largest load change ``(n, 4)`` is a rise on SR or NL at one of the last balls."""
+    """Return whether the largest change of contact loads (n, 4) is a rise on flank SR or NL of one of the last balls."""
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)
 
 
-def _force(case: str) -> Row:
-    """Return the row of a ball-to-ball force: printed difference, effects of bodies and cells in 3D rolling."""
+def _ball_force_row(case: str) -> Row:
+    """Return the table row of a ball-to-ball force: printed difference, effects of elastic bodies and of cell size."""
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
     scene = cast("KindScene", catalogue.shipped(name))
     coarse, fine = (rolling.load_run(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
     printed = f"{low:g} N, ANSYS {ansys:g} N: {float(error_percent(low, ansys)):.2f} %"
     if coarse is None or fine is None:
-        return _statement(f"Table {case}", printed, "no stored run", "not judged")
+        return _statement_row(f"Table {case}", printed, "no stored run", "not judged")
     value = fine.values[FORCE]
     bodies = float(error_percent(value, fine.limit[FORCE]))
     cells = float(error_percent(coarse.elastic[FORCE], value))
@@ -137,34 +144,33 @@ def _force(case: str) -> Row:
         if enough
         else "neither bodies nor elements of that size do as much: the load state, which is not printed, or the solver"
     )
-    computed = (
-        f"{value:.3f} N; elastic bodies change it by {bodies:+.2f} %, elements of the source's size by {cells:+.1f} %"
-    )
-    return _statement(f"Table {case}", f"{printed}, that is {needed:+.2f} % of the low-order force", computed, verdict)
+    computed = f"{value:.3f} N; elastic bodies change it by {bodies:+.2f} %, elements of Lin's size by {cells:+.1f} %"
+    return _statement_row(f"Table {case}", f"{printed}, that is {needed:+.2f} % of the low-order force", computed, verdict)
 
 
-# --- where the printed errors of 2.4.1 come from: readings of what the text leaves open, combined
+# --- origin of the printed errors of 2.4.1: combined interpretations of inputs that the text leaves open
 
 
-#: In words.
+#: Definitions of errors in words.
 WORDS: dict[combined.Definition, str] = {"own": "of each load", "mean": "of the mean load"}
-#: Scatters [%] of an approach that are tried beside the measured one.
+#: Assumed scatters [%] of the approach, besides the measured one.
 TRIED = (1.0, 2.0, 3.0)
 ABOUT_IT = (
-    'What the source did is not known. Of both models it prints a largest load of "about 1.34" times the smallest, and '
-    "four errors of one against the other. Readings of the gaps in its text are combined, and each is shown with what it "
+    'What Lin did is not known. Of both models he prints a largest load of "about 1.34" times the smallest, and '
+    "four errors of one against the other. Interpretations of the gaps in his text are combined, and each is shown "
+    "with what it "
     "misses of these six numbers; no tolerance decides between them. 3D runs are on the coarsest mesh, with a penalty on "
     "the next. The default model and the 3D reference are unchanged."
 )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report, which opens with the answer."""
+    """Return the report's section on the origin of the errors printed in Lin 2.4.1."""
     step("combinations of readings")
-    found = study.once(combined.every_combination)
+    found = study.once(combined.evaluate_combinations)
     return Section(
         "reconstruction",
-        "Where does 5.38 % come from (2.4.1)",
+        "Origin of the largest model error of 5.38 % that Lin prints (2.4.1)",
         (
             Text(
                 (
@@ -176,96 +182,104 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
                 )
             ),
             explanation_table(found),
-            missed_table(found),
-            figure(found),
-            one_at_a_time(found),
+            deviations_table(found),
+            combinations_figure(found),
+            single_interpretation_table(found),
             combination_table(found),
-            other_table(study),
+            other_statements_table(study),
         ),
         conclusion=conclusion(found),
     )
 
 
-def names(readings: Combination) -> str:
-    """Return a combination of interpretations as text."""
+def combination_in_words(readings: Combination) -> str:
+    """Return a combination of interpretations in words."""
     return "; ".join(f"{r.choice}: {r.label}" for r in readings) or "as by default"
 
 
-def _four(values: Sequence[float]) -> str:
-    """Return the four errors as text."""
+def _errors_in_words(values: Sequence[float]) -> str:
+    """Return the four errors [%], largest and RMS of cases 1 and 2, in words."""
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
 def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
-    """Return, from case 1 to case 2, the fall of the largest error and the rise of the RMS error [points]."""
+    """Return the fall of the largest error and the rise of the RMS error from case 1 to 2 [percentage points]."""
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
-def conclusion(found: list[combined.Combined]) -> str:
-    """Return the conclusion: the printed error is not identified; its values by every combination, and the nearest."""
+def conclusion(found: list[combined.CombinationResult]) -> str:
+    """Return the conclusion: the printed error's origin is not identified; range over all combinations."""
     errors = [c.errors["own"][0] for c in found if not c.against_text]
-    missed = float(np.sqrt(np.mean(combined.nearest(found).misses ** 2)))
+    missed = float(np.sqrt(np.mean(combined.nearest_combination(found).misses ** 2)))
     return (
         f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified. It is "
-        f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as readings are (table "
+        f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as all combinations "
+        f"are (table "
         f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
-        f"combinations of readings of what the text leaves open; {len(found) - len(errors)} more are against it. "
+        f"combinations of interpretations of what the text leaves open; {len(found) - len(errors)} more contradict it. "
         "The nearest of them misses the two ratios and four errors "
         f"that are printed by {missed:.2f} % (root mean square)."
     )
 
 
-def first_paragraph(found: list[combined.Combined]) -> str:
-    """Return the paragraph with the answer: not identified; two explanations come near, each with misses."""
-    printed, shown = combined.printed_errors(), combined.explanations(found)
+def first_paragraph(found: list[combined.CombinationResult]) -> str:
+    """Return the paragraph with the answer: not identified; two explanations come near the printed numbers."""
+    printed, shown = combined.printed_errors(), combined.shown_combinations(found)
     near, soft = (
         shown["nearest in the ratio, no penalty"],
         [c for c in shown.values() if not c.low and any(r.penalty for r in c.solid)],
     )
     errors = ", ".join(
-        f"{label} {_span([c.errors['own'][k] for c in soft])} %"
+        f"{label} {_range_in_words([c.errors['own'][k] for c in soft])} %"
         for k, label in enumerate(("largest", "RMS", "largest of case 2", "its RMS"))
     )
     best = shown["nearest in all six"]
     return (
-        f"Where does 5.38 % come from? It is not identified. Printed are errors of {_four(printed)}, largest / RMS, and a "
+        f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
+        f"largest / RMS, and a "
         f"ratio of about {combined.printed_ratio():g} in both models. Two explanations come near, and each misses some of "
-        f"it. Readings that are nearest in the ratio ({names(near.low)}; {names(near.solid)}) have {_given(near)}. "
+        f"it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
+        f"{combination_in_words(near.solid)}) have {_ratios_and_errors(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
-        f"{_span([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, {errors}, and "
-        f"{_span([_fallen(c) for c in soft], 0)} % of the printed fall. By default: {_given(found[0])}. Nearest in all six "
-        f"numbers ({names(best.low)}; {names(best.solid)}): {_given(best)}."
+        f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
+        f"{errors}, and "
+        f"{_range_in_words([_fall_over_printed(c) for c in soft], 0)} % of the printed fall. By default: "
+        f"{_ratios_and_errors(found[0])}. Nearest in all six "
+        f"numbers ({combination_in_words(best.low)}; {combination_in_words(best.solid)}): {_ratios_and_errors(best)}."
     )
 
 
-def _given(c: combined.Combined) -> str:
-    """Return a clause with the ratios and errors of one combination."""
+def _ratios_and_errors(c: combined.CombinationResult) -> str:
+    """Return in words the load ratios and errors of one combination."""
     return (
-        f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_four(c.errors['own'])}, {_fallen(c):.0f} % of "
+        f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
+        f"{_fall_over_printed(c):.0f} % of "
         "the printed fall"
     )
 
 
-def _fallen(c: combined.Combined) -> float:
-    """Return the fall of the largest error from case 1 to case 2, per cent of the printed one."""
+def _fall_over_printed(c: combined.CombinationResult) -> float:
+    """Return the fall of the largest error from case 1 to case 2, in per cent of the printed fall."""
     return 100.0 * fall_and_rise(c.errors["own"])[0] / fall_and_rise(combined.printed_errors())[0]
 
 
-def _span(values: Sequence[float], digits: int = 2) -> str:
-    """Return a range as text, from the first to the last of monotonic values."""
+def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
+    """Return in words the range from the first to the last of monotonic values."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
 def penalty_paragraph(study: Study) -> str:
-    """Return a paragraph on penetration by the printed kind of contact, the computed penalties, and the mesh."""
-    soft = [(r, combined.penalty_share(study, (r,))) for r in SOLID if r.penalty]
+    """Return the paragraph on penalty contacts: penetration, softer contacts, influence of the mesh."""
+    soft = [(r, combined.relative_penalty_approach(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
     coarse, fine = (
-        np.array(combined.errors(combined.low_loads(study, ()), combined.solid_loads(study, FINER, level))["own"])
+        np.array(
+            combined.model_errors(combined.low_order_loads(study, ()), combined.loads_in_3d(study, FINER, level))["own"]
+        )
         for level in levels
     )
-    ratios = [combined.ratio(combined.solid_loads(study, FINER, level)[0]) for level in levels]
+    ratios = [combined.load_ratio(combined.loads_in_3d(study, FINER, level)[0]) for level in levels]
     return (
         "The one thing that the text prints of the contacts is their formulation, an augmented Lagrangian, with all other "
         "settings by default. It leaves a penetration below a tolerance, as a penalty does: the contacts are softer. Size "
@@ -276,19 +290,19 @@ def penalty_paragraph(study: Study) -> str:
     )
 
 
-def scatter_paragraph(study: Study, found: list[combined.Combined]) -> str:
-    """Return a paragraph on the scatter of the mesh that the combination nearest in the ratio would need."""
+def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
+    """Return the paragraph on the mesh scatter with which the combination nearest to the ratio would give the errors."""
     falls, rises = fall_and_rise(combined.printed_errors())
-    best = combined.nearest(combined.without_penalty(found), 2)
-    loads = combined.low_loads(study, best.low), combined.solid_loads(study, best.solid)
+    best = combined.nearest_combination(combined.without_penalty(found), 2)
+    loads = combined.low_order_loads(study, best.low), combined.loads_in_3d(study, best.solid)
     odds = {
-        s: combined.probability(combined.drawn_errors(*loads, s), 0.5 * falls, 0.5 * rises)
+        s: combined.fraction_with_fall_and_rise(combined.drawn_errors(*loads, s), 0.5 * falls, 0.5 * rises)
         for s in (combined.SCATTER, *TRIED)
     }
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
     return (
         f"From case 1 to case 2 the printed largest error falls by {falls:.2f} and the RMS rises by {rises:.2f} points. "
-        "With the readings that are nearest in the ratio one oversize ball changes both models alike. Tetrahedra of about "
+        "With the interpretations nearest to the ratio one oversize ball changes both models alike. Tetrahedra of about "
         f"0.08 mm make a contact {-combined.BIAS:g} % too stiff, and its approach scatters by {combined.SCATTER:g} % from "
         "mesh to mesh. Were both cases meshed apart, half of that fall and rise had the following probability by scatter "
         f"of the approach: {chances}. The scatter of the mesh explains it only where it is several times what is measured "
@@ -297,56 +311,67 @@ def scatter_paragraph(study: Study, found: list[combined.Combined]) -> str:
 
 
 def friction_paragraph(study: Study) -> str:
-    """Return a paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls."""
-    scene, base = study.scene(CASES[0]), combined.solid_loads(study, ())
-    changed = {r.key: combined.solid_loads(study, (r,)) for r in SOLID if r.choice == FRICTION}
-    moved = {key: float(error_percent(combined.ratio(loads[0]), combined.ratio(base[0]))) for key, loads in changed.items()}
+    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls."""
+    scene, base = study.scene(CASES[0]), combined.loads_in_3d(study, ())
+    changed = {r.key: combined.loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
+    moved = {
+        key: float(error_percent(combined.load_ratio(loads[0]), combined.load_ratio(base[0])))
+        for key, loads in changed.items()
+    }
     most = max(
         float(np.abs(error_percent(a, b, mean_load(b))).max()) for a, b in zip(changed["off-line"], base, strict=True)
     )
     mean = {key: float(error_percent(mean_load(loads[0]), mean_load(base[0]))) for key, loads in changed.items()}
-    worst = 100.0 * largest_change(scene, lambda s: combined.ratio(study.solve(s, "lin").load))
+    worst = 100.0 * largest_change_by_friction(scene, lambda s: combined.load_ratio(study.solve(s, "lin").load))
     slope = float(np.abs(study.solve(scene, "lin").centreline[:, 3:5]).max())
     return (
         f"Friction of {MU:g} is computed, too. Two forces act on a ball, on the line through its contacts. One that rolls "
         "feels friction only where it stands beside the line of its arcs' centres, and that shifts both forces and turns "
         f"neither. All balls as far off as {MU:g} can hold them change no load by more than {most:.3f} % of the mean and "
         f"the ratio by {moved['off-line']:+.3f} %; only those by which the ratio rises, by {worst:+.1f} % (low order). "
-        f"For that the grooves would have to tilt by {1e3 * tilt_that_slides(scene):.1f} mrad against each other, and "
+        f"For that the grooves would have to tilt by {1e3 * tilt_at_onset_of_sliding(scene):.1f} mrad against each "
+        f"other, and "
         f"the shaft's largest slope is {1e3 * slope:.2f} mrad: balls that roll feel next to nothing of it. In a model "
         f"whose balls cannot turn, grooves slide on them. Friction then bears {-mean['sliding']:.2f} % of the load where "
         f"the screw is pushed on, and adds {mean['sliding-back']:.2f} % where it is let back; the ratio changes by "
-        f"{moved['sliding']:+.2f} and {moved['sliding-back']:+.2f} %, less than the 0.5 % from which readings are combined."
+        f"{moved['sliding']:+.2f} and {moved['sliding-back']:+.2f} %, less than the 0.5 % from which interpretations "
+        f"are combined."
     )
 
 
-def explanation_table(found: list[combined.Combined]) -> Table:
-    """Return the table of the printed numbers and those by each explanation."""
+def explanation_table(found: list[combined.CombinationResult]) -> Table:
+    """Return the table of printed ratios and errors, and those by each explanation."""
     printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
-    given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.explanations(found).items()}
+    given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.shown_combinations(found).items()}
     rows: list[Row] = [
-        {"explanation": name, **_six(values, ".3f", ".2f")} for name, values in [("printed", printed), *given.items()]
+        {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
+        for name, values in [("printed", printed), *given.items()]
     ]
-    return Table.of("reconstruction", "The printed numbers, and what the explanations give", rows)
+    return Table.of("reconstruction", "Load ratios and errors printed in Lin 2.4.1, and computed by each explanation", rows)
 
 
-def missed_table(found: list[combined.Combined]) -> Table:
-    """Return the table of computed less printed numbers by explanation."""
+def deviations_table(found: list[combined.CombinationResult]) -> Table:
+    """Return the table of differences between computed and printed ratios and errors, by explanation."""
     printed = fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
-    for name, c in combined.explanations(found).items():
+    for name, c in combined.shown_combinations(found).items():
         fall, rise = (float(a - b) for a, b in zip(fall_and_rise(c.errors["own"]), printed, strict=True))
-        row: Row = {"explanation": name, "low order": names(c.low), "3D": names(c.solid)}
-        row |= _six(tuple(c.misses), "+.1f", "+.2f", "%")
+        row: Row = {"explanation": name, "low order": combination_in_words(c.low), "3D": combination_in_words(c.solid)}
+        row |= _ratio_and_error_cells(tuple(c.misses), "+.1f", "+.2f", "%")
         row[Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f")] = fall
         row[Quantity("rise_off", "rise of the RMS", "points", "+.2f")] = rise
         rows.append(row)
     note = "Ratios in per cent of the printed one; errors in points, as both are per cent of each load."
-    return Table.of("reconstruction-missed", "What each explanation misses: computed less printed", rows, note)
+    return Table.of(
+        "reconstruction-missed",
+        "Differences between computed and printed load ratios and errors (Lin 2.4.1), by explanation",
+        rows,
+        note,
+    )
 
 
-def _six(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Return cells of both ratios and four errors."""
+def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
+    """Return table cells of both load ratios and the four errors."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
         Quantity("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
@@ -357,7 +382,8 @@ def _six(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row
     return row
 
 
-def _cells(c: combined.Combined) -> Row:
+def _error_cells(c: combined.CombinationResult) -> Row:
+    """Return table cells of a combination's load ratios, and its errors by each definition."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
@@ -369,8 +395,8 @@ def _cells(c: combined.Combined) -> Row:
     return row
 
 
-def one_at_a_time(found: list[combined.Combined]) -> Table:
-    """Return the table of interpretations applied one at a time, with the other model by default."""
+def single_interpretation_table(found: list[combined.CombinationResult]) -> Table:
+    """Return the table of load ratios and errors for single interpretations, the other model by default."""
     base, rows = found[0], []
     for c in found:
         if len(c.low) + len(c.solid) > 1:
@@ -379,18 +405,18 @@ def one_at_a_time(found: list[combined.Combined]) -> Table:
         reading = (*c.low, *c.solid)
         row: Row = {
             "model": "low order" if c.low else "3D" if c.solid else "both",
-            "reading": names(reading),
+            "reading": combination_in_words(reading),
             "text": reading[0].by_text if reading else "",
             Quantity("moves", "moves the ratio by", "%", "+.2f"): float(error_percent(ratio, before)),
         }
-        rows.append(row | _cells(c))
+        rows.append(row | _error_cells(c))
     return Table.of("reconstruction-alone", "Largest and RMS error for each interpretation of Lin's text taken alone", rows)
 
 
-def combination_table(found: list[combined.Combined]) -> Table:
-    """Return the table of all combinations, with the root mean square of their deviations from print."""
+def combination_table(found: list[combined.CombinationResult]) -> Table:
+    """Return the table of all combinations, with the RMS of their differences from the printed numbers."""
     rows = [
-        _row(c)
+        _combination_row(c)
         | {"text": "against it" if c.against_text else "silent"}
         | {Quantity("missed", "RMS of the six misses", "", ".2f"): float(np.sqrt(np.mean(c.misses**2)))}
         for c in found
@@ -400,40 +426,52 @@ def combination_table(found: list[combined.Combined]) -> Table:
     )
     note += "errors of each load in points."
     return Table.of(
-        "reconstruction-combinations", f"All {len(found)} combinations of readings, with those against the text", rows, note
+        "reconstruction-combinations",
+        f"Load ratios and errors (Lin 2.4.1) by all {len(found)} combinations of interpretations",
+        rows,
+        note,
     )
 
 
-def _row(c: combined.Combined) -> Row:
-    """Return the table row of a combination: its keys, ratios and errors."""
+def _combination_row(c: combined.CombinationResult) -> Row:
+    """Return the table row of a combination: keys of its interpretations, load ratios, errors."""
     row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
-    return row | _cells(c)
+    return row | _error_cells(c)
 
 
-def figure(found: list[combined.Combined]) -> Figure:
-    """Draw ratios of all combinations, and their errors in both cases with the printed ones."""
-    shown, aim = [*combined.explanations(found).values()], combined.printed_ratio()
+def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
+    """Draw load ratios and errors of all combinations, with the printed ones."""
+    shown, aim = [*combined.shown_combinations(found).values()], combined.printed_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()
 
-    def cloud(pick: Callable[[combined.Combined], tuple[float, float]], printed: tuple[float, float]) -> tuple[Series, ...]:
+    def scatter_series(
+        pick: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
+    ) -> tuple[Series, ...]:
+        """Return a marker for each combination and one for the printed values; ``pick``: abscissa and ordinate."""
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):
             points = [pick(c) for c in of]
             out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", light=light))
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
 
-    def errors_of(k: int) -> Callable[[combined.Combined], tuple[float, float]]:
+    def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
+        """Return the function that picks the RMS and the largest error of a case, 0 or 1, of a combination."""
         return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
 
     panels = (
-        Panel("Largest over smallest load", "low order", "3D", cloud(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim))),
+        Panel(
+            "Largest over smallest load",
+            "low order",
+            "3D",
+            scatter_series(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim)),
+        ),
         *(
             Panel(
                 f"Errors of case {k + 1}, % of each load",
                 "RMS [%]",
                 "largest [%]",
-                cloud(errors_of(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
+                scatter_series(case_errors(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
             )
             for k in range(2)
         ),

@@ -1,4 +1,4 @@
-"""Lash tests and steering gear (Lin 4.2): curves, and the printed results as functions of what is not printed."""
+"""Report section on Lin 4.2: lash tests of a ball screw, contact loads of a steering gear, influence of open inputs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import steering
-from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, rack
+from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, steering_gear
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
 from rollbench.compare.results.load_curve import LoadCurve
@@ -17,7 +17,7 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Ser
 ABOUT = (
     "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
     "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
-    "smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define it.",
+    "smallest)/smallest of the peak-to-peak displacements at 200 N; Lin does not define it.",
     "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
     "directions, and always less than the largest of them. The numbers depend on the distance of the force "
     "and the restraint of the screw more than they differ from the printed ones.",
@@ -25,7 +25,7 @@ ABOUT = (
     "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
     "not identifiable, and no layout is chosen by them.",
 )
-#: Note of the table of layouts.
+#: Note of the table of steering-gear layouts.
 SENSE = (
     "A pinion that holds the rack against tilting keeps the far side force away from the nut, so its "
     "direction no longer matters."
@@ -33,18 +33,20 @@ SENSE = (
 
 
 def lash_figure(scene: Scene) -> Figure:
-    """Draw curves of both tests for the four patterns, and the conical one over the direction of its force."""
+    """Draw displacement over load in both lash tests for four ball patterns, and lash over the direction of the force."""
     around, course = np.linspace(0.0, 180.0, 13), "-200N:200N:17"
     degrees = [float(d) for d in around]
     axial, conical, peaks = [], [], []
     for pattern in steering.PATTERNS:
-        screw = steering.with_balls(scene, pattern)
-        axial.append(_series(pattern, steering.axial(screw, course)))
-        conical.append(_series(pattern, steering.conical(screw, 0.0, REACH, course)))
-        displaced = [steering.peak_to_peak(steering.conical(screw, float(np.radians(d)), REACH)) for d in degrees]
+        screw = steering.place_balls(scene, pattern)
+        axial.append(_displacement_curve(pattern, steering.solve_axial_lash(screw, course)))
+        conical.append(_displacement_curve(pattern, steering.solve_conical_lash(screw, 0.0, REACH, course)))
+        displaced = [
+            steering.peak_to_peak(steering.solve_conical_lash(screw, float(np.radians(d)), REACH)) for d in degrees
+        ]
         peaks.append(Series(pattern, degrees, [1e6 * x for x in displaced], "line"))
-    spread = [steering.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
-    flat = steering.difference([s.y[-1] - s.y[0] for s in axial])
+    spread = [steering.pattern_difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
+    flat = steering.pattern_difference([s.y[-1] - s.y[0] for s in axial])
     shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
     at = f"{1e3 * REACH:.0f} mm from the nut"
     panels = (
@@ -56,14 +58,14 @@ def lash_figure(scene: Scene) -> Figure:
     return Figure("lash", "Lash of one screw with its balls sorted in four ways (Lin 4.2)", panels, ABOUT[0])
 
 
-def _series(name: str, test: LoadCurve) -> Series:
-    """Return the displacement [um] over the load of a test as a curve."""
+def _displacement_curve(name: str, test: LoadCurve) -> Series:
+    """Return the curve of displacement [um] over load [N] of a lash test."""
     known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 
 
 def lash_rows(scene: Scene) -> list[Row]:
-    """Return the table rows of the lash differences, by input that is not printed."""
+    """Return the table rows of the lash differences between ball patterns, by input that Lin does not print."""
     return [
         {
             "changed": p.changed,
@@ -74,31 +76,31 @@ def lash_rows(scene: Scene) -> list[Row]:
             Quantity("axial", "axial", "%", ".2f"): p.found.axial,
             Quantity("least", "conical, least direction", "%", ".1f"): min(p.found.conical),
             Quantity("most", "conical, largest direction", "%", ".1f"): max(p.found.conical),
-            Quantity("ordered", "axial below conical", "", "s"): _ordered(p.found),
+            Quantity("ordered", "axial below conical", "", "s"): _count_directions(p.found),
         }
-        for p in steering.lash_map(scene)
+        for p in steering.vary_lash_inputs(scene)
     ]
 
 
-def _ordered(found: steering.Lash) -> str:
-    """Return as text in how many directions the axial lash varies less between patterns than the conical one."""
+def _count_directions(found: steering.LashDifferences) -> str:
+    """Return in words for how many directions the axial lash differs less between ball patterns than the conical lash."""
     count = sum(found.axial < x for x in found.conical)
     return f"{count} of {len(found.conical)} directions"
 
 
-def rack_figure(points: list[steering.RatioPoint]) -> Figure:
-    """Draw ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
-    gear = rack()
+def steering_gear_figure(points: list[steering.LayoutRatios]) -> Figure:
+    """Draw load ratios of the steering gear over the pinion's position, and largest loads over the tie-rod angle."""
+    gear = steering_gear()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
         printed = value_of("lin-4.2.1", f"ratio_{key}")
         stations = [1e3 * z for z in steering.PINIONS]
         series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
-        for (hold, opposed), layout in _layouts(points).items():
+        for (hold, opposed), layout in _group_by_layout(points).items():
             label = hold + (", side forces opposed" if opposed else "")
             series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
         panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
-    loads = steering.over_angles(gear)
+    loads = steering.loads_over_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
         values = [pair[k] for pair in loads]
         panels.append(
@@ -119,17 +121,17 @@ def rack_figure(points: list[steering.RatioPoint]) -> Figure:
     )
 
 
-def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[steering.RatioPoint]]:
-    """Return the points with the bearing at the nut's centre, by pinion restraint and sense of side forces."""
-    out: dict[tuple[str, bool], list[steering.RatioPoint]] = {}
+def _group_by_layout(points: list[steering.LayoutRatios]) -> dict[tuple[str, bool], list[steering.LayoutRatios]]:
+    """Group the load ratios with the bearing at the nut's centre by pinion restraint and direction of lateral forces."""
+    out: dict[tuple[str, bool], list[steering.LayoutRatios]] = {}
     for p in points:
         if p.offset == 0.0:
             out.setdefault((p.hold, p.opposed), []).append(p)
     return out
 
 
-def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Return the table rows of the load ratios of every layout."""
+def ratio_rows(points: list[steering.LayoutRatios]) -> list[Row]:
+    """Return the table rows of the steering gear's load ratios for every layout."""
     return [
         {
             Quantity("hold", "pinion", "", "s"): p.hold,
@@ -143,10 +145,10 @@ def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
     ]
 
 
-def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
-    """Return the table rows of the load-ratio ranges, by input that is not printed, with the printed value."""
+def ratio_range_rows(points: list[steering.LayoutRatios]) -> list[Row]:
+    """Return the table rows of the ranges of the load ratios by input that Lin does not print."""
     rows = []
-    for b in (*steering.ratio_bands(rack()), steering.band_of(points)):
+    for b in (*steering.ratio_ranges(steering_gear()), steering.range_over_layouts(points)):
         row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}
         for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
             (low, high), printed = getattr(b, key), value_of("lin-4.2.1", f"ratio_{key}")
@@ -154,7 +156,7 @@ def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
                 Quantity(f"{key}_low", f"{words}, least", "", ".2f"): low,
                 Quantity(f"{key}_high", f"{words}, largest", "", ".2f"): high,
                 Quantity(f"{key}_in", f"{printed:g} in it", "", "s"): "yes"
-                if steering.band_holds((low, high), printed)
+                if steering.range_contains((low, high), printed)
                 else "no",
             }
         rows.append(row)
@@ -162,24 +164,32 @@ def band_rows(points: list[steering.RatioPoint]) -> list[Row]:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the report's section on the lash tests and the steering gear of Lin 4.2."""
     step("lash tests")
     scene = study.scene(SCREW)
     study.uses((RACK,))
     figures = [lash_figure(scene)]
     lash = lash_rows(scene)
     step("steering gear")
-    points = list(steering.ratio_map(rack()))
-    figures.append(rack_figure(points))
+    points = list(steering.vary_layout(steering_gear()))
+    figures.append(steering_gear_figure(points))
     return Section(
         "steering",
-        "Lash tests and steering gear (Lin 4.2)",
+        "Lin 4.2: lash tests of a ball screw, contact loads of a steering gear",
         (
             Text(ABOUT, bullets=True),
             figures[0],
-            Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
+            Table.of(
+                "lash-inputs",
+                "Lash differences between ball patterns (Lin 4.2), one input that is not printed changed at a time",
+                lash,
+            ),
             figures[1],
-            Table.of("rack-bands", "Ratios of the steering gear over each input that is not printed", band_rows(points)),
+            Table.of(
+                "rack-bands",
+                "Ranges of the steering gear's load ratios (Lin 4.2) over each input that is not printed",
+                ratio_range_rows(points),
+            ),
             Table.of(
                 "rack-layouts",
                 "Load ratios of the steering gear (Lin 4.2) for each layout of pinion and rack",

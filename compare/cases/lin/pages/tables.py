@@ -1,4 +1,4 @@
-"""Page with the tables of the thesis as it prints them, with computed numbers and run times, sentences and figures."""
+"""Report pages with the tables of Lin's thesis in its layout: printed and computed numbers, run times, figures."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.evidence import chapter_2
-from rollbench.compare.cases.lin.evidence.rotary_linear import pair
+from rollbench.compare.cases.lin.evidence.rotary_linear import solve_linear_pair
 from rollbench.compare.cases.lin.pages.friction import bearing_figure, torque_figure
-from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, Seconds, seconds
+from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, RunTimes, stored_run_times
 from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study, with_groove
@@ -36,8 +36,8 @@ from rollbench.meshes.section import fixed_partition
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 LIN = next(case for case in CASES if case.name == "lin")
-#: Machine and programs of the printed times (footnotes of Tables 2.2 and 3.5, 3.4.3, 2.4.1).
-MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and the source's own program"
+#: Computer and programs of the printed run times (footnotes of Tables 2.2 and 3.5, sections 3.4.3 and 2.4.1).
+MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and Lin's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
 
 LOW = Quantity("cold", "ours, cold", "s", "g3"), Quantity("further", "ours, further", "s", "g3")
@@ -52,7 +52,7 @@ SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f"
 DIAGONAL = Quantity("diagonal", "low-order, loads equal on each diagonal", "", "g5")
 OTHER_GROOVE = Quantity("groove", f"low-order, groove of {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
 
-#: Scene, and what is timed of it, by entry of a printed time.
+#: Scene and model, by name of the printed run time.
 TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
 TIMED |= {f"lin-2.2:time_ansys_{k}": (name, "3D") for k, name in STATIC.items()}
 TIMED |= {
@@ -65,18 +65,18 @@ TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.ite
 
 
 def printed_seconds(name: str) -> float:
-    """Return the printed time in seconds of an entry ``table:key``."""
+    """Return a printed run time [s] by its name ``table:key``."""
     one = entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
-def count(table: str, key: str) -> str:
-    """Return the printed number of elements of an entry as text."""
+def printed_count(table: str, key: str) -> str:
+    """Return in words the number of elements printed in a table under a key."""
     return f"{value_of(table, key):,.0f}"
 
 
-def solid_size(study: Study, name: str) -> str:
-    """Return the size of the finest 3D model of a scene as text; empty if it is not stored."""
+def model_size_in_3d(study: Study, name: str) -> str:
+    """Return in words the size of a scene's finest stored 3D model; empty if none is stored."""
     if name in STATIC.values():
         found = study.reference(name)
         return (
@@ -86,32 +86,30 @@ def solid_size(study: Study, name: str) -> str:
     return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
 
 
-def low_size(study: Study, name: str) -> str:
-    """Return as text the number of beam elements in this model, and with the source's partition."""
-    return (
-        f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with the source's partition)"
-    )
+def beam_element_count(study: Study, name: str) -> str:
+    """Return in words the number of beam elements in the low-order model, and with Lin's partition."""
+    return f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with Lin's partition)"
 
 
-def sizes(study: Study, name: str, way: str) -> tuple[str, str]:
-    """Return the sizes of a timed model as text, printed and here; empty where it has none."""
+def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
+    """Return in words the sizes of a timed model: printed, and of this package's model; empty if it has no elements."""
     if way == "lin":
-        return count("lin-2.2", "elements_proposed"), low_size(study, name)
+        return printed_count("lin-2.2", "elements_proposed"), beam_element_count(study, name)
     if way != "3D":
         return "", ""
     table, key = ("lin-2.2", "elements_ansys") if name in STATIC.values() else ("lin-3.5", "elements_ansys")
     if name in SCREW.values():
         table, key = "lin-3.7", f"elements_{name[-1]}"
-    return count(table, key), solid_size(study, name)
+    return printed_count(table, key), model_size_in_3d(study, name)
 
 
 def speed_ratio(slow: float | None, fast: float | None) -> float | None:
-    """Return the ratio of two times; None if one is missing."""
+    """Return the ratio of two run times; None if one is missing."""
     return None if not slow or not fast else slow / fast
 
 
 def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Return the table of run times and sizes of a layout, printed and here, with the ratios that the text states."""
+    """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with ratios."""
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
     ]
@@ -119,8 +117,8 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
     rows: list[Row] = []
     for label, head, name in names:
         scene, way = TIMED[name]
-        own = seconds(study, scene, way)
-        solid, slow = (Seconds(), None) if way == "3D" else (seconds(study, scene, "3D"), ansys[scene])
+        own = stored_run_times(study, scene, way)
+        solid, slow = (RunTimes(), None) if way == "3D" else (stored_run_times(study, scene, "3D"), ansys[scene])
         rows.append(
             {
                 Quantity("label", "number", "", "s"): label,
@@ -132,7 +130,7 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
                 OLDER: own.older,
                 RATIO["cold"]: speed_ratio(solid.cold, own.cold),
                 RATIO["further"]: speed_ratio(solid.further, own.further),
-                **dict(zip(ELEMENTS, sizes(study, scene, way), strict=True)),
+                **dict(zip(ELEMENTS, model_sizes(study, scene, way), strict=True)),
                 "verdict": found[name].verdict,
                 "how": f"how-{found[name].printed.table}",
             }
@@ -143,45 +141,53 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
     )
 
 
-def error(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%] of a value against a reference; None if either is missing."""
+def error_or_none(value: float | None, reference: float | None) -> float | None:
+    """Return the error [%] of a value against a reference; None if one of them is missing."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 
-def of_3_4(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return the computed deviations of Table 3.4 under the loads that 3.3.4.1 assumes for the formula."""
-    found = {case: 100.0 * pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
+def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+    """Return further cells of Lin's Table 3.4: velocity deviations [%] under the loads assumed in 3.3.4.1."""
+    found = {case: 100.0 * solve_linear_pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
     return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
 
 
-def of_3_5(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return the printed differences of Table 3.5, and the computed force under the loads of 3.3.4.1."""
+def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+    """Return further cells of Lin's Table 3.5: printed differences [%], and the force [N] under the loads of 3.3.4.1."""
     low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
-    numerical: Row = {SOURCES_OWN: value_of("lin-3.5", "error_numerical"), DIAGONAL: pair(loads="diagonal").force}
-    return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": {SOURCES_OWN: error(low, ansys)}}
+    numerical: Row = {
+        SOURCES_OWN: value_of("lin-3.5", "error_numerical"),
+        DIAGONAL: solve_linear_pair(loads="diagonal").force,
+    }
+    return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": {SOURCES_OWN: error_or_none(low, ansys)}}
 
 
-def of_3_7(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return the printed differences of Table 3.7."""
+def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+    """Return further cells of Lin's Table 3.7: printed differences from ANSYS [%]."""
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
-def of_b_1(study: Study) -> dict[str, Row]:
-    """Return the correct values of Table B.1 for the groove that its printed numbers belong to."""
+def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
+    """Return further cells of Lin's Table B.1: correct values for the groove with which it was computed."""
     scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
-    return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.right_b_1(scene).items()}
+    return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
 
 
-#: Further cells by table, and why a number has no 3D value, by the start of its key.
-MORE: Mapping[str, Callable[[Study], dict[str, Row]]] = {"3.4": of_3_4, "3.5": of_3_5, "3.7": of_3_7, "B.1": of_b_1}
-#: What the text says of run times, by the number of their table.
+#: Functions that return further cells, by number of the table.
+MORE: Mapping[str, Callable[[Study], dict[str, Row]]] = {
+    "3.4": table_3_4_extra_cells,
+    "3.5": table_3_5_extra_cells,
+    "3.7": table_3_7_extra_cells,
+    "B.1": table_b_1_extra_cells,
+}
+#: Lin's statements on run times, by number of the table.
 SPEED = {
     "2.2": "over 6800 times faster (2.4.1.4)",
     "3.5": "three orders of magnitude, the formula another two (3.3.5); at least three (3.5)",
     "3.7": "three orders of magnitude (3.4.3); at least three (3.5)",
 }
-#: Note of a table, by its number.
+#: Notes of tables, by number of the table.
 NOTES = {
     "3.2": "Case (I), P_f,IL and P_f,OR against 3D: the contact that sticks between rigid bodies creeps by its elasticity "
     "in 3D, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
@@ -189,6 +195,7 @@ NOTES = {
     "3.5": "Low-order, ours, as in Table 3.4: loads in balance at the stated contact angles, which the 3D model has too.",
     "B.1": "Low-order, ours: groove of Table 2.1, 3.254 mm, as the text says; the printed values belong to another.",
 }
+#: Reason why a printed number has no 3D value, by the first characters of its name.
 WHY = {
     "lin-3.2:F_": "none: statics",
     "lin-3.2:P_": "none: no contact",
@@ -208,30 +215,34 @@ WHY = {
 
 
 def reason_without_3d(name: str) -> str:
-    """Return why a printed number has no 3D value; empty where no reason is given."""
+    """Return the reason why a printed number has no 3D value; empty if none is given."""
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
 def substitute_texts(study: Study) -> dict[str, str]:
-    """Return the texts that replace computed values in the source's layout: run times and model sizes."""
+    """Return texts that replace computed numbers in Lin's tables, by name: run times and model sizes."""
 
     def time_text(name: str, way: str) -> str:
-        found = seconds(study, name, way)
+        """Return the run times of a scene by a model in words."""
+        found = stored_run_times(study, name, way)
         return found.older or (
             "–" if found.cold is None else f"{found.cold:.3g} s cold, {found.further or 0.0:.2g} s further"
         )
 
     out = {name: time_text(*of) for name, of in TIMED.items()}
-    out |= {"lin-2.2:elements_proposed": low_size(study, STATIC[1]), "lin-2.2:elements_ansys": solid_size(study, STATIC[1])}
-    out |= {f"lin-3.7:elements_{case}": solid_size(study, name) for case, name in SCREW.items()}
-    return out | {"lin-3.5:elements_ansys": solid_size(study, LINEAR["a"])}
+    out |= {
+        "lin-2.2:elements_proposed": beam_element_count(study, STATIC[1]),
+        "lin-2.2:elements_ansys": model_size_in_3d(study, STATIC[1]),
+    }
+    out |= {f"lin-3.7:elements_{case}": model_size_in_3d(study, name) for case, name in SCREW.items()}
+    return out | {"lin-3.5:elements_ansys": model_size_in_3d(study, LINEAR["a"])}
 
 
 # --- figures
 
 
 def load_figure(study: Study) -> Figure:
-    """Draw loads over the ball's number in the case studies: ours, 3D, and what the text says (Figures 2.9, 2.11, 2.12)."""
+    """Draw contact loads over the ball number in Lin's case studies: low-order, 3D, and printed statements."""
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
@@ -252,29 +263,30 @@ def load_figure(study: Study) -> Figure:
     )
 
 
-def _ratio_mark(study: Study) -> list[Series]:
-    """Return loads by Mei's model, and the printed ratio as a line."""
+def _case_1_marks(study: Study) -> list[Series]:
+    """Return the curve of case 1's loads by Mei's model, and a line at the printed load ratio."""
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
     mei = load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
     return [mei, Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], [printed, printed], "line")]
 
 
-def _ball_17(study: Study) -> list[Series]:
-    """Return the mark of the printed increase at ball 17."""
+def _case_2_marks(study: Study) -> list[Series]:
+    """Return the mark of the printed load increase at ball 17 in case 2."""
     load = study.solve("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 
 
-def _offset(study: Study) -> list[Series]:
+def _case_3_marks(study: Study) -> list[Series]:
+    """Return the curve of case 3's loads without lateral offset."""
     return [load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
 
 
-MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _ratio_mark, 2: _ball_17, 3: _offset}
+MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _case_1_marks, 2: _case_2_marks, 3: _case_3_marks}
 
 
 def mesh_figure(study: Study) -> Figure:
-    """Draw the error over the cell size: static loads, and ball-to-ball forces; with the printed differences from ANSYS."""
+    """Draw the errors of contact loads and ball-to-ball forces over the cell size of the 3D reference."""
     static, balls = [], []
     for name in STATIC.values():
         found = study.reference(name)
@@ -304,7 +316,7 @@ def mesh_figure(study: Study) -> Figure:
         Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log="xy"),
     )
     caption = (
-        "Against the finest level; pale lines: the low-order model. The coarsest point has the source's element sizes: "
+        "Against the finest level; pale lines: the low-order model. The coarsest point has Lin's element sizes: "
         "0.08 mm at the contacts of the screw, 0.13 and 0.05 mm at those of two balls."
     )
     return Figure(
@@ -312,8 +324,8 @@ def mesh_figure(study: Study) -> Figure:
     )
 
 
-def answers_rows(study: Study) -> Iterator[Row]:
-    """Yield loads and errors of the case studies, as ``rollbench compare`` prints them."""
+def case_study_rows(study: Study) -> Iterator[Row]:
+    """Yield table rows of the case studies: largest and smallest load, errors, as ``rollbench compare`` prints them."""
     for k, name in STATIC.items():
         found = study.reference(name)
         if found is None:
@@ -331,7 +343,7 @@ def answers_rows(study: Study) -> Iterator[Row]:
                 Quantity("model", "answer", "", "s"): model,
                 Quantity("max", "largest load", "N", ".2f"): float(loaded.max()),
                 Quantity("min", "smallest load", "N", ".2f"): float(loaded.min()),
-                Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.ratio(value[:, 0]),
+                Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.load_ratio(value[:, 0]),
                 Quantity("own_max", "largest error", "% of own load", ".2f"): e.own_max_percent if apart else None,
                 Quantity("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
                 Quantity("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
@@ -339,18 +351,18 @@ def answers_rows(study: Study) -> Iterator[Row]:
             }
 
 
-def answers_table(study: Study) -> Table:
-    """Return the table of `answers_rows`."""
-    title = "Case studies: loads and errors, as rollbench compare prints them"
+def case_study_table(study: Study) -> Table:
+    """Return the table of loads and errors of Lin's case studies by model."""
+    title = "Lin's case studies: largest and smallest contact load and errors against 3D, by model"
     note = (
-        "Case 3: the right end is held in x and y, as a bearing holds it; the text's reading, in x alone, changes loads as "
+        "Case 3: the right end is held in x and y, as a bearing does; with x only, as the text says, loads change as "
         "table cases-readings says. Again by: rollbench compare lin-case1, and so on."
     )
-    return Table.of("lin-answers", title, answers_rows(study), note)
+    return Table.of("lin-answers", title, case_study_rows(study), note)
 
 
 FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
-    "2.2": (answers_table, load_figure, mesh_figure),
+    "2.2": (case_study_table, load_figure, mesh_figure),
     "3.2": (lambda _: torque_figure(),),
     "4.2": (lambda _: bearing_figure(),),
 }
@@ -358,14 +370,14 @@ FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
 GUIDE = (
     "The tables of the thesis stand here in its order and layout, each with what is computed for its numbers; then the "
     "sentences with numbers, claims in words, and the other numbers. A table of results stands twice: in the layout of the "
-    "thesis with ours at each number, and with a row for each number. Low-order, ours: the text's plain reading with right "
-    "constants; with the source's faults: those named in the remark repeated; inferred reading: under an assumption that "
+    "thesis with ours at each number, and with a row for each number. Low-order, ours: the text as printed with correct "
+    "constants; with the thesis's faults: those named in the remark repeated; inferred: under an assumption that "
     "was inferred from printed results."
 )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the sections of the report."""
+    """Return the report's sections with the tables of Lin's thesis."""
     step("printed numbers of the thesis")
     names = [name for name in tables() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(study, *names)}
@@ -374,7 +386,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     claims = [f for f in found.values() if f.printed.claim and f.printed.name not in placed]
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
     first = Section(
-        "lin", "Contents", (Text((GUIDE,)), by_place(list(found.values()))), conclusion=conclusion(found.values())
+        "lin",
+        "Contents of Lin's thesis: printed numbers by place and verdict",
+        (Text((GUIDE,)), by_place(list(found.values()))),
+        conclusion=conclusion(found.values()),
     )
     last = (
         Section(
@@ -393,11 +408,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         ),
         Section("lin-how", "How each printed number is computed here", tuple(computation_tables(names))),
     )
-    return first, *(of_layout(study, layout, found) for layout in every), *last
+    return first, *(table_section(study, layout, found) for layout in every), *last
 
 
 def conclusion(found: Iterable[Evidence]) -> str:
-    """Return a sentence on the number of printed values that are reproduced."""
+    """Return the sentence on how many printed values are reproduced, contradicted or not determined."""
     numbers = [f for f in found if not f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
@@ -410,8 +425,8 @@ def conclusion(found: Iterable[Evidence]) -> str:
     )
 
 
-def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
-    """Return the section of one table of the thesis, or of its sentences."""
+def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
+    """Return the report section of one table of Lin's thesis, or of the numbers in its sentences."""
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
         items.append(inputs_table(layout, found))
@@ -428,7 +443,7 @@ def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Se
 
 
 def times_note(study: Study) -> str:
-    """Return a note on the conditions of the run times."""
+    """Return the note on how printed and measured run times were obtained."""
     kept = study.once(case_times, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "

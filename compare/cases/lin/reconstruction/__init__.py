@@ -1,1 +1,1 @@
-"""Reconstruction of the errors printed in 2.4.1: combinations of interpretations of what the text leaves open."""
+"""Reconstruction of the model errors printed in section 2.4.1 of Lin's thesis, by combining interpretations of its text."""

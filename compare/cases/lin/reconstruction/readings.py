@@ -1,4 +1,4 @@
-"""Interpretations of what section 2.4.1 leaves open, in the source's low-order and 3D models, with their runs.
+"""Interpretations of inputs that section 2.4.1 of Lin's thesis leaves open, for his low-order and 3D models.
 
 Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts
 along the track, so nothing keeps the ball from rolling along it. Across the track, the ball may stand at a distance e
@@ -6,11 +6,11 @@ from the line of the arcs' centres. Both contact normals then turn by phi = e/h 
 with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal radius, the
 line through the contacts stays parallel to that of the arcs' centres, so friction turns no force. Both contacts shift
 by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h phi^2/2
-(`closure`).
+(`effective_oversize`).
 
 How far a ball stands from its line depends on how it got there. A ball that rolls on both grooves moves by half of
 the relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove
-against the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_that_slides`).
+against the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_at_onset_of_sliding`).
 
 If a model keeps its balls from turning, the grooves slide on them, and friction does turn the forces, by mu
 (`rollbench.compare.cases.lin.reconstruction.solvers`).
@@ -55,50 +55,58 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
-#: The coefficient that the source prints for the contacts of its 3D model.
+#: Coefficient of friction that Lin prints for the contacts of his 3D model.
 MU = 0.01
 
 
 def radius_difference(scene: Scene) -> float:
-    """Return h [m], the groove's arc radius less the ball radius.
+    """Return the difference h [m] between groove radius and ball radius.
 
     Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
-        raise ValueError("arcs of different radii: a ball that rolls leaves the line of their centres")
+        raise ValueError("screw and nut have different groove radii: a rolling ball leaves the line of the arcs' centres")
     return scene.screw.groove_radius - scene.balls.radius
 
 
-def closure(scene: Scene, phi: float = MU) -> float:
-    """Return the effective oversize of the ball radius [m] if the normals are turned by ``phi`` [rad]."""
+def effective_oversize(scene: Scene, phi: float = MU) -> float:
+    """Return the effective oversize of the ball radius [m], h phi^2/2, for contact normals turned by ``phi`` [rad]."""
     return 0.5 * radius_difference(scene) * phi**2
 
 
-def tilt_that_slides(scene: Scene) -> float:
-    """Return the tilt of one groove against the other [rad] at which a rolling ball begins to slide."""
+def tilt_at_onset_of_sliding(scene: Scene) -> float:
+    """Return the tilt [rad] between the grooves of screw and nut at which a rolling ball begins to slide."""
     return 2.0 * MU * radius_difference(scene) / scene.screw.groove_radius
 
 
-def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
-    """Return the scene with balls as far from the line of their arcs' centres as friction can hold them.
+def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
+    """Return the scene with balls displaced from the line of the arcs' centres as far as friction permits.
 
-    ``balls``: numbers of these balls, from 1; by default all. They are modelled by their effective oversize
-    (`closure`).
+    ``balls``: numbers of these balls, from 1; by default all. The displacement is modelled by an effective oversize of the
+    ball (`effective_oversize`).
     """
-    oversize, gap = dict(scene.errors.balls.listed), closure(scene)
+    oversize, gap = dict(scene.errors.balls.listed), effective_oversize(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
         oversize[k] = oversize.get(k, 0.0) + gap
     listed = tuple(sorted(oversize.items()))
     return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)))
 
 
-def largest_change(scene: Scene, of: Callable[[Scene], float]) -> float:
-    """Return the relative change of a quantity ``of`` by friction on all balls whose friction raises it."""
+def largest_change_by_friction(scene: Scene, of: Callable[[Scene], float]) -> float:
+    """Return the largest relative rise of the quantity ``of`` a scene that friction on some of its balls can cause."""
     base = of(scene)
-    return of(off_line(scene, [k for k in range(1, scene.ball_count + 1) if of(off_line(scene, (k,))) > base])) / base - 1.0
+    return (
+        of(
+            displace_balls_by_friction(
+                scene, [k for k in range(1, scene.ball_count + 1) if of(displace_balls_by_friction(scene, (k,))) > base]
+            )
+        )
+        / base
+        - 1.0
+    )
 
 
-# --- readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model
+# --- interpretations of inputs that section 2.4.1 leaves open: of Lin's low-order model, and of his 3D model
 
 
 #: The cases whose errors are printed, and the mesh level of the 3D runs without a penalty.
@@ -109,12 +117,12 @@ PENALTY_LEVEL = 2
 
 
 @dataclass(frozen=True)
-class Reading:
-    """One interpretation of one choice that the source leaves open."""
+class Interpretation:
+    """One interpretation of one modelling choice that Lin's thesis leaves open."""
 
     #: Key.
     key: str
-    #: Choice that the source leaves open.
+    #: Modelling choice that the thesis leaves open.
     choice: str
     #: Interpretation of the choice.
     label: str
@@ -140,165 +148,174 @@ FRICTION, PENALTY = "friction of the contacts", "penalty of the contacts"
 
 SECTION, PARTITION, HERTZ, ARM = "section constant (C.8)", "beam elements in the nut", "Hertz constants", "lever arm"
 
-#: Of the low-order model, against the default: C.8 with its root, a node at every contact, right Hertz constants.
+#: Interpretations for the low-order model; default: C.8 with its root, a node at every contact, exact Hertz constants.
 LOW = (
-    Reading("squared", SECTION, "C.8 without its root", {"section": "groove squared"}),
-    Reading("full", SECTION, "groove ignored", {"section": "full"}),
-    Reading("source", PARTITION, "15 mm, as printed", {"partition": "source"}),
-    Reading("printed", HERTZ, "as printed (Table B.1)", {"hertz": "as printed"}),
-    Reading("actual", HERTZ, "at each contact's own geometry", {"hertz": "actual"}),
-    Reading("nominal", ARM, "frozen at the nominal contact point", {"arm": "nominal"}),
-    Reading("ball", ARM, "at the ball's station", {"arm": "ball"}),
+    Interpretation("squared", SECTION, "C.8 without its root", {"section": "groove squared"}),
+    Interpretation("full", SECTION, "groove ignored", {"section": "full"}),
+    Interpretation("source", PARTITION, "15 mm, as printed", {"partition": "source"}),
+    Interpretation("printed", HERTZ, "as printed (Table B.1)", {"hertz": "as printed"}),
+    Interpretation("actual", HERTZ, "at each contact's own geometry", {"hertz": "actual"}),
+    Interpretation("nominal", ARM, "frozen at the nominal contact point", {"arm": "nominal"}),
+    Interpretation("ball", ARM, "at the ball's station", {"arm": "ball"}),
 )
 
-#: Of the 3D model, against the reference: shaft grooved all along, nut held on its whole left face, no friction.
+#: Interpretations for the 3D model; default: shaft grooved all along, nut fixed at its whole left face, no friction.
 SOLID = (
-    Reading(
+    Interpretation(
         "plain", SHAFT, "plain, of the lands' diameter", change=lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s)
     ),
-    Reading("runout", SHAFT, "groove ends 12 mm beyond the nut", change=ends_in_plain_shaft),
-    Reading("outer-half", HELD, "outer half of the left face", change=solid(nut_held="left face, outer half")),
-    Reading("inner-half", HELD, "inner half of the left face", change=solid(nut_held="left face, inner half")),
-    Reading("surface", HELD, "outer surface", change=solid(nut_held="outer surface"), by_text="its left end holds the nut"),
-    Reading("right", HELD, "right face", change=solid(nut_held="right face"), by_text="its left end holds the nut"),
-    Reading("narrow", LAND, "0.6 mm narrower", change=scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)),
-    Reading("wide", LAND, "0.6 mm wider", change=scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3)),
-    Reading("hole", HOLE, "half as wide", change=scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
-    Reading("filled", ENDS, "filled beyond the balls", change=solid(nut_groove="loaded")),
-    Reading("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", level=SOURCE_LEVEL),
-    Reading("off-line", FRICTION, "0.01, balls roll, as far off their lines as it can hold them", change=off_line),
-    Reading("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding=MU),
-    Reading("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding=-MU),
-    Reading("penalty", PENALTY, "E/h, h = 0.08 mm", level=PENALTY_LEVEL, penalty=1.0),
-    Reading("penalty/3", PENALTY, "a third of E/h", level=PENALTY_LEVEL, penalty=1.0 / 3.0),
-    Reading("penalty/4", PENALTY, "a quarter of E/h", level=PENALTY_LEVEL, penalty=0.25),
-    Reading("penalty/6", PENALTY, "a sixth of E/h", level=PENALTY_LEVEL, penalty=1.0 / 6.0),
+    Interpretation("runout", SHAFT, "groove ends 12 mm beyond the nut", change=ends_in_plain_shaft),
+    Interpretation("outer-half", HELD, "outer half of the left face", change=solid(nut_held="left face, outer half")),
+    Interpretation("inner-half", HELD, "inner half of the left face", change=solid(nut_held="left face, inner half")),
+    Interpretation(
+        "surface", HELD, "outer surface", change=solid(nut_held="outer surface"), by_text="its left end holds the nut"
+    ),
+    Interpretation("right", HELD, "right face", change=solid(nut_held="right face"), by_text="its left end holds the nut"),
+    Interpretation(
+        "narrow", LAND, "0.6 mm narrower", change=scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)
+    ),
+    Interpretation("wide", LAND, "0.6 mm wider", change=scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3)),
+    Interpretation("hole", HOLE, "half as wide", change=scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
+    Interpretation("filled", ENDS, "filled beyond the balls", change=solid(nut_groove="loaded")),
+    Interpretation("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", level=SOURCE_LEVEL),
+    Interpretation(
+        "off-line",
+        FRICTION,
+        "0.01, balls roll, as far off their lines as it can hold them",
+        change=displace_balls_by_friction,
+    ),
+    Interpretation("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding=MU),
+    Interpretation("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding=-MU),
+    Interpretation("penalty", PENALTY, "E/h, h = 0.08 mm", level=PENALTY_LEVEL, penalty=1.0),
+    Interpretation("penalty/3", PENALTY, "a third of E/h", level=PENALTY_LEVEL, penalty=1.0 / 3.0),
+    Interpretation("penalty/4", PENALTY, "a quarter of E/h", level=PENALTY_LEVEL, penalty=0.25),
+    Interpretation("penalty/6", PENALTY, "a sixth of E/h", level=PENALTY_LEVEL, penalty=1.0 / 6.0),
 )
 
-#: The penalty that is computed on the next mesh level too, which says what its level leaves open.
+#: Penalty that is also computed on the next mesh level, to show the influence of the mesh.
 FINER = tuple(r for r in SOLID if r.key == "penalty/4")
 
-#: Some readings of different choices together.
-Combination = tuple[Reading, ...]
+#: Interpretations of different choices, combined.
+Combination = tuple[Interpretation, ...]
 
 
 def key_of(readings: Combination) -> str:
-    """Return the key of a combination of interpretations, used in names and tables."""
+    """Return the key of a combination of interpretations, such as "plain+tetrahedra", for names and tables."""
     return "+".join(r.key for r in readings) or "base"
 
 
-def combinations_of(readings: tuple[Reading, ...], most: int) -> list[Combination]:
-    """Return all combinations of up to ``most`` interpretations, at most one for each choice."""
+def combinations_of(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
+    """Return all combinations of up to ``most`` interpretations, at most one for each modelling choice."""
     found: list[Combination] = [()]
     for count in range(1, most + 1):
         found += [c for c in combinations(readings, count) if len({r.choice for r in c}) == count]
     return found
 
 
-def low_scene(scene: Scene, readings: Combination) -> Scene:
-    """Return a scene for the low-order model under a combination of interpretations."""
+def scene_for_low_order(scene: Scene, readings: Combination) -> Scene:
+    """Return a copy of the scene for the low-order model under a combination of interpretations."""
     ingredients = {k: v for r in readings for k, v in r.ingredients.items()}
     return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
 
-def solid_scene(scene: Scene, readings: Combination) -> Scene:
-    """Return a scene as the 3D model takes it under a combination of interpretations; the mesh is not part of it."""
+def scene_for_3d(scene: Scene, readings: Combination) -> Scene:
+    """Return a copy of the scene for the 3D model under a combination of interpretations, the mesh excepted."""
     for r in readings:
         scene = scene if r.change is None else r.change(scene)
     return scene
 
 
-def level_of(readings: Combination) -> int:
-    """Return the 3D mesh level of a combination: the coarsest that any of its interpretations asks for."""
+def mesh_level_of(readings: Combination) -> int:
+    """Return the 3D mesh level of a combination of interpretations: the coarsest of their levels."""
     return min((r.level for r in readings), default=LEVEL)
 
 
-# --- 3D runs of the readings: computed where none is stored, kept in this folder
+# --- 3D runs of the interpretations: computed if not stored, then stored in this folder
 
 
-#: Folder of the runs.
+#: Folder of the stored 3D runs.
 RUNS = Path(__file__).parent / "runs"
 
-#: Readings that move largest over smallest load by more than 0.5 % and that the text does not speak against: these are
+#: Interpretations that change largest over smallest load by more than 0.5 % and do not contradict the text: these are
 #: combined in 3D (tests/sources/lin/literature/test_reconstruction.py). A penalty may be of any size: it is combined with
-#: readings of the low-order model only.
+#: interpretations of the low-order model only.
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def combinations_in_3d() -> list[Combination]:
-    """Return the combinations that have 3D runs: none, each interpretation alone, pairs and triples of `MOVERS`."""
+    """Return the combinations with 3D runs: default, single interpretations, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
     return [*combinations_of(SOLID, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
 
 
-def scenes(readings: Combination) -> tuple[Scene, ...]:
-    """Return the 3D scenes of both cases under a combination; they share a set-up and are named after both."""
+def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
+    """Return the scenes of Lin's cases 1 and 2 for the 3D model under a combination of interpretations."""
     name = key_of(readings).replace("/", "-")
-    return tuple(replace(solid_scene(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
+    return tuple(replace(scene_for_3d(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
-    """Return the converged runs of both cases on a mesh level (default: `level_of`); None if one is missing."""
-    level = level_of(readings) if level is None else level
-    found = [load_run(scene, level, stores=[RUNS]) for scene in scenes(readings)]
+    """Return the converged stored 3D runs of cases 1 and 2 on a mesh level; None if one is missing."""
+    level = mesh_level_of(readings) if level is None else level
+    found = [load_run(scene, level, stores=[RUNS]) for scene in scenes_in_3d(readings)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
     return runs if len(runs) == len(CASES) else None
 
 
-def stored(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
-    """Return the loads of both cases, each ``(n, 4)`` [N], from `stored_runs`; None if one is missing."""
+def stored_loads(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
+    """Return the contact loads (n, 4) [N] of cases 1 and 2 from stored 3D runs; None if one is missing."""
     runs = stored_runs(readings, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
 def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> None:
-    """Compute and store the missing 3D runs.
+    """Compute and store the missing 3D runs of all combinations.
 
     Raises ValueError if a run does not converge.
     """
-    for readings, level in [*((r, level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
-        if stored(readings, level) is not None:
+    for readings, level in [*((r, mesh_level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
+        if stored_loads(readings, level) is not None:
             continue
         step(f"3D: {key_of(readings)}, level {level}")
-        pair = scenes(readings)
+        pair = scenes_in_3d(readings)
         sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
         if penalty:
-            from rollbench.compare.cases.lin.reconstruction.solvers import with_penalty
+            from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_penalty
 
             shipped = [load_run(catalogue.scene(c), level) for c in CASES]
-            runs = with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
+            runs = solve_with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
         else:
             runs = compute_runs(Task(pair, level, cache=cache))
         if sliding:
-            from rollbench.compare.cases.lin.reconstruction.solvers import with_sliding
+            from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_sliding
 
-            runs = with_sliding(pair, runs, sliding, cache)
+            runs = solve_with_sliding(pair, runs, sliding, cache)
         for scene, run in zip(pair, runs, strict=True):
             save(RUNS, scene, run)
 
 
-#: Ball of case 2 that is too large, and by how much [m] in radius.
+#: Index of the oversize ball of case 2, and oversize of its radius [m].
 LARGE, OVERSIZE = 16, 1e-6
 
-#: Drawn pairs of meshes of case 1 and case 2.
+#: Number of randomly drawn pairs of meshes, of case 1 and case 2.
 DRAWN = 5000
 
-#: Approach of such a contact by Hertz [m], mean error of the approach on meshes of about the source's size, and scatter [%]
-#: of one contact between two bodies meshed apart: measured by `tests/sources/lin/literature/test_reconstruction.py`.
+#: Hertz approach of such a contact [m]; mean error of the approach on meshes of about Lin's element size, and its scatter
+#: [%] between meshes: measured by `tests/sources/lin/literature/test_reconstruction.py`.
 APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
-def share_of_closure(solid: tuple[Array, ...]) -> float:
-    """Return the relative change of a ball's load per relative change of one of its contact approaches.
+def load_change_per_approach(solid: tuple[Array, ...]) -> float:
+    """Return the relative change of a ball's load, over the relative change of the approach at one of its contacts.
 
-    ``solid``: loads of cases 1 and 2 in 3D, each (n, 4) [N].
+    ``solid``: contact loads of cases 1 and 2 in 3D, each (n, 4) [N].
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
 def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
-    """Return the largest and RMS error of case 1, then of case 2, with randomly scattered approaches, (DRAWN, 4) [%].
+    """Return largest and RMS error [%] of cases 1 and 2 for `DRAWN` meshes with random approaches, (DRAWN, 4).
 
     Only flank SL counts, since both contacts of a ball carry the same load. Each case has its own mesh, and so its
     own scatter.
@@ -314,7 +331,7 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
     of_load
         Whether errors are of each load instead of the mean load.
     """
-    rng, share, out = np.random.default_rng(1), share_of_closure(solid), []
+    rng, share, out = np.random.default_rng(1), load_change_per_approach(solid), []
     for a, b in zip(low, solid, strict=True):
         change = 0.01 * percent * share * rng.normal(size=(DRAWN, len(b), 2)).sum(axis=2)
         meshed = b[:, 0] * (1.0 - change)
@@ -324,18 +341,21 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
     return np.stack(out, axis=1)
 
 
-def probability(errors: Array, falls: float, rises: float) -> float:
-    """Return the share of `drawn_errors` whose largest error falls, and whose RMS rises, by given values or more [%]."""
+def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
+    """Return the fraction of `drawn_errors` with at least a given fall of the largest error and rise of the RMS error.
+
+    ``falls``, ``rises``: from case 1 to case 2 [percentage points].
+    """
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
 
-# --- every combination of readings: largest over smallest load of both models, and the errors of one against the other
+# --- all combinations: largest over smallest load by both models, and errors of one model against the other
 
 
-#: Readings of the low-order model that move the ratio by more than 0.5 %.
+#: Interpretations of the low-order model that change largest over smallest load by more than 0.5 %.
 LOW_MOVERS = ("squared", "full", "source", "printed")
 
-#: Errors in per cent of each contact's own load, or of the mean load.
+#: Definition of errors: in per cent of each contact's load ("own") or of the mean load.
 Definition = Literal["own", "mean"]
 
 DEFINITIONS: tuple[Definition, ...] = ("own", "mean")
@@ -345,8 +365,12 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 
 
 @dataclass(frozen=True)
-class Combined:
-    """Interpretations of both models, with the load ratios of case 1 and the four errors [%] by definition."""
+class CombinationResult:
+    """Results of one combination of interpretations: load ratios of case 1 by both models, and the model's errors.
+
+    ``low``, ``solid``: interpretations of the low-order and of the 3D model; ``errors``: largest and RMS error of cases 1
+    and 2 [%], by definition.
+    """
 
     low: Combination
     solid: Combination
@@ -362,70 +386,75 @@ class Combined:
 
     @property
     def against_text(self) -> bool:
-        """Whether the combination contradicts the text."""
+        """Whether the combination contradicts the text of Lin's thesis."""
         return any(r.by_text for r in (*self.low, *self.solid))
 
 
 def printed_ratio() -> float:
-    """Return the ratio that the text prints for both models."""
+    """Return the ratio of largest to smallest load that Lin prints for both models: about 1.34."""
     return value_of("lin-2.4.1", "case1_ratio")
 
 
-def ratio(load: Array) -> float:
-    """Return the largest over smallest load of SL."""
+def load_ratio(load: Array) -> float:
+    """Return the largest over the smallest load on flank SL."""
     return float(load[:, 0].max() / load[:, 0].min())
 
 
-def errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
-    """Return the largest and RMS error of cases 1 and 2 [%] by definition; loads ``(n, 4)`` [N] of both cases."""
+def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
+    """Return largest and RMS error [%] of the low-order against the 3D loads for cases 1 and 2, by definition.
+
+    ``low``, ``solid``: contact loads of both cases, each (n, 4) [N].
+    """
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
     return {"own": of_load, "mean": tuple(x for e in found for x in (e.max_percent, e.rms_percent))}
 
 
-def low_readings() -> list[Combination]:
-    """Return the low-order combinations: none, each interpretation alone, pairs and triples of `LOW_MOVERS`."""
+def low_order_combinations() -> list[Combination]:
+    """Return the combinations for the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
     return [*combinations_of(LOW, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
 
 
-def low_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
-    """Return the loads of both cases by the low-order model under a combination, each ``(n, 4)`` [N]."""
-    return tuple(study.solve(low_scene(catalogue.scene(c), readings), "lin").load for c in CASES)
+def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
+    """Return the contact loads (n, 4) [N] of cases 1 and 2 by the low-order model under a combination."""
+    return tuple(study.solve(scene_for_low_order(catalogue.scene(c), readings), "lin").load for c in CASES)
 
 
-def solid_loads(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
-    """Return loads of the cases by the 3D model, on their mesh level unless another is given.
+def loads_in_3d(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
+    """Return the contact loads (n, 4) [N] of cases 1 and 2 by the 3D model under a combination.
 
-    Raises LookupError where a run is missing.
+    Raises LookupError if a stored run is missing.
     """
-    return tuple(run.load for run in study.once(_runs, readings, level))
+    return tuple(run.load for run in study.once(_require_runs, readings, level))
 
 
-def _runs(study: Study, readings: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001 - for `Study.once`
-    """Return the stored runs of both cases; raises LookupError if one is missing."""
+def _require_runs(study: Study, readings: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
+    """Return the stored 3D runs of cases 1 and 2 under a combination; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
-        raise LookupError(f"no run of {key_of(readings)}: python -m {__package__}")
+        raise LookupError(f"no stored 3D run of {key_of(readings)}; compute it by: python -m {__package__}")
     return found
 
 
-def every_combination(study: Study) -> list[Combined]:
-    """Return all pairs of a low-order and a 3D combination with their results, the defaults first.
+def evaluate_combinations(study: Study) -> list[CombinationResult]:
+    """Return the results of all pairs of a low-order and a 3D combination, the defaults first.
 
     Raises LookupError if a run is missing.
     """
-    low = [(c, low_loads(study, c)) for c in low_readings()]
-    solid = [(c, solid_loads(study, c)) for c in combinations_in_3d()]
-    return [Combined(a, b, ratio(x[0]), ratio(y[0]), errors(x, y)) for a, x in low for b, y in solid]
+    low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
+    solid = [(c, loads_in_3d(study, c)) for c in combinations_in_3d()]
+    return [
+        CombinationResult(a, b, load_ratio(x[0]), load_ratio(y[0]), model_errors(x, y)) for a, x in low for b, y in solid
+    ]
 
 
 def printed_errors() -> tuple[float, ...]:
-    """Return the four printed errors [%]."""
+    """Return the four errors [%] against ANSYS that Lin prints: largest and RMS, of cases 1 and 2."""
     return tuple(value_of("lin-2.4.1", key) for key in ERRORS)
 
 
-def nearest(found: list[Combined], first: int = 6) -> Combined:
+def nearest_combination(found: list[CombinationResult], first: int = 6) -> CombinationResult:
     """Return the combination closest to the printed numbers among those that the text does not contradict.
 
     Closest by the root mean square of the ``first`` misses: 2 are the ratios, 6 are all printed numbers.
@@ -434,32 +463,32 @@ def nearest(found: list[Combined], first: int = 6) -> Combined:
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
 
 
-def without_penalty(found: list[Combined]) -> list[Combined]:
-    """Return combinations whose contacts do not penetrate."""
+def without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
+    """Return the combinations without penalty contacts in 3D."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
 
-def explanations(found: list[Combined]) -> dict[str, Combined]:
-    """Return the combinations that the page shows one by one, by name.
+def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationResult]:
+    """Return the combinations that the report shows one by one, by name.
 
-    They are: all defaults; the nearest in the printed ratio, without a penalty (some penalty would give any ratio);
-    each penalty of the 3D contacts with all else by default; and the nearest in all six printed numbers.
+    These are: all defaults; the nearest to the printed ratio, without a penalty (some penalty would give any ratio);
+    each penalty of the 3D contacts with all else by default; and the nearest to all six printed numbers.
     """
     softer = {
         f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)
     }
     return {
         "all by default": found[0],
-        "nearest in the ratio, no penalty": nearest(without_penalty(found), 2),
+        "nearest in the ratio, no penalty": nearest_combination(without_penalty(found), 2),
         **softer,
-        "nearest in all six": nearest(found),
+        "nearest in all six": nearest_combination(found),
     }
 
 
-def penalty_share(study: Study, readings: Combination) -> float:
-    """Return the approach that a penalty adds at a contact, over Hertz's approach at the mean load."""
+def relative_penalty_approach(study: Study, readings: Combination) -> float:
+    """Return the approach that a penalty adds at a contact, over the Hertz approach under the mean load."""
     scene = catalogue.scene(CASES[0])
-    still, moved = (study.once(_runs, r)[0] for r in ((), readings))
+    still, moved = (study.once(_require_runs, r)[0] for r in ((), readings))
     track = scene.track
     lead = np.arctan(track.lead / (2.0 * np.pi * track.pitch_radius))
     added = (

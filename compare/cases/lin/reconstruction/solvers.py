@@ -1,4 +1,4 @@
-"""The 3D reference with penalty contacts, whose pressure is proportional to a penetration that remains.
+"""The 3D reference with penalty contacts, whose pressure is proportional to penetration, and with sliding friction.
 
 An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty:
 each pair of nodes has a spring k A in series, with k the penalty [N/m3] and A the area of the pair's pressure hat.
@@ -24,12 +24,12 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import Scene
 
-#: What patches are larger by: a contact that penetrates is.
+#: Factor on the size of contact zones, since contacts with penetration are larger.
 LARGER = 1.45
 
 
-def penalised(setup: Setup, penalty: float) -> Setup:
-    """Return the set-up with a spring in series at each pair of contact nodes: ``penalty`` [N/m3] times hat area."""
+def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
+    """Return the set-up with a spring in series at each pair of contact nodes: ``penalty`` [N/m3] times the node's area."""
     patches = {
         side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
         for side, pair in setup.patches.items()
@@ -37,16 +37,16 @@ def penalised(setup: Setup, penalty: float) -> Setup:
     return replace(setup, patches=patches)
 
 
-def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
-    """Return the runs of scenes of one geometry with penalty contacts, made from their runs without a penalty.
+def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
+    """Solve scenes of one geometry in 3D with penalty contacts, starting from their runs without penalty.
 
-    ``share``: penalty over E/h, with Young's modulus E of the balls and element size h of the source. Raises
+    ``share``: penalty over E/h, with Young's modulus E of the balls and Lin's element size h. Raises
     ValueError if a run does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
     penalty = share * scenes[0].balls.material.youngs_modulus / settings.tet
-    setup = penalised(prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache)), penalty)
+    setup = add_penalty_springs(prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache)), penalty)
     out = []
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
@@ -67,8 +67,8 @@ def with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cac
     return out
 
 
-class Dragging(LoadCase):
-    """A load case whose contacts slide across their grooves, with a friction of ``mu`` times their loads.
+class SlidingLoadCase(LoadCase):
+    """A load case of the 3D reference whose balls slide across their grooves, with friction of ``mu`` times the load.
 
     The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
     balances between the two contacts of a ball. On a body, a force across the contact's load is applied as a force
@@ -77,12 +77,12 @@ class Dragging(LoadCase):
     """
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
-        """Make a load case of one set."""
+        """Make the load case of one ball screw; ``mu``: coefficient of friction."""
         super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.from_scene(scene), mount_screw(setup, scene))
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
-        """Return the next round, with the friction that the contact loads of the last round cause."""
+        """Solve the next iteration, with friction from the contact loads of the last one."""
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
         self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
@@ -90,7 +90,7 @@ class Dragging(LoadCase):
         return super().solve_next_round(last, moving=moving)
 
     def across(self, last: ContactRound) -> Array:
-        """Return nodal forces ``(balls, n)`` [N] along the normals, with the contacts' friction as resultants."""
+        """Return nodal forces (balls, n) [N] along the normals whose resultants are the contacts' friction forces."""
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
         out = np.zeros_like(forces)
@@ -103,8 +103,10 @@ class Dragging(LoadCase):
         return out
 
 
-def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
-    """Return the runs of scenes of one geometry with the loads and contact angles of sliding balls that do not turn.
+def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
+    """Solve scenes of one geometry in 3D with balls that do not turn, so that grooves slide on them.
+
+    Return their runs with the changed loads and contact angles.
 
     Raises ValueError if the iteration of load and friction does not converge.
     """
@@ -112,7 +114,7 @@ def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache:
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
     out = []
     for scene, run in zip(scenes, runs, strict=True):
-        ended = Dragging(setup, scene, mu).solve(ROUNDS)
+        ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
             raise ValueError(f"{scene.name}: {ended.status}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))

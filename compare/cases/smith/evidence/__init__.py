@@ -1,4 +1,4 @@
-"""Smith (1994): computed values of every printed number and claim.
+"""Computed values for the numbers and claims printed by Smith (1994).
 
 Printed data: ``printed/smith-*``.
 """

@@ -1,6 +1,7 @@
-"""Smith (1994), chapters 4 and 5: the axis with its supports, measurements, claims, the reduced preload of 5.3.
+"""Smith (1994), chapters 4 and 5: stiffness of a ball-screw axis with its support bearings, tests, reduced preload of 5.3.
 
-Its layouts are scenes over the nut's position, compared with closed formulas and with the sum in series.
+Several layouts of the axis are also solved as scenes over the nut's position, and compared with closed formulas and with
+Smith's sum of compliances in series.
 """
 
 from __future__ import annotations
@@ -40,13 +41,17 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.units import parse_quantity
 
-#: Station of the left end's middle [m], and positions of the nut over the length between the ends.
+#: Axial position of the middle of the left support [m]; positions of the nut over the length between the supports.
 FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """A layout of the axis: scene, description, kind of bearing, row directions by end (none: the end slides)."""
+    """An arrangement of support bearings at both ends of the screw.
+
+    ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: directions in
+    which the bearing rows of an end carry thrust (empty: the end is free to slide).
+    """
 
     scene: str
     words: str
@@ -55,7 +60,7 @@ class Layout:
     right: tuple[int, ...]
 
     def bearings_at(self, end: str) -> BearingSet:
-        """Return the bearing rows of an end with their load-deflection laws."""
+        """Return the bearing rows of one end, "left" or "right", with their load-deflection laws."""
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
             return bearings.bearing_set(self.kind, end)
@@ -74,8 +79,8 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 
 @dataclass(frozen=True)
-class Ends:
-    """Thrust on both ends by the shaft's tension [N], and axial stiffness of shaft and supports at the nut [N/m]."""
+class EndThrusts:
+    """Thrust [N] on the left and right supports, and axial stiffness [N/m] of screw and supports at the nut."""
 
     left: float
     right: float
@@ -83,110 +88,117 @@ class Ends:
 
 
 @cache
-def by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> Ends:
-    """Return end thrusts and stiffness by closed formulas, with all rows of an end at one position.
+def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> EndThrusts:
+    """Return thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
 
-    The shaft is stretched as in the source, and the rows are preloaded.
+    ``place``: nut's position over the length; ``applied``: axial load on the nut [N]. The screw is stretched as in Smith's
+    thesis, and the bearing rows are preloaded.
     """
-    a, first = bearings.axis(), layout.bearings_at("left")
+    a, first = bearings.screw_axis(), layout.bearings_at("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
     if not layout.right:
         k = equilibrium(first, -applied).stiffness
-        return Ends(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
+        return EndThrusts(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
     second = layout.bearings_at("right")
 
-    def gap(left: float) -> float:
+    def stretch_error(left: float) -> float:
+        """Return the elongation [m] of supports and screw at a left end thrust [N], less the imposed stretch."""
         forces = left, left + applied
         moved = sum(equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
         return moved + float(bars @ forces) - bearings.STRETCH
 
     low = 1e-3 if min(layout.left) > 0 else -2e4  # tandem rows carry tension only
-    left = float(brentq(gap, low, 4e4, xtol=1e-6))
+    left = float(brentq(stretch_error, low, 4e4, xtol=1e-6))
     ends = [equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + applied))]
-    return Ends(left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True)))
+    return EndThrusts(left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True)))
 
 
-def by_scene(study: Study, layout: Layout, place: float) -> Ends:
-    """Return end thrusts and stiffness by the scene: beam, contacts, and rows at their positions."""
-    return study.once(_by_scene, layout, place)
+def end_thrusts_by_scene(study: Study, layout: Layout, place: float) -> EndThrusts:
+    """Return thrusts and stiffness of an axis solved as a scene: beam, contacts, bearing rows at their positions."""
+    return study.once(_solve_layout_scene, layout, place)
 
 
-def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG001 - kept by the study
-    """Solve a layout's scene with the load at a place; raises AssertionError if it does not converge."""
+def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrusts:  # noqa: ARG001 - kept by the study
+    """Solve the scene of an axis with the load at a nut position; raises AssertionError if it does not converge."""
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{layout.scene} is an axis")
-    at = FIRST + place * bearings.axis().length
+        raise AssertionError(f"{layout.scene}: expected a scene of an axis")
+    at = FIRST + place * bearings.screw_axis().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
         raise AssertionError(f"{layout.scene}: {result.status}")
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
-    return Ends(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
+    return EndThrusts(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
 
-def in_series(layout: Layout) -> float:
-    """Return the source's sum (4.6) of both ends and the whole screw between rigid walls, without the nut [N/m].
+def stiffness_sum_in_series(layout: Layout) -> float:
+    """Return the axis stiffness [N/m] by Smith's sum in series (4.6): both supports and the whole screw, without the nut.
 
-    nan for a fixed-supported screw, for which the source gives no sum.
+    nan for a screw fixed at one end only, for which Smith gives no sum.
     """
     if not layout.right:
         return float("nan")
-    a, force = bearings.axis(), by_formulas(layout, 0.5, 0.0).left
+    a, force = bearings.screw_axis(), end_thrusts_by_formulas(layout, 0.5, 0.0).left
     ends = [equilibrium(layout.bearings_at(end), force).stiffness for end in ("left", "right")]
     return as_printed.series_stiffness(ends, float(shaft_stiffness(a, 0.5 * a.length)), float("inf"))
 
 
-def layout_words(study: Study, layout: Layout) -> str:
-    """Return a sentence on end thrusts and stiffness with the load in the middle, by scene and by formulas."""
-    scene, closed = by_scene(study, layout, 0.5), by_formulas(layout, 0.5)
+def layout_sentence(study: Study, layout: Layout) -> str:
+    """Return in words the end thrusts and the stiffness of an axis with the nut at mid-length, by scene and by formulas."""
+    scene, closed = end_thrusts_by_scene(study, layout, 0.5), end_thrusts_by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
     return f"as a scene the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
 
 
-def every_place(study: Study) -> Iterator[tuple[Layout, float, Ends, Ends]]:
-    """Yield each layout and place of the load, with the results by scene and by formulas."""
+def compare_layouts(study: Study) -> Iterator[tuple[Layout, float, EndThrusts, EndThrusts]]:
+    """Yield each layout and nut position, with thrusts and stiffness by the scene and by closed formulas."""
     for layout in LAYOUTS:
         for place in PLACES:
-            yield layout, place, by_scene(study, layout, place), by_formulas(layout, place)
+            yield layout, place, end_thrusts_by_scene(study, layout, place), end_thrusts_by_formulas(layout, place)
 
 
-#: Lead [m] and rapid traverse [m/s] of 5.1, counts a turn, torque of the motor [in-lbf], reduced preload of 5.3 [N].
+#: Lead [m], rapid traverse [m/s] (5.1); encoder counts per turn, motor torque [in-lbf], reduced preload [N] (5.3).
 LEAD, TRAVERSE = parse_quantity("14 mm", "length"), 800.0 * bearings.INCH / 60.0
 
 COUNTS, MOTOR, REDUCED = 40000.0, 159.0, parse_quantity("750 lbf", "force")
 
-#: Density of steel [kg/m^3], for the inertia that the source does not print.
+#: Density of steel [kg/m^3], for the screw's inertia, which Smith does not print.
 STEEL = 7850.0
 
 KINDS = ("ball", "taper")
 
 
-def pull() -> float:
-    """Return the tension [N] of the stretched screw between rigid supports: the load of either end."""
-    return shaft_tension(bearings.axis(), bearings.STRETCH)
+def screw_tension() -> float:
+    """Return the tension [N] of the stretched screw between rigid supports."""
+    return shaft_tension(bearings.screw_axis(), bearings.STRETCH)
 
 
 @cache
 def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> SetState:
-    """Return the equilibrium of the bearings of an end under "preload", "stretch", or with the load "applied"."""
+    """Return the equilibrium of the bearing rows of one end.
+
+    ``state``: "preload" only, after the "stretch" of the screw, or with the load of 4.2 "applied" as well.
+    """
     rows = bearings.bearing_set(kind, end, preload)
     if state == "preload":
         return equilibrium(rows)
-    force = pull() if state == "stretch" else _ends(pull())[end]
+    force = screw_tension() if state == "stretch" else _end_thrusts_under_load(screw_tension())[end]
     return equilibrium(rows, force)
 
 
-def _ends(tensile: float) -> dict[str, float]:
-    """Return the thrust [N] of either end with the load of 4.2 on the nut in the middle, towards the left end."""
-    left, right = support_loads(bearings.axis(), 0.5 * bearings.axis().length, -bearings.APPLIED, tensile)
+def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
+    """Return the thrust [N] on both ends with Smith's load of 4.2 on the nut at mid-length, towards the left end."""
+    left, right = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, -bearings.APPLIED, tensile)
     return {"left": left, "right": right}
 
 
-def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the row loads [lbf] by the source's rule: half of stretch and load at each end, in full on every row."""
-    loads = as_printed.shared_loads(preload, bearings.DIRECTIONS[kind][end], 0.5 * round(pull() / bearings.POUND, -1))
+def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
+    """Return the bearing-row loads [lbf] by Smith's rule: each end gets half of stretch and load, in full on every row."""
+    loads = as_printed.shared_loads(
+        preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
+    )
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0
         loads = as_printed.shared_loads(
@@ -196,8 +208,8 @@ def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -
 
 
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute stretch and warming."""
-    a = bearings.axis()
+    """Compute the stretch of the screw and the warming that relieves it: section 4.1 of Smith (1994), into ``e``."""
+    a = bearings.screw_axis()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
     e.numbers(
         {
@@ -211,18 +223,18 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
         }
     )
     stiff = {kind: end_state(kind, "left", "stretch").stiffness for kind in KINDS}
-    elastic = [shaft_tension(bearings.axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
+    elastic = [shaft_tension(bearings.screw_axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
-    e.number("F", pull() / bearings.POUND, words)
-    e.number("F_end", pull() / bearings.POUND, as_printed=0.5 * round(pull() / bearings.POUND, -1))
+    e.number("F", screw_tension() / bearings.POUND, words)
+    e.number("F_end", screw_tension() / bearings.POUND, as_printed=0.5 * round(screw_tension() / bearings.POUND, -1))
 
 
 def section_4_2(e: Findings, study: Study) -> None:
-    """Compute loads and stiffness of the supports, stiffness of the axis."""
+    """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994), into ``e``."""
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
-            _support(e, kind, end)
-    a = bearings.axis()
+            _compute_end_rows(e, kind, end)
+    a = bearings.screw_axis()
     least = float(shaft_stiffness(a, 0.5 * a.length))
     e.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     e.number("applied", bearings.APPLIED / bearings.POUND)
@@ -230,27 +242,27 @@ def section_4_2(e: Findings, study: Study) -> None:
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
     for kind in KINDS:
         e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
-    _total(e, "ball", layout_words(study, TRIPLEX))
-    _total(e, "taper", layout_words(study, TAPERED))
+    _compute_axis_stiffness(e, "ball", layout_sentence(study, TRIPLEX))
+    _compute_axis_stiffness(e, "taper", layout_sentence(study, TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
-    both_ends, one = shaft_stiffness(a, places), shaft_stiffness(bearings.axis(right=0.0), places)
+    both_ends, one = shaft_stiffness(a, places), shaft_stiffness(bearings.screw_axis(right=0.0), places)
     at = float(places[int(np.argmin(both_ends))] / a.length)
     e.claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
     ratio = both_ends / one
     middle = float(ratio[ratio.size // 2])
-    scenes = [by_scene(study, x, 0.5).stiffness for x in (TRIPLEX, SUPPORTED)]
+    scenes = [end_thrusts_by_scene(study, x, 0.5).stiffness for x in (TRIPLEX, SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
     words += f"; as scenes, between triplex sets and with one, {scenes[0] / scenes[1]:.2f} in the middle"
     e.claim("supported", bool(np.all(ratio > 1.0)), words)
 
 
-def _support(e: Findings, kind: str, end: str) -> None:
-    """Compute loads and stiffnesses of the rows of one end."""
+def _compute_end_rows(e: Findings, kind: str, end: str) -> None:
+    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``."""
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
         ours = end_state(kind, end, state)
-        printed = None if state == "preload" else printed_loads(kind, end, state, preload)
+        printed = None if state == "preload" else row_loads_as_printed(kind, end, state, preload)
         for i in range(count):
             key = f"{kind}_{end}_{state}_{i + 1}"
             e.number(key, float(ours.loads[i]) / bearings.POUND, as_printed=None if printed is None else printed[i])
@@ -262,18 +274,21 @@ def _support(e: Findings, kind: str, end: str) -> None:
     e.number(f"{kind}_{end}_package", total, words)
 
 
-def topology(supports: float) -> float:
-    """Return the correct stiffness [N/m] of the carriage at mid-length, with equal supports of a stiffness [N/m]."""
-    a = bearings.axis(supports, supports)
+def axis_stiffness_at_middle(supports: float) -> float:
+    """Return the axial stiffness [N/m] of the carriage at mid-length, both halves of the screw acting in parallel.
+
+    ``supports``: stiffness of each support [N/m].
+    """
+    a = bearings.screw_axis(supports, supports)
     return float(axis_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
-def _total(e: Findings, kind: str, as_scenes: str) -> None:
-    """Compute the stiffness of the axis as printed, and in the right topology with printed and computed bearings."""
+def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
+    """Compute the stiffness of the axis: by Smith's sum in series, and with both halves of the screw in parallel."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
-    right = topology(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
-    ours = topology(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+    right = axis_stiffness_at_middle(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
+    ours = axis_stiffness_at_middle(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
     off = float(error_percent(printed, right))
     words = f"right topology, printed parts {1e-6 * right:.3f}e6, our bearings {1e-6 * ours:.3f}e6; "
     words += f"the sum in series {off:+.0f} %"
@@ -281,10 +296,10 @@ def _total(e: Findings, kind: str, as_scenes: str) -> None:
 
 
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the torque budget."""
+    """Compute the torque that the motor must supply: section 4.3 of Smith (1994), into ``e``."""
     rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
     e.number("nut", 18.0)
-    shaft = shaft_inertia(STEEL, 2.0 * float(np.sqrt(bearings.axis().area / np.pi)), bearings.axis().length)
+    shaft = shaft_inertia(STEEL, 2.0 * float(np.sqrt(bearings.screw_axis().area / np.pi)), bearings.screw_axis().length)
     alone = acceleration_torque([shaft], angular_speed(TRAVERSE, LEAD), 1.0) / bearings.INCH_POUND
     words = f"the screw's own inertia takes {alone:.2f} in-lb in 1 s; the rest is not printed"
     e.number("acceleration", None, words)
@@ -299,9 +314,9 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 # --- chapter 5
 
 
-def _drive(e: Findings) -> None:
-    """Compute the entries of section 5.1."""
-    warming = unloading_warming(bearings.axis(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
+def _compute_drive(e: Findings) -> None:
+    """Compute the data of the tested axis and its drive: section 5.1 of Smith (1994), into ``e``."""
+    warming = unloading_warming(bearings.screw_axis(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
     e.numbers(
         {
             "lead": 1e3 * LEAD,
@@ -317,8 +332,8 @@ def _drive(e: Findings) -> None:
     e.claim("five", 4.5 < warming < 5.0, f"{warming:.2f} degF")
 
 
-def _torque_tests(e: Findings) -> None:
-    """Compute the entries of section 5.2.1: sums of printed parts against the tests."""
+def _compare_torque_tests(e: Findings) -> None:
+    """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994), into ``e``."""
     off = {}
     for kind in KINDS:
         for when in ("start", "constant"):
@@ -336,11 +351,11 @@ def _torque_tests(e: Findings) -> None:
     e.number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
 
 
-def _stiffness_tests(e: Findings) -> None:
-    """Compute the entries of section 5.2.2: the tests with the correct topology, and the claim as printed."""
+def _compare_stiffness_tests(e: Findings) -> None:
+    """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994), into ``e``."""
     off = []
     for kind in KINDS:
-        right = topology(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+        right = axis_stiffness_at_middle(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
         measured, predicted = e.printed(f"S_{kind}"), value_of("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
@@ -349,8 +364,8 @@ def _stiffness_tests(e: Findings) -> None:
     e.number("six", float(error_percent(e.printed("S_ball"), e.printed("S_taper"))))
 
 
-def _heat(e: Findings) -> None:
-    """Compute the entries of section 5.2.4."""
+def _compare_temperature_rises(e: Findings) -> None:
+    """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994), into ``e``."""
     torque = {
         "rise_ball": value_of("smith-2.3", "M_test_3"),
         "rise_nut": value_of("smith-4.3", "nut"),
@@ -364,19 +379,19 @@ def _heat(e: Findings) -> None:
 
 
 def unseating_load(preload: float) -> float:
-    """Return the load [N] on the carriage at mid-length that unloads the outer row of an end of a stretched screw.
+    """Return the load [N] on the carriage at mid-length that unloads the outer bearing row of one end of the axis.
 
-    The end must be pulled inwards by more than the tension, by as much as its rows still carry. It takes half of the
-    load.
+    The screw is stretched. Half of the carriage's load acts on the end, which is unloaded at its lift-off load less the
+    screw's tension.
     """
-    share = support_loads(bearings.axis(), 0.5 * bearings.axis().length, 1.0)[0]
-    return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - pull()) / share
+    share = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, 1.0)[0]
+    return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - screw_tension()) / share
 
 
-def _reduced(e: Findings) -> None:
-    """Compute the entries of section 5.3."""
+def _compute_reduced_preload(e: Findings) -> None:
+    """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994), into ``e``."""
     for end in ("left", "right"):
-        printed = printed_loads("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
+        printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
         ours = end_state("taper", end, "stretch", REDUCED)
         for i in range(2):
             e.number(f"{end}_stretch_{i + 1}", float(ours.loads[i]) / bearings.POUND, as_printed=printed[i])
@@ -390,6 +405,12 @@ def _reduced(e: Findings) -> None:
 
 
 def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute all entries of chapter 5."""
-    for fill in (_drive, _torque_tests, _stiffness_tests, _heat, _reduced):
+    """Compute the numbers and claims printed in chapter 5 of Smith (1994), into ``e``."""
+    for fill in (
+        _compute_drive,
+        _compare_torque_tests,
+        _compare_stiffness_tests,
+        _compare_temperature_rises,
+        _compute_reduced_preload,
+    ):
         fill(e)

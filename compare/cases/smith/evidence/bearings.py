@@ -1,6 +1,6 @@
-"""Smith (1994), chapters 2 and 3: the angular-contact ball bearing, its triplex set, the tapered roller bearing; torques.
+"""Smith (1994), chapters 2 and 3: stiffness and torque of an angular-contact ball bearing and a tapered roller bearing.
 
-With the bearings and the axis as the source gives them, and what had to be assumed.
+Also the dimensions of bearings and axis that Smith prints, and the assumptions where the thesis leaves inputs open.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from rollbench.lowfi.rollers import RollerContacts, SlicedRow, TaperedBearing, T
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.units import parse_quantity
 
-#: The source's units in SI.
+#: Units of Smith's thesis, in SI.
 INCH = parse_quantity("1 in", "length")
 
 POUND = parse_quantity("1 lbf", "force")
@@ -57,7 +57,7 @@ DEG_F = parse_quantity("1 degF", "temperature difference")
 
 RPM = np.pi / 30.0
 
-#: What the source leaves open.
+#: Assumptions where Smith's thesis leaves an input open.
 ASSUMED = (
     "Poisson's ratio of steel 0.3; Young's modulus of 4.1, 30e6 psi, for the bearings too (the factor 2.15e5 of the sheet "
     "implies 207.5 GPa).",
@@ -66,7 +66,7 @@ ASSUMED = (
     "Density of the grease's base oil 900 kg/m3.",
 )
 
-#: What was identified from printed results of the source, and so is confirmed by none of them.
+#: Constants of Smith's spreadsheets that were inferred from printed results; these results cannot confirm them.
 IDENTIFIED = (
     "the exponents 2/3 and 0.66666 of the sheet (from delta* and K_n), its constant 2.15e5 (from K_i, K_o), F(p)_o as an "
     "input (from all cells after it); 1/D in 3.24, the exponent 1/2 in 3.26 and areas without pi (from b, A and the areas "
@@ -77,7 +77,7 @@ YOUNG, POISSON = parse_quantity("30e6 psi", "pressure"), 0.3
 
 RING_DEPTH, DENSITY = parse_quantity("5 mm", "length"), 900.0
 
-#: Load of the sheets, preload of a single bearing, thrust of the torque calculations [N].
+#: Thrust of Smith's spreadsheets, preload of a single bearing, thrust of the torque calculations [N].
 SHEET_LOAD, PRELOAD = parse_quantity("2040 lbf", "force"), parse_quantity("1500 lbf", "force")
 
 BALL_TORQUE_LOAD, TAPER_TORQUE_LOAD = parse_quantity("1000 lbf", "force"), parse_quantity("1500 lbf", "force")
@@ -89,7 +89,7 @@ STRETCH, EXPANSION = parse_quantity("0.0015 in", "length"), 6e-6 / DEG_F
 
 APPLIED, NUT = parse_quantity("1000 lbf", "force"), parse_quantity("5.5e6 lbf/in", "stiffness")
 
-#: Directions of the rows of 4.2, +1 for those that the shaft's tension loads.
+#: Directions of the bearing rows of 4.2 by kind and end: +1 for rows that the screw's tension loads.
 DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
     "ball": {"left": (1, 1, -1), "right": (-1, 1, 1)},
     "taper": {"left": (-1, 1), "right": (1, -1)},
@@ -98,14 +98,14 @@ DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
 
 @cache
 def ball_bearing() -> BallBearing:
-    """Return the bearing MM35BS72 of figure 2-10; the outer groove is 0.53 D, which prints as 0.182188 in."""
+    """Return the angular-contact ball bearing MM35BS72 of Smith's Figure 2-10; outer groove radius 0.53 D = 0.182188 in."""
     d = 0.34375 * INCH
     return BallBearing(18, d, 1.817159 * INCH, 2.520305 * INCH, 0.52 * d, 0.53 * d, YOUNG, POISSON)
 
 
 @cache
 def taper_bearing() -> TaperedBearing:
-    """Return the prototype of figure 3-6."""
+    """Return the prototype tapered roller bearing of Smith's Figure 3-6."""
     return TaperedBearing(
         16, 0.33 * INCH, 0.49 * INCH, float(np.radians(30.8)), float(np.radians(4.0)), YOUNG, POISSON, RING_DEPTH
     )
@@ -113,7 +113,7 @@ def taper_bearing() -> TaperedBearing:
 
 @cache
 def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
-    """Return the bearings of an end: ball rows with the gap that gives the preload, or preloaded tapered rows."""
+    """Return the preloaded bearing rows at one end of the screw; ``kind``: "ball" or "taper"; ``preload`` [N]."""
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
         row = BallRow(ball_bearing())
@@ -121,18 +121,18 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     return preloaded_rows(TaperedRow(taper_bearing()), directions, preload)
 
 
-def axis(left: float = np.inf, right: float = np.inf) -> Axis:
-    """Return the screw of 4.1, with the support stiffness [N/m] of both ends."""
+def screw_axis(left: float = np.inf, right: float = np.inf) -> Axis:
+    """Return the screw of Smith's section 4.1 as a bar, with the axial stiffness [N/m] of its supports."""
     return Axis(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
 
 
-#: F(p)_o of figure 2-10: an input of the as-printed mode, because it follows from nothing.
+#: Curvature difference F(p)_o of the outer race printed in Figure 2-10; it does not follow from the dimensions.
 SHEET_DIFFERENCE = 0.9013479
 
-#: The sheet's newtons to a pound.
+#: Newtons per pound-force in Smith's spreadsheet.
 SHEET_POUND = 4.448
 
-#: Curvature differences of table 2-1, its inputs, without the line contact's in the last row.
+#: Curvature differences F(p) of Table 2-1, without the last row, which is a line contact.
 DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))[:-1]
 
 #: Curvature differences that approach the line contact.
@@ -140,27 +140,27 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 
 @cache
-def state(load: float) -> ThrustState:
-    """Return the correct state of the ball bearing under a thrust [N]."""
+def thrust_state_of_ball_bearing(load: float) -> ThrustState:
+    """Return the ball bearing's equilibrium under a thrust [N], by exact elliptic integrals."""
     return thrust_state(ball_bearing(), axial_displacement(ball_bearing(), load))
 
 
 @cache
-def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
-    """Return the spreadsheet of Figure 2-10, recomputed as printed at a thrust [lbf]."""
+def ball_spreadsheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
+    """Return the results of Smith's spreadsheet (Figure 2-10), recomputed with its faults, for a thrust [lbf]."""
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
     return as_printed.compute_spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
 
-def sheet_tangent(pounds: float) -> float:
-    """Return the slope [lbf/in] of the spreadsheet's load-deflection curve, by a central difference of 0.1 %."""
+def ball_spreadsheet_stiffness(pounds: float) -> float:
+    """Return the ball bearing's stiffness [lbf/in] by Smith's spreadsheet at a thrust [lbf], from two loads."""
     step = 1e-3 * pounds
-    return 2.0 * step * 25.4 / (sheet(pounds + step).deflection - sheet(pounds - step).deflection)
+    return 2.0 * step * 25.4 / (ball_spreadsheet(pounds + step).deflection - ball_spreadsheet(pounds - step).deflection)
 
 
 def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Table 2-1 from exact elliptic integrals."""
+    """Compute the Hertz contact parameters delta*, a*, b* of Smith's Table 2-1 by elliptic integrals, into ``e``."""
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
@@ -173,7 +173,8 @@ def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
         e.claim(f"{name}_22", bool(np.all(steps > 1.0)), f"{words} at 1 - F(p) = 1e-4, 1e-7, 1e-10")
 
 
-def _inputs(e: Findings) -> None:
+def _compute_dimensions(e: Findings) -> None:
+    """Compute the ball bearing's dimensions in Smith's Figure 2-10, into ``e``."""
     b = ball_bearing()
     lengths = {
         "D": b.ball_diameter,
@@ -190,12 +191,16 @@ def _inputs(e: Findings) -> None:
     e.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
     curvature = b.centre_distance / b.ball_diameter
     e.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
-    e.number("alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(SHEET_LOAD).angle)):.2f} deg under 2040 lbf")
+    e.number(
+        "alpha_nominal",
+        degrees(b.free_angle),
+        f"{degrees(float(thrust_state_of_ball_bearing(SHEET_LOAD).angle)):.2f} deg under 2040 lbf",
+    )
 
 
-def _cells(e: Findings) -> None:
-    """Compute the cells of figure 2-10 that depend on the contact angle under load."""
-    source, s = sheet(SHEET_LOAD / POUND), state(SHEET_LOAD)
+def _compute_loaded_cells(e: Findings) -> None:
+    """Compute the results in Smith's Figure 2-10 that depend on the contact angle under load, into ``e``."""
+    source, s = ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
     e.number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
@@ -223,18 +228,24 @@ def _cells(e: Findings) -> None:
     e.number(
         "S_2040",
         slope,
-        f"tangent of the sheet's curve {sheet_tangent(2040.0):.3g} lbf/in",
-        as_printed=sheet_tangent(2040.0),
+        f"tangent of the sheet's curve {ball_spreadsheet_stiffness(2040.0):.3g} lbf/in",
+        as_printed=ball_spreadsheet_stiffness(2040.0),
     )
 
 
-def _triplex(e: Findings) -> None:
-    """Compute the entries of section 2.1.2."""
+def _compute_triplex_set(e: Findings) -> None:
+    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994), into ``e``."""
     for load in (1500.0, 1020.0):
         e.number(
-            f"delta_{load:.0f}", float(state(load * POUND).displacement) / INCH, as_printed=sheet(load).deflection / 25.4
+            f"delta_{load:.0f}",
+            float(thrust_state_of_ball_bearing(load * POUND).displacement) / INCH,
+            as_printed=ball_spreadsheet(load).deflection / 25.4,
         )
-    e.number("gap", 2.0 * float(state(PRELOAD).displacement) / INCH, as_printed=2.0 * sheet(1500.0).deflection / 25.4)
+    e.number(
+        "gap",
+        2.0 * float(thrust_state_of_ball_bearing(PRELOAD).displacement) / INCH,
+        as_printed=2.0 * ball_spreadsheet(1500.0).deflection / 25.4,
+    )
     triplex = bearing_set("ball", "left")
     ready, pulled = equilibrium(triplex).loads / POUND, equilibrium(triplex, 2000.0 * POUND).loads / POUND
     e.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
@@ -245,44 +256,48 @@ def _triplex(e: Findings) -> None:
     e.number("P_third_s", float(pulled[2]), words, as_printed=float(shared[2]))
 
 
-def fit_range() -> tuple[float, float, float]:
-    """Return the range of F(p) around 0.9 where fit 2.18 is within 2 %, and its error [%] at F(p) = 0.5."""
+def approach_fit_range() -> tuple[float, float, float]:
+    """Return the range of the curvature difference F(p) where Smith's fit (2.18) of delta* is within 2 %.
 
-    def off(difference: float) -> float:
+    The third value is the fit's error [%] at F(p) = 0.5.
+    """
+
+    def fit_error(difference: float) -> float:
+        """Return the error [%] of the fit at a curvature difference F(p)."""
         return abs(
             float(error_percent(as_printed.fitted_parameter(difference, "approach"), contact_parameters(difference)[0]))
         )
 
     low = high = 0.9
-    while off(low - 1e-3) <= 2.0:
+    while fit_error(low - 1e-3) <= 2.0:
         low -= 1e-3
-    while off(high + 1e-3) <= 2.0:
+    while fit_error(high + 1e-3) <= 2.0:
         high += 1e-3
-    return low, high, off(0.5)
+    return low, high, fit_error(0.5)
 
 
 def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Figure 2-10 and section 2.1.2."""
-    _inputs(e)
-    _cells(e)
-    _triplex(e)
-    low, high, worst = fit_range()
+    """Compute the numbers and claims printed in Figure 2-10 and section 2.1.2 of Smith (1994), into ``e``."""
+    _compute_dimensions(e)
+    _compute_loaded_cells(e)
+    _compute_triplex_set(e)
+    low, high, worst = approach_fit_range()
     e.claim("fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5")
-    f = sheet(2040.0).differences[0]
+    f = ball_spreadsheet(2040.0).differences[0]
     minor, exact = as_printed.fitted_parameter(f, "minor"), contact_parameters(f)[2]
     percent = float(error_percent(minor, exact))
     e.claim("fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}")
 
 
 def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the entries of Table 2-2: right tangent stiffness, both printed columns, and the tangent as printed."""
+    """Compute the ball bearing's stiffness over thrust: Table 2-2 of Smith (1994), into ``e``."""
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
-    right = np.array([float(state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
+    right = np.array([float(thrust_state_of_ball_bearing(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
         e.number(f"load_{n}", float(n))
         e.number(f"measured_{n}", float(value))
-        e.number(f"theory_{n}", float(value), as_printed=sheet_tangent(float(n)))
+        e.number(f"theory_{n}", float(value), as_printed=ball_spreadsheet_stiffness(float(n)))
     off = np.array([float(error_percent(t, m)) for t, m in zip(theory, measured, strict=True)])
     bad = [f"{p:+.0f} % at {n} lbf" for n, p in zip(loads, off, strict=True) if abs(p) > 10.0]
     ours = np.array([float(error_percent(r, m)) for r, m in zip(right, measured, strict=True)])
@@ -297,7 +312,7 @@ def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the torque of the ball bearing."""
+    """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994), into ``e``."""
     b = ball_bearing()
     e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
     e.number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
@@ -305,7 +320,7 @@ def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     e.number("M_0", viscous)
     product = 1e6 * VISCOSITY * SPEED / RPM
     e.claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
-    s = state(BALL_TORQUE_LOAD)
+    s = thrust_state_of_ball_bearing(BALL_TORQUE_LOAD)
     (across, along), _ = relative_curvatures(b, s.angle)
     rating = static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
     loaded = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
@@ -343,75 +358,78 @@ def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     e.claim("fair", abs(percent) <= 10.0, words)
 
 
-#: Radial load of the sheet [N], and exponent of its load zone.
+#: Radial load in Smith's spreadsheet of the tapered bearing [N], and exponent of its load-distribution integrals.
 RADIAL, EXPONENT = POUND, 1.1
 
-#: Thrusts [lbf] over which the curve is judged straight or not.
+#: Range of thrust [lbf] over which the load-deflection curve is judged straight or not.
 ENDS = (500.0, 2500.0)
 
-#: Depths [m] that show what the assumed thickness of the rings is worth.
+#: Other depths of the rings [m], to show the influence of the assumed depth.
 DEPTHS = (2.5e-3, 10e-3)
 
-#: Radius [m] of a crown that would make the stiffness about the measured one, and slices of the roller.
+#: Crown radius [m] with which the stiffness would be about the measured one; number of slices of a roller.
 CROWN, SLICES = 2.0, 101
 
 
 @cache
-def rollers_of_figure_3_6() -> CombinedState:
-    """Return the bearing of figure 3-6 by line contacts, solved roller by roller."""
+def combined_load_state() -> CombinedState:
+    """Return the equilibrium of Smith's tapered bearing (Figure 3-6) under thrust and radial load, by line contacts."""
     return combined_equilibrium(taper_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
-def contacts() -> RollerContacts:
-    """Return the contacts of one roller under the thrust of figure 3-6."""
+def roller_contacts_under_thrust() -> RollerContacts:
+    """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Figure 3-6."""
     b = taper_bearing()
     return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
-def tangent_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
-    """Return the correct axial stiffness [lbf/in] at a thrust [lbf], with ring deformation down to a depth [m]."""
+def taper_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
+    """Return the tapered bearing's axial stiffness [lbf/in] at a thrust [lbf], by line contacts in rings of a depth [m]."""
     row = TaperedRow(replace(taper_bearing(), depth=depth))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
-def crowned_stiffness(pounds: float) -> float:
-    """Return the stiffness [lbf/in] at a thrust [lbf] with sliced, crowned rollers, as a possible explanation."""
+def crowned_taper_stiffness(pounds: float) -> float:
+    """Return the tapered bearing's stiffness [lbf/in] at a thrust [lbf] with crowned rollers, computed in slices."""
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
-def printed_deflection(pounds: float, length: float, diameter: float, cup: float, roller: float) -> float:
-    """Return the axial deflection [in] by 3.17-3.21 as printed, pure thrust [lbf]; lengths [in], angles [rad]."""
+def taper_deflection_as_printed(pounds: float, length: float, diameter: float, cup: float, roller: float) -> float:
+    """Return the tapered bearing's axial deflection [in] under a thrust [lbf] by Smith's equations 3.17 to 3.21.
+
+    ``length``, ``diameter``: of a roller [in]; ``cup``, ``roller``: half angles of outer race and roller [rad].
+    """
     line = pounds / (taper_bearing().rollers * np.sin(cup) * length)
     return as_printed.roller_approach(float(line), diameter, cup, roller) / float(np.sin(cup))
 
 
-def sheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
-    """Return the deflection [in] by the formula of the spreadsheet with the inputs of figure 3-6."""
+def taper_spreadsheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
+    """Return the tapered bearing's axial deflection [in] by Smith's spreadsheet (Figure 3-6) under a thrust [lbf]."""
     b = taper_bearing()
-    return printed_deflection(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
+    return taper_deflection_as_printed(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
 
 
-def rounding_range() -> tuple[float, float]:
-    """Return the least and greatest deflection [in] as printed over all roundings of the printed inputs."""
+def taper_deflection_range() -> tuple[float, float]:
+    """Return the range of Smith's printed axial deflection [in] that follows from rounding of the printed inputs."""
     b = taper_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
     found = []
     for signs in product((-1.0, 1.0), repeat=4):
         length, diameter, cup, roller = (float(m + s * h) for m, s, h in zip(middle, signs, half, strict=True))
-        found.append(printed_deflection(SHEET_LOAD / POUND, length, diameter, cup, roller))
+        found.append(taper_deflection_as_printed(SHEET_LOAD / POUND, length, diameter, cup, roller))
     return min(found), max(found)
 
 
-def taper_sheet_tangent(pounds: float) -> float:
-    """Return the slope [lbf/in] of the spreadsheet's load-deflection curve of the taper bearing."""
-    return 2.0 / (sheet_deflection(pounds + 1.0) - sheet_deflection(pounds - 1.0))
+def taper_spreadsheet_stiffness(pounds: float) -> float:
+    """Return the tapered bearing's stiffness [lbf/in] by Smith's spreadsheet at a thrust [lbf]."""
+    return 2.0 / (taper_spreadsheet_deflection(pounds + 1.0) - taper_spreadsheet_deflection(pounds - 1.0))
 
 
-def _sheet(e: Findings) -> None:
-    """Compute the cells of figure 3-6: inputs, load zone, deflection."""
+def _compute_taper_spreadsheet(e: Findings) -> None:
+    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6, into ``e``."""
     b = taper_bearing()
     e.numbers(
         {
@@ -433,37 +451,38 @@ def _sheet(e: Findings) -> None:
     e.number("J_a", zone.axial, words)
     e.number("J_r", zone.radial, words)
     e.number("eps", zone.eps, words)
-    low, high = rounding_range()
+    low, high = taper_deflection_range()
     e.number(
         "delta_a",
-        rollers_of_figure_3_6().axial / INCH,
-        f"3.19 gives {sheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to {high:.6f}; line contacts "
-        f"to the rings' depth {rollers_of_figure_3_6().axial / INCH:.6f}",
-        as_printed=sheet_deflection(),
+        combined_load_state().axial / INCH,
+        f"3.19 gives {taper_spreadsheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to "
+        f"{high:.6f}; line contacts "
+        f"to the rings' depth {combined_load_state().axial / INCH:.6f}",
+        as_printed=taper_spreadsheet_deflection(),
     )
-    radial = sheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * e.printed("eps") - 1.0)
+    radial = taper_spreadsheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * e.printed("eps") - 1.0)
     e.number(
-        "delta_r", rollers_of_figure_3_6().radial / INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial
+        "delta_r", combined_load_state().radial / INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial
     )
-    slopes, printed = [tangent_stiffness(f) for f in ENDS], [taper_sheet_tangent(f) for f in ENDS]
+    slopes, printed = [taper_stiffness(f) for f in ENDS], [taper_spreadsheet_stiffness(f) for f in ENDS]
     growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
     e.claim(
         "linear",
         max(growth) < 5.0,
         f"stiffness grows from {ENDS[0]:.0f} to {ENDS[1]:.0f} lbf by {growth[0]:.0f} % (3.19: {growth[1]:.0f} %); "
-        f"that of the ball bearing by {_ball_growth():.0f} %",
+        f"that of the ball bearing by {_ball_stiffness_growth():.0f} %",
     )
 
 
-def _ball_growth() -> float:
-    """Return the growth [%] of the ball bearing's stiffness over the tested loads."""
-    low, high = (float(state(f * POUND).stiffness) for f in ENDS)
+def _ball_stiffness_growth() -> float:
+    """Return the growth [%] of the ball bearing's stiffness from 500 to 2500 lbf of thrust."""
+    low, high = (float(thrust_state_of_ball_bearing(f * POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
 
-def _contacts(e: Findings) -> None:
-    """Compute the contact entries of the tapered roller bearing."""
-    b, c = taper_bearing(), contacts()
+def _compute_taper_contacts(e: Findings) -> None:
+    """Compute contact areas and pressures of the tapered roller bearing: chapter 3 of Smith (1994), into ``e``."""
+    b, c = taper_bearing(), roller_contacts_under_thrust()
     p = as_printed.taper_contact(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
     )
@@ -480,7 +499,7 @@ def _contacts(e: Findings) -> None:
         e.number(key, None, words)
     e.number("rib_A", np.pi * a_rib * b_rib, "pi a b of the printed semi-axes beside a b", as_printed=a_rib * b_rib)
     ours = b.rollers * float(c.areas.sum()) / INCH**2
-    inner, outer = (float(a) / INCH**2 for a in state(SHEET_LOAD).areas())
+    inner, outer = (float(a) / INCH**2 for a in thrust_state_of_ball_bearing(SHEET_LOAD).areas())
     balls = ball_bearing().balls * (inner + outer)
     e.number("area_taper", ours, as_printed=2.0 * b.rollers * p.area)
     e.number("area_ball", balls, "as printed from 0.0065 in2, itself open", as_printed=2.0 * ball_bearing().balls * 0.0065)
@@ -488,13 +507,13 @@ def _contacts(e: Findings) -> None:
     e.claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
 
 
-def _torque(e: Findings) -> None:
-    """Compute tested stiffness and torque of the tapered roller bearing."""
+def _compute_taper_tests(e: Findings) -> None:
+    """Compute tested stiffness and friction torque of the tapered roller bearing: chapter 3 of Smith (1994)."""
     load = TAPER_TORQUE_LOAD / POUND
-    middle = tangent_stiffness(load)
+    middle = taper_stiffness(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
-    by_depth = [tangent_stiffness(load, depth) for depth in DEPTHS]
-    model, test = taper_sheet_tangent(load), e.printed("S_test")
+    by_depth = [taper_stiffness(load, depth) for depth in DEPTHS]
+    model, test = taper_spreadsheet_stiffness(load), e.printed("S_test")
     e.number(
         "S_test",
         middle,
@@ -502,7 +521,8 @@ def _torque(e: Findings) -> None:
         f"{float(error_percent(model, test)):+.0f} and {float(error_percent(middle, test)):+.0f} %; rings "
         f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * RING_DEPTH:g}: {by_depth[0]:.3g} to "
         f"{by_depth[1]:.3g} lbf/in; a crown of {CROWN:g} m radius, {drop:.0f} um at the ends of both contacts together, "
-        f"{crowned_stiffness(load):.3g}, but then {crowned_stiffness(ENDS[0]):.3g} to {crowned_stiffness(ENDS[1]):.3g} "
+        f"{crowned_taper_stiffness(load):.3g}, but then {crowned_taper_stiffness(ENDS[0]):.3g} to "
+        f"{crowned_taper_stiffness(ENDS[1]):.3g} "
         f"from "
         f"{ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as measured",
     )
@@ -519,7 +539,7 @@ def _torque(e: Findings) -> None:
 
 
 def chapter_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute all entries of chapter 3."""
-    _sheet(e)
-    _contacts(e)
-    _torque(e)
+    """Compute the numbers and claims printed in chapter 3 of Smith (1994), into ``e``."""
+    _compute_taper_spreadsheet(e)
+    _compute_taper_contacts(e)
+    _compute_taper_tests(e)

@@ -79,7 +79,7 @@ def test_snfa_catalogue_has_frozen_its_angles() -> None:
     light, heavy = (preloaded_rows(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
     assert equilibrium(heavy).stiffness / equilibrium(light).stiffness == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
-    assert equilibrium(heavy).stiffness == pytest.approx(evidence.frozen_rigidity(rigid, 60.0), rel=1e-3)
+    assert equilibrium(heavy).stiffness == pytest.approx(evidence.constant_angle_rigidity(rigid, 60.0), rel=1e-3)
 
 
 @pytest.mark.parametrize("size", [*evidence.THK, *evidence.HIWIN])

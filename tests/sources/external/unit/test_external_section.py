@@ -3,7 +3,7 @@
 import numpy as np
 from tests.sources.entries import of_source, rows
 
-from rollbench.compare.cases.external.page import SOURCES, TITLES, assumed_table, stages_table, summary
+from rollbench.compare.cases.external.page import SOURCES, TITLES, agreement_sentence, assumptions_table, rigidities_table
 from rollbench.compare.evidence import Evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import Scatter, Validated
@@ -18,20 +18,20 @@ def test_every_external_table_has_a_title():
 def test_summary_counts_what_comes_out():
     computed = {"radial": 15.1102, "tilt": 3.65, "axial": 140.0}
     found = [Evidence(rows("external-masta")[key], value) for key, value in computed.items()]
-    assert summary(found).startswith("2 of 3 published values and claims agree. Of these, 1 agree to the digits")
-    assert "1 within a band" in summary(found)
+    assert agreement_sentence(found).startswith("2 of 3 published values and claims agree. Of these, 1 agree to the digits")
+    assert "1 within a band" in agreement_sentence(found)
 
 
 def test_what_was_inferred_is_listed():
     study = Study()
     study.uses(("external-masta-radial", "external-thk-bnf-4010-5"))
-    cases = {row["case"] for row in assumed_table(study).rows}
+    cases = {row["case"] for row in assumptions_table(study).rows}
     assert {"external-masta-radial", "external-thk-bnf-4010-5", "external-gmn", "external-snfa"} <= cases
 
 
 def test_catalogue_over_the_three_rigidities():
     rigidities = {"contacts": 1000.0, "bodies": 900.0, "unequal": 800.0, "printed": 600.0}
-    (row,) = stages_table(Study(stores=()), [("a", 5000.0, rigidities)], ()).rows
+    (row,) = rigidities_table(Study(stores=()), [("a", 5000.0, rigidities)], ()).rows
     shares = [row[f"share_{key}"] for key in ("contacts", "bodies", "unequal")]
     assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
 

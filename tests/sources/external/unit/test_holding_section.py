@@ -54,22 +54,22 @@ def stored_ways() -> list[dict[str, Any]]:
     ]
 
 
-def rows_of(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "stored_results", lambda _: stored)
-    return holding.rows_of(Study(), "bnf-4010-5")
+    return holding.fixation_rows(Study(), "bnf-4010-5")
 
 
 def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = rows_of(monkeypatch, stored_ways())
+    rows = fixation_rows(monkeypatch, stored_ways())
     left, whole, bolts = (row for row in rows if row["by"] == "3D, level 1")
     assert [row["held"] for row in (left, whole, bolts)] == ["left face", holding.WHOLE, holding.BOLTED]
     assert whole["largest"] == 60.0
     assert whole["rigidity"] == pytest.approx(400.0)
     assert (bolts["load_change"], bolts["rigidity_change"]) == (100.0, -50.0)
     moved = "by +150.00 % of the mean load, any load by at most 150.00 % of it (106.07 % RMS), the rigidity by -50.00 %"
-    assert moved in holding.bolted_words()
+    assert moved in holding.bolts_sentence()
 
 
 def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
@@ -86,24 +86,24 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
     monkeypatch.setattr(holding, "error_near_faces", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
     stored = [*stored_ways(), *finer(stored_ways(), 0.02)]
-    rows = rows_of(monkeypatch, stored)
+    rows = fixation_rows(monkeypatch, stored)
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
     known = grid_parts.read_experience(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
-    both = {x["level"]: holding.loads_of(x) for x in stored if x["held"] == holding.WHOLE}
+    both = {x["level"]: holding.contact_loads(x) for x in stored if x["held"] == holding.WHOLE}
     bar = grid_parts.parts(both, known).bars(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
-    words = holding.mesh_words(rows)
+    words = holding.mesh_uncertainty_sentence(rows)
     assert "by at most 2.00 points (largest load)" in words
     assert words.endswith("the rigidity itself by 2.00 %.")
 
 
 def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Changes of a level are over its own left face."""
-    rows = rows_of(monkeypatch, [x for x in stored_ways() if x["held"] != "left face"])
+    rows = fixation_rows(monkeypatch, [x for x in stored_ways() if x["held"] != "left face"])
     assert {row["by"] for row in rows} == {"lin"}
-    assert holding.mesh_words(rows) == "Nothing was solved in 3D."
+    assert holding.mesh_uncertainty_sentence(rows) == "Nothing was solved in 3D."
 
 
 SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored_results(shipped_store())})
@@ -120,7 +120,7 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
     if holding.BOLTED in kept:
         assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
     for row in kept.values():
-        load = holding.loads_of(row)
+        load = holding.contact_loads(row)
         assert row["status"] == "converged"
         assert load.shape == (scene.ball_count, 4)
         assert load.max(axis=1).sum() * slope_of(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
@@ -135,7 +135,7 @@ def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) 
     """Within 0.6 % of the mean load (0.2 % RMS), whichever annulus is held; 1.1 % (0.4 %) of the outer half while what is
     far from a face rested on nothing."""
     scene = holding.fixations(catalogue.shipped(row["scene"]))[row["held"]]
-    off = load_error(run_model(scene, "refined", Options(discretisation=False)).load, holding.loads_of(row))
+    off = load_error(run_model(scene, "refined", Options(discretisation=False)).load, holding.contact_loads(row))
     assert off.max_percent < 0.6
     assert off.rms_percent < 0.2
 

@@ -5,9 +5,9 @@ from functools import partial
 import pytest
 from tests.evidence_study import GROUP
 
-from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_example
 from rollbench.compare.cases.kalker import evidence as rolling_proof
-from rollbench.compare.cases.kalker.evidence import FINER, Proof, proofs
+from rollbench.compare.cases.kalker.evidence import FINER, Verification, verifications
 from rollbench.hifi.rolling.bodies import Sizes
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 def test_known_answers_are_reached(monkeypatch):
     """On finite bodies of a quarter of the report's cells, which the answers do not tell from those."""
     monkeypatch.setattr(rolling_proof, "Sizes", partial(Sizes, cells=(2, 2)))
-    found = proofs.__wrapped__(meshing=False)
+    found = verifications.__wrapped__(meshing=False)
     assert [(p.case, p.quantity, p.error) for p in found if not p.reached] == []
     strict = [p for p in found if p.case.startswith(("Carter", "Cattaneo", "full slip")) and "alone" not in p.case]
     strict = [p.reach for p in strict if "no order" not in p.quantity]
@@ -27,22 +27,22 @@ def test_known_answers_are_reached(monkeypatch):
 
 def test_contact_of_another_program_to_its_digits():
     """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
-    found = example(EXAMPLE_CELLS, by_cells=True)
+    found = solve_example(EXAMPLE_CELLS, by_cells=True)
     assert (found.cells, found.sticking) == (1276, 356)
     assert 30.0 * found.power == pytest.approx(540.4, abs=0.05)
 
 
 def test_order_counts_the_cells_of_its_own_grids_and_is_none_where_errors_do_not_fall():
     values = (1.0 + 0.1, 1.0 - 0.09, 1.0 + 0.1 / FINER**2)
-    assert Proof("", "", values, 1.0, 1.0, values[-1], FINER).order == pytest.approx(2.0)
-    assert Proof("", "", values, 1.0, 1.0, values[-1], None).order is None
+    assert Verification("", "", values, 1.0, 1.0, values[-1], FINER).order == pytest.approx(2.0)
+    assert Verification("", "", values, 1.0, 1.0, values[-1], None).order is None
     for others in (values[::-1], *((1.1, middle, 1.01) for middle in (0.89, 1.1, 1.0, 1.001))):
-        assert Proof("", "", others, 1.0, 1.0, others[-1]).order is None
+        assert Verification("", "", others, 1.0, 1.0, others[-1]).order is None
 
 
 def test_a_narrow_strip_of_stick_has_no_order_and_says_so():
     """Its width changes with where cells lie: errors of -1.9, 0.3 and 0.8 % on ever finer grids."""
-    narrow = [p for p in rolling_proof._carter() if "0.95" in p.case]
+    narrow = [p for p in rolling_proof._verify_carter() if "0.95" in p.case]
     assert [p.order for p in narrow] == [None, None]
     assert all("no order" in p.quantity and p.reached for p in narrow)
     width = narrow[1]

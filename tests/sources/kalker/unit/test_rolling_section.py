@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.kalker import page as rolling
-from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Proof
+from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification
 from rollbench.compare.cases.kalker.page import PatchField
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
@@ -50,21 +50,21 @@ def _low(monkeypatch):
 @pytest.mark.usefixtures("_low")
 def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     proof = (
-        Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),
-        Proof("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9),
+        Verification("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),
+        Verification("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9),
         *(
-            Proof(f"full slip {way}, pole inside", "force", (1.0,) * 3, 1.0, 2.0, 1.0 + 0.01 * error)
+            Verification(f"full slip {way}, pole inside", "force", (1.0,) * 3, 1.0, 2.0, 1.0 + 0.01 * error)
             for way, error in ((BY_GRID, -1.5), (RESOLVED, 0.05), (AS_RUNS, 0.02), (AS_RUNS, -0.01))
         ),
     )
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
-    monkeypatch.setattr(rolling, "proofs", lambda **_: proof)
+    monkeypatch.setattr(rolling, "verifications", lambda **_: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(rolling, "find_body_sizes", lambda _, **__: KeptSizes((Variant("as shipped", values),), "Kept."))
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
-    monkeypatch.setattr(rolling, "fields", lambda: (field,))
+    monkeypatch.setattr(rolling, "patch_fields", lambda: (field,))
     beyond = Change("lin-pair-a", "grid", "finer", 0.5, 0.4)
     monkeypatch.setattr(rolling, "grid_changes", lambda *_: (beyond, replace(beyond, change=0.3)))
     section = rolling.make_section(Study(), lambda _: None)

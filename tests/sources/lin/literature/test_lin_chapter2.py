@@ -4,7 +4,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
-from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, ratio
+from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, load_ratio
 from rollbench.compare.cases.lin.pages import chapter_2
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -37,12 +37,12 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
     """1.34 is inside the spread of the open choices: about 1.30 (coarse partition) to 1.34 (C.8 without its root)."""
     for expected, change in ((1.300, {"partition": "source"}), (1.344, {"section": "groove squared"})):
         load = STUDY.solve(STUDY.changed("lin-case1", **change)).load[:, 0]
-        assert ratio(load) == pytest.approx(expected, abs=2e-3)
+        assert load_ratio(load) == pytest.approx(expected, abs=2e-3)
 
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
-    rows = {row["scene"]: row for row in chapter_2.readings_table(STUDY).rows}
+    rows = {row["scene"]: row for row in chapter_2.end_support_table(STUDY).rows}
     changes = {"lin-case3-ux": 7.37, "lin-case3-offset-ux": 8.34}
     assert [name for name, row in rows.items() if row["text"] == "yes"] == list(changes)
     assert rows["lin-case3"]["lin_change"] == 0.0

@@ -7,7 +7,7 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.rotary_linear import claim_maps, pair
+from rollbench.compare.cases.lin.evidence.rotary_linear import force_and_loss_maps, solve_linear_pair
 from rollbench.compare.printed import load_table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -28,7 +28,7 @@ def test_open_numbers_are_only_shown() -> None:
 
 def test_claim_increase_grows() -> None:
     """lin-3.3:worst_increase, with the force: along theta and along rho, where balls touch."""
-    m = claim_maps()
+    m = force_and_loss_maps()
     ratio, force = m.ratio.numerical, m.force.numerical
     touching = ratio[4:, 2::-1]  # theta = 1, 2, 3 degrees; rho = -0.2, -0.4, -0.6
     for field in (touching, force[4:, 2::-1]):
@@ -40,7 +40,7 @@ def test_claim_increase_grows() -> None:
 
 def test_claim_models_agree_away_from_the_corners() -> None:
     """lin-3.3:maps_agree: within a tenth of the largest value for half the range, a good deal more at the corners."""
-    m = claim_maps()
+    m = force_and_loss_maps()
     inner = (slice(2, 5), slice(2, 5))
     for both, base in [(m.difference, 0.0), (m.force, 0.0), (m.ratio, 1.0)]:
         ours, error = both.numerical - base, both.error
@@ -51,7 +51,7 @@ def test_claim_models_agree_away_from_the_corners() -> None:
 
 def test_claim_contact_only_where_balls_close_in() -> None:
     """lin-3.3:sign_region."""
-    m = claim_maps()
+    m = force_and_loss_maps()
     assert m.failures == 0
     closing, force = m.difference.numerical > 1e-9, m.force.numerical
     assert np.all(force[closing] > 0.0)
@@ -61,9 +61,9 @@ def test_claim_contact_only_where_balls_close_in() -> None:
 def test_spread_of_what_the_text_leaves_open() -> None:
     """The band of the numerical force in lin-3.5 and the remarks in lin-3.3, lin-3.4, by the readings they name."""
     forces = {"diagonal": 3.98, "balanced": 4.065, "elastic": 4.042}
-    assert {loads: pair(loads=loads).force for loads in forces} == pytest.approx(forces, abs=5e-3)
-    equal = pair(loads="diagonal").free.deviation
+    assert {loads: solve_linear_pair(loads=loads).force for loads in forces} == pytest.approx(forces, abs=5e-3)
+    equal = solve_linear_pair(loads="diagonal").free.deviation
     assert equal[0] == pytest.approx(-equal[1], rel=1e-9)
     assert 100.0 * equal[0] == pytest.approx(0.81, abs=5e-3)
-    assert 100.0 * pair(radians(3.0), "elastic").rubbing_ratio == pytest.approx(185.3, abs=0.05)
-    assert 100.0 * pair(radians(3.0)).friction_increase == pytest.approx(89.5, abs=0.5)
+    assert 100.0 * solve_linear_pair(radians(3.0), "elastic").rubbing_ratio == pytest.approx(185.3, abs=0.05)
+    assert 100.0 * solve_linear_pair(radians(3.0)).friction_increase == pytest.approx(89.5, abs=0.5)

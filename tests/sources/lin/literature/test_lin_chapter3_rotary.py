@@ -12,7 +12,7 @@ from rollbench.lowfi.friction.screw.motion import source_law
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-SHARPNESS = source_cases.rotary("I", printed=True).sharpness
+SHARPNESS = source_cases.rotary_scene("I", printed=True).sharpness
 #: The source's law with exact integrals in place of its maps.
 EXACT = source_law(rotary_linear.ROTARY, SHARPNESS)
 
@@ -32,7 +32,7 @@ def test_forces_to_every_printed_digit() -> None:
     for case in rotary_linear.CASES:
         for side in SIDES:
             row = table[f"F_{side}_{case}"]
-            value = rotary_linear.rotary_value(rotary_linear.as_printed(case), f"F_{side}")
+            value = rotary_linear.rotary_value(rotary_linear.solve_rotary_as_printed(case), f"F_{side}")
             assert f"{value:.4f}" == row.printed or (row.printed == "0" and value == 0.0)
 
 
@@ -62,7 +62,7 @@ def test_step_of_the_maps_is_inferred_from_case_iii(spacing: float | None) -> No
 
 def test_interpolated_maps_break_the_balance_of_power() -> None:
     """Fault of the source: with its maps torque 3.21 is 0.2 % more than the moment friction exerts on the ring."""
-    s = rotary_linear.as_printed("III")
+    s = rotary_linear.solve_rotary_as_printed("III")
     assert s.torque / inner_torque(rotary_linear.ROTARY, s.load, s.motion) - 1.0 == pytest.approx(1.92e-3, abs=1e-4)
     exact = as_source(rotary_linear.CASES["III"])
     assert exact.torque == pytest.approx(inner_torque(rotary_linear.ROTARY, exact.load, exact.motion), rel=1e-9)
@@ -87,7 +87,7 @@ def test_right_values_balance_power(case: str, rest: int, force: float, torque: 
 
 def test_transition_of_figure_3_7() -> None:
     """Forces nearly constant before four-point contact, torque then rises much faster than force."""
-    start, end = rotary_linear.as_printed("I"), rotary_linear.as_printed("III")
+    start, end = rotary_linear.solve_rotary_as_printed("I"), rotary_linear.solve_rotary_as_printed("III")
     early = as_source(3e-6, rotary_linear.PRINTED_LAW)
     assert early.load.force.sum() == pytest.approx(start.load.force.sum(), rel=5e-3)
     assert np.sum(early.load.force > 0.0) == 2
@@ -97,16 +97,18 @@ def test_transition_of_figure_3_7() -> None:
 def test_appendix_g() -> None:
     """The printed a/R is cut off, not rounded, and conformity 0.52 is the widest of those plotted."""
     table, pressure = rows("lin-G"), 1e6 * rows("lin-G")["pressure"].value
-    a_over_r = rotary_linear.straight_groove(0.52, pressure)[1]
+    a_over_r = rotary_linear.straight_groove_contact(0.52, pressure)[1]
     assert a_over_r == pytest.approx(0.2186, abs=5e-5)
-    assert max(rotary_linear.straight_groove(c, pressure)[1] for c in (0.54, 0.56, 0.58, 0.60)) < a_over_r
+    assert max(rotary_linear.straight_groove_contact(c, pressure)[1] for c in (0.54, 0.56, 0.58, 0.60)) < a_over_r
     assert table["a_over_R"].value < a_over_r - table["a_over_R"].tolerance
 
 
 def test_linear_slope_of_the_source() -> None:
     """1.38 lies between the secants to c/a = 0.5 and the slopes at 0 of all conformities; its error is 4 to 7 %."""
     row, pressure = rows("lin-G")["k_f"], 1e6 * rows("lin-G")["pressure"].value
-    ratios = np.array([rotary_linear.straight_groove(c, pressure)[0] for c in (0.515, 0.52, 0.54, 0.56, 0.58, 0.60)])
+    ratios = np.array(
+        [rotary_linear.straight_groove_contact(c, pressure)[0] for c in (0.515, 0.52, 0.54, 0.56, 0.58, 0.60)]
+    )
     start, end = linear_factor(ratios), linear_factor(ratios) - 0.25 * cubic_factor(ratios)
     assert row.low == pytest.approx(np.min(end), abs=1e-2)
     assert row.high == pytest.approx(np.max(start), abs=1e-2)

@@ -10,7 +10,7 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, as_stepped, pair
+from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, simulate_in_200_steps, solve_screw_pair
 from rollbench.lowfi.friction.screw.run import (
     BOTH,
     SHIFTED,
@@ -25,7 +25,7 @@ from rollbench.lowfi.friction.screw.run import (
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-THETA = {case: source_cases.deviation(case) for case in source_cases.PAIR_SCENES}
+THETA = {case: source_cases.pair_angle_deviation(case) for case in source_cases.PAIR_SCENES}
 
 
 @pytest.mark.parametrize("key", keys("lin-3.6", "lin-3.7", "lin-3.4.4"))
@@ -38,7 +38,7 @@ def reading(name: str, case: str) -> PairResult:
     theta = THETA[case]
     if name == "radial":
         return solve_pair(replace(source_cases.case_as_printed(theta), free="r", force=(100.0,), coupling="none"))
-    return pair(case, "plain" if name == "plain" else "inferred")
+    return solve_screw_pair(case, "plain" if name == "plain" else "inferred")
 
 
 @pytest.mark.parametrize("case", THETA)
@@ -130,7 +130,7 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 @cache
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     if phase == 0.0:
-        return summarise(as_stepped(amplitude))
+        return summarise(simulate_in_200_steps(amplitude))
     return summarise(equal_steps(source_cases.lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 

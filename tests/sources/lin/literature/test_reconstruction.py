@@ -25,11 +25,13 @@ def study():
 
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
     for these, loads, movers in (
-        (readings.LOW, readings.low_loads, readings.LOW_MOVERS),
-        ([r for r in readings.SOLID if not r.penalty], readings.solid_loads, readings.MOVERS),
+        (readings.LOW, readings.low_order_loads, readings.LOW_MOVERS),
+        ([r for r in readings.SOLID if not r.penalty], readings.loads_in_3d, readings.MOVERS),
     ):
-        base = readings.ratio(loads(study, ())[0])
-        moves = {r.key for r in these if not r.by_text and abs(readings.ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005}
+        base = readings.load_ratio(loads(study, ())[0])
+        moves = {
+            r.key for r in these if not r.by_text and abs(readings.load_ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005
+        }
         assert moves == set(movers)
 
 
@@ -37,13 +39,13 @@ def test_combinations_are_of_different_choices():
     for c in readings.combinations_of(readings.SOLID, 3):
         assert len({r.choice for r in c}) == len(c)
     assert len(readings.combinations_in_3d()) == len({readings.key_of(c) for c in readings.combinations_in_3d()}) == 26
-    assert all(readings.stored(c) is not None for c in readings.combinations_in_3d())
+    assert all(readings.stored_loads(c) is not None for c in readings.combinations_in_3d())
 
 
 def test_no_combination_has_all_that_is_printed(study):
     """One has the ratio and not the fall of the largest error, the penalties have more of the fall and too small an RMS."""
-    found = study.once(readings.every_combination)
-    shown, printed = readings.explanations(found), readings.printed_errors()
+    found = study.once(readings.evaluate_combinations)
+    shown, printed = readings.shown_combinations(found), readings.printed_errors()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
     assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
     assert (readings.key_of(near.low), readings.key_of(near.solid)) == ("squared+source", "plain")
@@ -75,13 +77,13 @@ def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     size = np.cbrt(force / exact.load) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)
     share = 0.75 * mean / run.settings["penalty_N_m3"] / (exact.approach * size)
-    assert readings.penalty_share(study, tuple(r for r in readings.SOLID if r.key == "penalty")) == pytest.approx(
-        share, rel=0.1
-    )
+    assert readings.relative_penalty_approach(
+        study, tuple(r for r in readings.SOLID if r.key == "penalty")
+    ) == pytest.approx(share, rel=0.1)
 
 
 def test_the_page_answers_first_and_says_what_friction_does(study):
-    found = study.once(readings.every_combination)
+    found = study.once(readings.evaluate_combinations)
     text = reconstruction.first_paragraph(found)
     assert text.startswith("Where does 5.38 % come from? It is not identified.")
     assert "penalty" in text
@@ -109,17 +111,19 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = readings.nearest(readings.without_penalty(study.once(readings.every_combination)), 2)
-    loads = readings.low_loads(study, best.low), readings.solid_loads(study, best.solid)
+    best = readings.nearest_combination(readings.without_penalty(study.once(readings.evaluate_combinations)), 2)
+    loads = readings.low_order_loads(study, best.low), readings.loads_in_3d(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
         still = readings.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
     drawn = readings.drawn_errors(*loads, 1.0)
     assert (np.median(drawn, axis=0) > still[0]).all()
-    assert 0.0 < readings.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
+    assert 0.0 < readings.load_change_per_approach(loads[1]) < 1.5  # less than between rigid bodies
     less = readings.drawn_errors(*loads, 0.2)
-    assert readings.probability(drawn, 0.265, 0.15) > 10.0 * readings.probability(less, 0.265, 0.15)
+    assert readings.fraction_with_fall_and_rise(drawn, 0.265, 0.15) > 10.0 * readings.fraction_with_fall_and_rise(
+        less, 0.265, 0.15
+    )
 
 
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
@@ -132,7 +136,7 @@ def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
 
 def test_other_statements(study):
     verdicts = defaultdict(list)
-    for row in reconstruction.other_table(study).rows:
+    for row in reconstruction.other_statements_table(study).rows:
         verdicts[row["place"]].append(row["verdict"])
     assert {verdict.count("held") for verdict in verdicts["2.4.1.3, case 3"]} == {3}
     assert "may be its mesh" in verdicts["Table 3.5 (a)"][0]
@@ -140,7 +144,7 @@ def test_other_statements(study):
 
 
 def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study):
-    found = study.once(readings.every_combination)
+    found = study.once(readings.evaluate_combinations)
     table = reconstruction.combination_table(found).rows
     assert len({(row["low order"], row["3D"]) for row in table}) == len(table) == len(found)
     printed = {"case1_max_error": 5.38, "case1_rms_error": 2.30, "case2_max_error": 4.85, "case2_rms_error": 2.60}
@@ -149,7 +153,7 @@ def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study)
         misses += [row[f"own_{key}"] - value for key, value in printed.items()]
         assert row["missed"] == pytest.approx(np.sqrt(np.mean(np.square(misses))))
     best = min((row for row in table if row["text"] == "silent"), key=lambda row: row["missed"])
-    shown = {row["explanation"]: row for row in reconstruction.missed_table(found).rows}
+    shown = {row["explanation"]: row for row in reconstruction.deviations_table(found).rows}
     assert shown["nearest in all six"]["own_case1_max_error"] == pytest.approx(best["own_case1_max_error"] - 5.38)
 
 
@@ -178,7 +182,7 @@ def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shi
     middle, centre = rolled(shift, tilt)
     phi = np.linalg.norm(middle - 0.5 * (centre + np.array([-h, 0.0]))) / h
     assert phi == pytest.approx(abs(tilt) * r / (2.0 * h), abs=2e-5)
-    assert readings.tilt_that_slides(SCENE) * r / (2.0 * h) == pytest.approx(readings.MU)
+    assert readings.tilt_at_onset_of_sliding(SCENE) * r / (2.0 * h) == pytest.approx(readings.MU)
 
 
 def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fills_the_grooves_more():
@@ -189,7 +193,7 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
     away = middle - arcs
     distance = np.linalg.norm(away, axis=1)
     normal = away / distance[:, None]  # on the groove
-    assert distance - h == pytest.approx(pressed + readings.closure(SCENE), rel=1e-3)
+    assert distance - h == pytest.approx(pressed + readings.effective_oversize(SCENE), rel=1e-3)
     across = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     places = middle + ball * normal
     line = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
@@ -200,19 +204,19 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
-    solid = readings.solid_loads(study, FRICTION["off-line"])
-    low = [study.solve(readings.off_line(catalogue.scene(c)), "lin").load for c in readings.CASES]
-    for found, base in ((solid, readings.solid_loads(study, ())), (low, readings.low_loads(study, ()))):
+    solid = readings.loads_in_3d(study, FRICTION["off-line"])
+    low = [study.solve(readings.displace_balls_by_friction(catalogue.scene(c)), "lin").load for c in readings.CASES]
+    for found, base in ((solid, readings.loads_in_3d(study, ())), (low, readings.low_order_loads(study, ()))):
         for a, b in zip(found, base, strict=True):
             assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
-            assert readings.ratio(a) / readings.ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
+            assert readings.load_ratio(a) / readings.load_ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
 
 
 @pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
 def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, key, sense):
     """Summed from stored loads and angles; and the loads as of a contact angle that is turned by that of friction."""
     alpha = float(np.arctan(SCENE.track.lead / (2.0 * np.pi * SCENE.track.pitch_radius)))
-    for scene, name in zip(readings.scenes(FRICTION[key]), readings.CASES, strict=True):
+    for scene, name in zip(readings.scenes_in_3d(FRICTION[key]), readings.CASES, strict=True):
         run = load_run(scene, readings.LEVEL, stores=[readings.RUNS])
         force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
         axial = np.cos(alpha) * (force * (np.sin(angle) + sense * readings.MU * np.cos(angle))).sum()
@@ -222,5 +226,5 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
             case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(readings.MU))
         )
         low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, case))
-        solid = readings.solid_loads(study, ())[readings.CASES.index(name)][:, 0].mean()
+        solid = readings.loads_in_3d(study, ())[readings.CASES.index(name)][:, 0].mean()
         assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.reconstruction.solvers import Dragging
+from rollbench.compare.cases.lin.reconstruction.solvers import SlidingLoadCase
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.groove_map import GrooveMap
 
@@ -22,7 +22,7 @@ def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu:
     normals = np.stack([np.concatenate([-x, x]) for x in (left, right)])  # two balls, on SL and NR, SR and NL
     forces = np.random.default_rng(1).uniform(1.0, 2.0, (2, 2 * n))
     forces[1, n:] = 0.0
-    case = Dragging.__new__(Dragging)
+    case = SlidingLoadCase.__new__(SlidingLoadCase)
     zones = (slice(0, n), 0), (slice(n, 2 * n), 3)
     case.mu, case.sets = mu, [SimpleNamespace(setup=SimpleNamespace(map=m), zones=zones)]
     across = case.across(SimpleNamespace(forces=[forces], directions=[normals]))

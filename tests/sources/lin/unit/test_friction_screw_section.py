@@ -13,7 +13,7 @@ from tests.sources.entries import found
 from rollbench.compare.cases.lin import extremes
 from rollbench.compare.cases.lin import extremes as friction_stability
 from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.extremes import BALLS, Record, Tally
+from rollbench.compare.cases.lin.extremes import BALLS, GroupResult, Tally
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
@@ -41,7 +41,7 @@ def every_fourth(starts):
 
 
 @pytest.fixture(scope="module")
-def records() -> list[Record]:
+def records() -> list[GroupResult]:
     """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts, and the
     source's method on a quarter of the pairs: these take most of its time."""
     with pytest.MonkeyPatch.context() as patch:
@@ -49,7 +49,7 @@ def records() -> list[Record]:
             patch.setattr(extremes, name, value)
         for name in ("from_linear_starts", "from_pair_starts"):
             patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
-        return friction_stability.all_rows()
+        return friction_stability.all_group_results()
 
 
 def test_both_readings_stand_side_by_side(section):
@@ -83,9 +83,9 @@ def test_whole_runs_the_parts_of_their_torque_and_what_the_first_step_makes_with
         np.testing.assert_allclose(groove + ball, total, rtol=1e-12)
         assert ball.max() > 0.0
         assert 1.99 <= panel.series[0].x[-1] < 2.0
-    loose = screw.loose_run()
+    loose = screw.simulate_without_oversize()
     assert screw.summarise(loose).groove_variation > 0.3
-    assert screw.variation(loose) < 0.08
+    assert screw.torque_variation(loose) < 0.08
     assert all(share in found("lin-3.4.4:groove_steady").words for share in ("6.8%", "37%"))
 
 

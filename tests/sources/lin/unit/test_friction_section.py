@@ -62,7 +62,7 @@ def test_totals_of_case_iii():
 
 
 def test_misprinted_exponents_are_far_off():
-    assert rotary_linear.misprinted_force() < 0.1
+    assert rotary_linear.force_with_misprinted_exponents() < 0.1
     assert "0.017 N" in found("lin-3.5:a_force_analytic").words
 
 

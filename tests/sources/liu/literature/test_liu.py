@@ -38,7 +38,7 @@ def test_entry(key: str) -> None:
 
 def place(row):
     half = 0.0 if "loaded" in row.key else row.tolerance
-    return percentile(liu.sample_of(row.key), row.value, half)
+    return percentile(liu.sample_of_printed(row.key), row.value, half)
 
 
 @pytest.mark.parametrize("row", RANDOM, ids=lambda r: r.key)
@@ -48,7 +48,7 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
     Class open: fewer, or the draws spread wider; the words say how many.
     """
     p = place(row)
-    low, high = np.quantile(liu.sample_of(row.key), [0.005, 0.995])
+    low, high = np.quantile(liu.sample_of_printed(row.key), [0.005, 0.995])
     narrow = high - low <= 0.25 * (high + low)
     assert (row.cls == "band") == (p.tail >= liu.UNLIKELY and narrow), (row.key, p, low, high)
     words = by_key(row.key).words
@@ -59,7 +59,7 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
 @pytest.mark.parametrize("row", [r for r in RANDOM if r.cls == "band"], ids=lambda r: r.key)
 def test_bands_are_those_of_the_ensemble(row) -> None:
     """The range in the data holds the central 99 % and no more than the central 99.98 % and a twentieth of its width."""
-    values = liu.sample_of(row.key)
+    values = liu.sample_of_printed(row.key)
     low, high = np.quantile(values, [0.005, 0.995])
     assert row.low <= low + 0.02 * (high - low)
     assert row.high >= high - 0.02 * (high - low)
@@ -71,7 +71,7 @@ def test_bands_are_those_of_the_ensemble(row) -> None:
 
 def test_other_draws_give_the_same_percentiles() -> None:
     """Another seed: every percentile within four standard errors of both samples. All drawn screws converge."""
-    other = solve_ensemble(liu.screw(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
+    other = solve_ensemble(liu.calibrated_model(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
         a, b = place(row), percentile(other.values_at("largest", load), row.value, row.tolerance)
@@ -86,7 +86,7 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N. Medians of the counts at
     1000 N add up to all balls, and the printed ones are too many."""
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
-    assert all(words in liu.fewer_given(3, 42, 78) for words in ("1707 screws", " 1707 have"))
+    assert all(words in liu.count_matching_screws(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
         loaded = float(np.median(liu.drawn_sample(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
@@ -96,17 +96,17 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
 
 
 def test_what_the_calibration_implies() -> None:
-    assert liu.screw().compliance == pytest.approx(3.874e-12, rel=1e-3)
+    assert liu.calibrated_model().compliance == pytest.approx(3.874e-12, rel=1e-3)
     assert 1e6 * liu.implied_area(26.0) == pytest.approx(387.4, abs=0.1)
-    assert end_ratio(liu.screw(), liu.calibration_load()) == pytest.approx(liu.printed_ratio(), abs=1e-9)
+    assert end_ratio(liu.calibrated_model(), liu.calibration_load()) == pytest.approx(liu.printed_ratio(), abs=1e-9)
 
 
 def test_only_the_implicit_angle_gives_all_ratios() -> None:
     """Each reading calibrated alike: the printed ratio of Mei's model and at -2 um to half a unit of the last digit."""
     hits = {}
     for law in ("constant", "implicit", "exact"):
-        chain = liu.screw(law)
-        q = solve_chain(chain, liu.one_error(-2e-6), 1000.0).load
+        chain = liu.calibrated_model(law)
+        q = solve_chain(chain, liu.errors_of_ball_33(-2e-6), 1000.0).load
         mei = end_ratio(replace(chain, law="constant"), 5000.0)
         hits[law] = abs(q[-1] / q[0] - 0.919) <= 5e-4, abs(mei - 0.87) <= 1e-3
     assert hits == {"constant": (False, False), "implicit": (True, True), "exact": (False, False)}
@@ -116,7 +116,7 @@ def test_two_digits_exchanged() -> None:
     q = by_key("plus_Q33_5000").value
     assert q == pytest.approx(142.55, rel=4e-3)
     assert abs(q / 124.55 - 1.0) > 0.14
-    assert liu.error_of_load(124.55) == pytest.approx(1.36, abs=0.01)
+    assert liu.error_for_load(124.55) == pytest.approx(1.36, abs=0.01)
 
 
 def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None:
@@ -130,18 +130,18 @@ def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
-    stiffer = replace(liu.screw(), stiffness=1.034 * liu.screw().stiffness)
+    stiffer = replace(liu.calibrated_model(), stiffness=1.034 * liu.calibrated_model().stiffness)
     stiffer = calibrated(stiffer, liu.printed_ratio(), liu.calibration_load())
     assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
-    assert solve_chain(stiffer, liu.one_error(-2e-6), 5000.0).load[32] < 43.55 * 0.99
-    assert liu.secant(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
-    assert liu.secant(3000.0, 100.0) == pytest.approx(8.071, abs=1e-3)
+    assert solve_chain(stiffer, liu.errors_of_ball_33(-2e-6), 5000.0).load[32] < 43.55 * 0.99
+    assert liu.secant_stiffness(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
+    assert liu.secant_stiffness(3000.0, 100.0) == pytest.approx(8.071, abs=1e-3)
 
 
 def test_single_ball_by_hand() -> None:
     """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
-    first, last = liu.loads_of_others()
-    assert first == pytest.approx(liu.screw().slope * liu.screw().stiffness * 2e-6**1.5, rel=0.02)
+    first, last = liu.first_carrying_loads()
+    assert first == pytest.approx(liu.calibrated_model().slope * liu.calibrated_model().stiffness * 2e-6**1.5, rel=0.02)
     assert first < last
-    low, high = liu.others_change(-2.0)
+    low, high = liu.load_change_of_other_balls(-2.0)
     assert 0.0 < low < high

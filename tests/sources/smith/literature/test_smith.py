@@ -47,7 +47,7 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
 
 def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
     """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
-    faulty, right = bearings.sheet(2040.0), bearings.sheet(2040.0, None)
+    faulty, right = bearings.ball_spreadsheet(2040.0), bearings.ball_spreadsheet(2040.0, None)
     assert right.differences[1] == pytest.approx(0.88444, abs=1e-5)
     assert np.degrees(faulty.angle) == pytest.approx(58.27003, abs=2e-3)
     assert right.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
@@ -76,12 +76,12 @@ def test_rib_contact() -> None:
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)
     assert 2.0 / 3.0 * np.pi * a * b * peak == pytest.approx(160.0, abs=1.0)
-    assert bearings.contacts().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
+    assert bearings.roller_contacts_under_thrust().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
 
 
 def test_first_approximations() -> None:
     """2.24 in pounds and inches: 9 % off the right deflection at the load of the sheets."""
-    right = bearings.state(bearings.SHEET_LOAD)
+    right = bearings.thrust_state_of_ball_bearing(bearings.SHEET_LOAD)
     sine = float(np.sin(right.angle))
     rough = 1.58e-5 * (2040.0 / (18 * sine)) ** 0.667 / (0.34375**0.333 * sine)
     assert rough * bearings.INCH / float(right.displacement) == pytest.approx(0.914, abs=5e-3)
@@ -94,12 +94,14 @@ def test_source_s_sharing_balances_too_much() -> None:
             s = np.array(bearings.DIRECTIONS[kind][end])
             preload = (1020.0, 1020.0, 2040.0) if end == "left" else (2040.0, 1020.0, 1020.0)
             pre = preload if kind == "ball" else (1500.0, 1500.0)
-            after, loaded = (s @ np.array(axis.printed_loads(kind, end, state, pre)) for state in ("stretch", "applied"))
+            after, loaded = (
+                s @ np.array(axis.row_loads_as_printed(kind, end, state, pre)) for state in ("stretch", "applied")
+            )
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
             assert loaded - after == pytest.approx(sign * 1000.0)
             ours = [float(s @ axis.end_state(kind, end, state).loads) / bearings.POUND for state in ("stretch", "applied")]
-            assert ours[0] == pytest.approx(axis.pull() / bearings.POUND, rel=1e-10)
+            assert ours[0] == pytest.approx(axis.screw_tension() / bearings.POUND, rel=1e-10)
             assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
 
 
@@ -117,8 +119,8 @@ def test_comparison_of_contact_areas_reverses() -> None:
 
 
 def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
-    low, high = bearings.rounding_range()
-    assert 0.0004660 < low < bearings.sheet_deflection() < high
+    low, high = bearings.taper_deflection_range()
+    assert 0.0004660 < low < bearings.taper_spreadsheet_deflection() < high
 
 
 def test_unseating_takes_three_times_the_printed_load() -> None:
@@ -126,13 +128,13 @@ def test_unseating_takes_three_times_the_printed_load() -> None:
     limit = axis.unseating_load(axis.REDUCED)
     assert limit / bearings.POUND == pytest.approx(645.5, abs=0.5)
     rows = bearings.bearing_set("taper", "left", axis.REDUCED)
-    before, after = (equilibrium(rows, axis.pull() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001))
+    before, after = (equilibrium(rows, axis.screw_tension() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001))
     assert before > 0.0 == after
 
 
 def test_assumptions_matter_as_said() -> None:
     """Depth of the rings: 2.5 to 10 mm is 16 % of the tapered bearing's stiffness; nothing makes it 3.60e6."""
-    soft, stiff = (bearings.tangent_stiffness(1500.0, depth) for depth in reversed(bearings.DEPTHS))
+    soft, stiff = (bearings.taper_stiffness(1500.0, depth) for depth in reversed(bearings.DEPTHS))
     assert stiff / soft == pytest.approx(1.163, abs=5e-3)
     assert soft > 1.4 * 3.60e6
 

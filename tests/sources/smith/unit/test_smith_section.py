@@ -53,5 +53,5 @@ def test_case_in_si():
     assert b.ball_diameter == pytest.approx(8.73125e-3, rel=1e-12)
     assert t.cup_angle == pytest.approx(np.radians(30.8))
     assert pytest.approx(4.4482216152605 / 0.0254) == bearings.POUND_PER_INCH
-    with pytest.raises(KeyError, match="no number"):
+    with pytest.raises(KeyError, match="four_times"):
         Findings("smith-5").printed("four_times")
