@@ -218,8 +218,5 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         assumptions_table(study),
     )
     return Section(
-        "external",
-        "Comparison with other programs, catalogues and textbooks",
-        items,
-        conclusion=agreement_sentence(found),
+        "external", "Comparison with other programs, catalogues and textbooks", items, conclusion=agreement_sentence(found)
     )

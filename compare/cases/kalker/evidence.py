@@ -180,7 +180,8 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
     at, load, material = _most_loaded_contact()
     exact = static_reference_contact()
     found = [
-        _contact_quantities(verification.solve_normal_contact_at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()
+        _contact_quantities(verification.solve_normal_contact_at_rest(at, load, *material, shape, Sizes()))
+        for shape in LEVELS.values()
     ]
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
         values = tuple(one[k] for one in found)
