@@ -431,7 +431,7 @@ def newton_iteration(system: System, x: Array, load: Array, tolerance: float) ->
     return x, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"
 
 
-def best_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
+def solve_with_fallback_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
     """Return Lin's Newton from the designer's guess, or by load steps where that fails.
 
     Parameters

@@ -172,9 +172,9 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     target = np.log(np.minimum(few, 1.0))
     x = 0.636 * target
     for _ in range(60):
-        f = _log_ratio(x) - target
+        f = _log_curvature_ratio(x) - target
         h = 1e-6
-        slope = (_log_ratio(x + h) - _log_ratio(x - h)) / (2.0 * h)
+        slope = (_log_curvature_ratio(x + h) - _log_curvature_ratio(x - h)) / (2.0 * h)
         step = f / slope
         x = np.minimum(x - step, 0.0)
         if np.all(np.abs(step) <= 4e-16 * np.maximum(1.0, np.abs(x)) * 4.0):
@@ -182,7 +182,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     return np.asarray(np.exp(x)[place].reshape(ratio.shape))
 
 
-def _log_ratio(x: Array) -> Array:
+def _log_curvature_ratio(x: Array) -> Array:
     _, along, across = complete_integrals(np.exp(x))
     return np.asarray(np.log(along / across))
 

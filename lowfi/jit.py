@@ -9,8 +9,8 @@ that of a variable, and the called kernel is compiled for each of them: where ca
 
 What this module is for:
 
-* One solve compiles nothing, even without any cache: code that solves once asks by `cached` and `loaded` whether machine
-  code is there, takes plain Python where it is not, and may have it compiled once the result is printed (`afterwards`).
+* One solve compiles nothing, even without any cache: code that solves once asks by `is_machine_code_cached` and `is_copy_loaded` whether machine
+  code is there, takes plain Python where it is not, and may have it compiled once the result is printed (`register_compile_job`).
 * Stale machine code is never used: it is in the user's cache under a digest of the sources of all kernels, as numba itself
   looks only at the file of a function, in a folder that nobody else may write to, as it is executed.
 * An interrupt while numba compiles is safe: it waits until the kernel at hand is compiled.
@@ -90,8 +90,8 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
     if not (compiled and _numba_works()):
         return importlib.import_module(package)
     for other in used:
-        _load(other)
-    return _load(package)
+        _load_copy(other)
+    return _load_copy(package)
 
 
 @cache
@@ -104,22 +104,22 @@ def _numba_works() -> bool:
     return not missing
 
 
-def _copy_name(package: str) -> str:
+def _compiled_name(package: str) -> str:
     return f"rollbench.lowfi.{_MARK}{package.removeprefix('rollbench.lowfi.').replace('.', '_')}"
 
 
-def _folder(package: str) -> Path:
+def _package_folder(package: str) -> Path:
     return Path(__file__).parents[1].joinpath(*package.split(".")[1:])
 
 
 @cache
-def _load(package: str) -> ModuleType:
+def _load_copy(package: str) -> ModuleType:
     """Load the files of a package as another package."""
     with _numba_writes_to(package):
-        return _loaded_as(_copy_name(package), _folder(package) / "__init__.py")
+        return _load_file_as(_compiled_name(package), _package_folder(package) / "__init__.py")
 
 
-def _loaded_as(name: str, path: Path, **given: Any) -> ModuleType:
+def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
     """Load a file as a module of a given name, or as a package where it is an ``__init__.py``.
 
     given: global variables that it has from the start. Raises ImportError where there is no such file.
@@ -135,25 +135,25 @@ def _loaded_as(name: str, path: Path, **given: Any) -> ModuleType:
     return module
 
 
-def driver_of(system: str, driver: str) -> ModuleType:
+def load_driver(system: str, driver: str) -> ModuleType:
     """Load the module ``driver`` of a kernel package once more, for the module of name ``system`` there.
 
     Its global ``system`` is that module, whose functions it calls: numba caches machine code of functions, but not of
     closures over others.
     """
     of = sys.modules[system]
-    return _loaded_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
+    return _load_file_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
 
 
 # One solve compiles nothing
 
 
-def loaded(package: str) -> bool:
+def is_copy_loaded(package: str) -> bool:
     """Return whether the compiled copy of a kernel package is loaded in this process."""
-    return _copy_name(package) in sys.modules
+    return _compiled_name(package) in sys.modules
 
 
-def cached(package: str = "") -> bool:
+def is_machine_code_cached(package: str = "") -> bool:
     """Return whether machine code of these sources is on disk, of a package or of any.
 
     Parameters
@@ -169,7 +169,7 @@ def cached(package: str = "") -> bool:
 _afterwards: dict[str, Callable[[], object]] = {}
 
 
-def afterwards(package: str, job: Callable[[], object]) -> None:
+def register_compile_job(package: str, job: Callable[[], object]) -> None:
     """Register a job that uses the compiled kernels of a package, for `compile_afterwards`, which commands call last."""
     _afterwards[package] = job
 
@@ -188,7 +188,7 @@ def digest() -> str:
     """Return a digest of the sources of all kernel packages, of the types they take, and of this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
-        folder = _folder(package)
+        folder = _package_folder(package)
         for source in (*sorted(folder.glob("*.py")), *folder.parent.glob("kernel_types.py")):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:20]
@@ -259,7 +259,7 @@ def _hold_signals_back() -> None:
 
         def on_start(self, event: Any) -> None:
             if event.kind == KERNEL:
-                _announce()
+                _announce_compilation()
             if event.kind == LOCK and threading.current_thread() is threading.main_thread():
                 self.depth += 1
                 if self.depth == 1:
@@ -287,7 +287,7 @@ def _hold_signals_back() -> None:
 
 
 @cache
-def _announce() -> None:
+def _announce_compilation() -> None:
     """Print, before the first kernel is compiled, why nothing else is printed for a while."""
     import multiprocessing
 

@@ -143,7 +143,7 @@ class LineLaw:
         return np.where(q > 0.0, 0.5 * q**2 * (self.g - self.s * (0.5 + np.log(safe))), 0.0)
 
 
-def between_races(
+def approach_law_of_races(
     roller_radius: Array | float,
     race_curvatures: tuple[Array | float, Array | float],
     depths: tuple[float, float],
@@ -174,7 +174,7 @@ def between_races(
     --------
     A roller of 10 mm between races of radii 30 and 40 mm, 100 N/mm: the approach [um].
 
-    >>> law = between_races(5e-3, (1 / 30e-3, -1 / 40e-3), (8e-3, 8e-3), 210e9, 0.3)
+    >>> law = approach_law_of_races(5e-3, (1 / 30e-3, -1 / 40e-3), (8e-3, 8e-3), 210e9, 0.3)
     >>> round(float(law.approach(1e5)) * 1e6, 3), round(float(law.line_load(law.approach(1e5))), 6)
     (5.663, 100000.0)
     """
@@ -252,7 +252,7 @@ class TaperedBearing:
     def law(self, along: Array | float = 0.0) -> LineLaw:
         """Return the law of approach of a roller between its races, at distances [m] along the roller from its middle."""
         roller, cone, cup = self.radii(along)
-        return between_races(roller, (1.0 / cone, -1.0 / cup), (self.depth, self.depth), self.young, self.poisson)
+        return approach_law_of_races(roller, (1.0 / cone, -1.0 / cup), (self.depth, self.depth), self.young, self.poisson)
 
 
 @dataclass(frozen=True)
@@ -326,7 +326,7 @@ class TaperedRow:
         return float(b.law().approach(load / (b.rollers * b.length * sin)) / sin)
 
 
-def tapered(row: RollerRow) -> TaperedBearing:
+def tapered_bearing(row: RollerRow) -> TaperedBearing:
     """Return a scene's row of rollers as a `TaperedBearing`; raises ValueError where its numbers describe none.
 
     Parameters
@@ -364,7 +364,7 @@ class SliceState:
     line_loads: Array
 
 
-def middles(length: float, slices: int) -> Array:
+def slice_middles(length: float, slices: int) -> Array:
     """Return the middles of equal slices of a roller ``(n,)`` [m], between -L/2 and L/2.
 
     Parameters
@@ -390,7 +390,7 @@ def circular_crown(radius: float) -> Callable[[Array], Array]:
     return lambda x: x**2 / radius
 
 
-def sliced(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Array] | None = None) -> SlicedRoller:
+def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Array] | None = None) -> SlicedRoller:
     """Cut a bearing's roller into equal slices.
 
     Parameters
@@ -404,7 +404,7 @@ def sliced(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Arra
         for
         a straight roller.
     """
-    x = middles(bearing.length, slices)
+    x = slice_middles(bearing.length, slices)
     drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
     return SlicedRoller(bearing.law(), x, bearing.length, drop)
 
@@ -431,7 +431,7 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
     ----------
     Johnson (1985), 4.43 and 4.45.
     """
-    roller, cone, cup = bearing.radii(middles(bearing.length, line_loads.shape[-1]))
+    roller, cone, cup = bearing.radii(slice_middles(bearing.length, line_loads.shape[-1]))
     curvature = np.stack([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup], axis=-1)
     q = np.asarray(line_loads, dtype=float)[..., None]
     b = half_width(q, curvature, contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson))
@@ -445,7 +445,7 @@ def slice_state(roller: SlicedRoller, approach: float) -> SliceState:
     return SliceState(float(width * q.sum()), float(width * roller.law.slope(q).sum()), q)
 
 
-def approach_of(roller: SlicedRoller, force: float) -> float:
+def approach_under_force(roller: SlicedRoller, force: float) -> float:
     """Return the approach of the raceways [m] under a force on a sliced roller [N], to round-off.
 
     Raises
@@ -475,7 +475,7 @@ class SlicedRow:
 
     def __post_init__(self) -> None:
         """Slice the roller once."""
-        object.__setattr__(self, "roller", sliced(self.bearing, self.slices, self.profile))
+        object.__setattr__(self, "roller", slice_roller(self.bearing, self.slices, self.profile))
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
@@ -496,4 +496,4 @@ class SlicedRow:
             A thrust that is not positive.
         """
         sin = np.sin(self.bearing.cup_angle)
-        return float(approach_of(self.roller, load / (self.bearing.rollers * sin)) / sin)
+        return float(approach_under_force(self.roller, load / (self.bearing.rollers * sin)) / sin)

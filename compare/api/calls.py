@@ -415,9 +415,9 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     >>> round(found.torque, 3), round(found.efficiency_forward, 3)
     (0.838, 0.95)
     """
-    from rollbench.compare.studies.friction.solve import solve_for_library
+    from rollbench.compare.studies.friction.solve import friction_for_library
 
-    data = solve_for_library(_described(scene), tuple(mu), model)
+    data = friction_for_library(_described(scene), tuple(mu), model)
     return friction_from_json(data)
 
 
@@ -764,10 +764,12 @@ def table(
     [301, 381, 438]
     """
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.studies.table import asked_for, solve_table
+    from rollbench.compare.studies.table import check_request, solve_table
     from rollbench.meshes.cache import default_root
 
-    return solve_table(asked_for(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info)
+    return solve_table(
+        check_request(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info
+    )
 
 
 @held_to_one_thread()

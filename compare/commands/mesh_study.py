@@ -94,12 +94,12 @@ def run_mesh_study(
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.sections.curves import study_figure
     from rollbench.compare.studies.mesh_study import (
+        accuracy_sentence,
         chosen_levels,
-        closing_lines,
         compute_study,
-        extreme_rows,
         level_rows,
-        referenced_table,
+        table_of_reference,
+        terminal_rows,
     )
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
@@ -108,7 +108,7 @@ def run_mesh_study(
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
     for one in references:
-        table, stem = referenced_table(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        table, stem = table_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         rows = table if one.of is None else [{"set": one.of.name, **row} for row in table]
         tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
         write_csv(Path(f"{stem}.csv"), rows)
@@ -120,10 +120,10 @@ def run_mesh_study(
             "",
             aligned_table(level_rows(one.found)),
             "",
-            aligned_table(extreme_rows(table)),
+            aligned_table(terminal_rows(table)),
             "",
         ]
-        parts += [closing_lines(one.found), *filter(None, [one.found.unsettled])]
+        parts += [accuracy_sentence(one.found), *filter(None, [one.found.unsettled])]
         parts.append(f"every contact: {stem}.csv and {why_no_figure() or '.svg'}")
     return Answer(tables, parts, exit_code(one.found for one in references))
 
@@ -153,7 +153,7 @@ def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: 
 def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> Answer:
     """Compute what is missing (fresh: everything again), answer with a table for each kind of roller.
 
-    count: levels 1 to this one, all three unless given. InputError as `compare.studies.roller.study_roller`.
+    count: levels 1 to this one, all three unless given. InputError as `compare.studies.roller.study_rollers`.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store
@@ -166,8 +166,8 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
     parts: list[Any] = []
     for scene in [x for name in names for x in each_case(catalogue.any_scene(name), name)]:
         assert isinstance(scene, Assembly)
-        for one, runs in roller.study_roller(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
-            said = roller.roller_answer(one, runs)
+        for one, runs in roller.study_rollers(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
+            said = roller.study_json(one, runs)
             found.setdefault(scene.name, []).append(said)
             stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
             write_csv(Path(f"{stem}.csv"), said["quantities"])
@@ -178,6 +178,6 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
                 aligned_table(said["levels"]),
                 "",
             ]
-            parts += [aligned_table(roller.shown_rows(said["quantities"])), "", roller.closing_lines(one, runs)]
+            parts += [aligned_table(roller.terminal_rows(said["quantities"])), "", roller.low_order_sentence(one, runs)]
             parts.append(f"along the roller: {stem}-profile.csv")
     return Answer(found, parts)

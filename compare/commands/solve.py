@@ -144,9 +144,9 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 def exit_code(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
     """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning; else 0."""
-    from rollbench.lowfi.warned import above
+    from rollbench.lowfi.warned import warning_line
 
-    return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
+    return int(any(one.answers is None or (choices.strict and warning_line(one.result.warnings)) for one in solved))
 
 
 def _check_choices(choices: Choices) -> tuple[str, float]:
@@ -321,7 +321,7 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.text.solved import side_by_side_lines
-    from rollbench.lowfi.warned import above
+    from rollbench.lowfi.warned import warning_line
 
     described = [catalogue.any_scene(name) for name in names]
     model, station = _check_choices(choices)
@@ -330,7 +330,7 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
     at = station if choices.stiffness_at else None
     with watched(f"{len(names)} scenes, model {one_line(model)}", checked(choices.time_limit)):
         found = side_by_side_described(described, names, model, choices.member, at)
-    warned = choices.strict and any(above(one.warnings) for one in found.scenes)
+    warned = choices.strict and any(warning_line(one.warnings) for one in found.scenes)
     return Answer(found.to_dict, side_by_side_lines(found), int(not found.converged or warned), folded=True)
 
 
@@ -374,11 +374,11 @@ def run_ensemble_command(
     from rollbench.compare.scenes import catalogue
 
     described = catalogue.any_scene(name)
-    from rollbench.compare.studies.members.members import solve_ensemble, whole_ensemble
+    from rollbench.compare.studies.members.members import ensemble_json, solve_ensemble
 
     each, cases = solve_ensemble(described, name, model, count, seed, engine, on_terminal, csv_out)
     shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
-    data = with_schema(whole_ensemble(described, each, cases))
+    data = with_schema(ensemble_json(described, each, cases))
     return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
@@ -397,10 +397,10 @@ def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str
 def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     """Return the statistics of samples for the terminal and, if ``balls``, the range of every ball."""
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
-    from rollbench.compare.studies.members.members import as_json
+    from rollbench.compare.studies.members.members import members_json
     from rollbench.meshes.axis import Assembly
 
-    data = as_json(members)
+    data = members_json(members)
     several = isinstance(members.scene, Assembly)
     parts: list[Any] = [
         f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "

@@ -86,7 +86,7 @@ def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, w
 
 def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
     from rollbench.compare.models.programs import title_of
-    from rollbench.compare.studies.survey_models import WORST, describe_models
+    from rollbench.compare.studies.survey_models import WORST, median_errors_by_kind
 
     missing = "" if data["screws"] == data["of"] else f" of {data['of']}; of the others none is stored"
     for name in models:
@@ -114,7 +114,9 @@ def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[A
     yield f"{data['screws']} screws with a stored reference{missing}"
     yield aligned_table(data["summary"], ".2f", "sizes of errors over the screws / %, those of loads of the mean load")
     yield aligned_table(
-        describe_models(data["models"]), ".2f", "error of the worst load by kind of screw, medians / % of the mean load"
+        median_errors_by_kind(data["models"]),
+        ".2f",
+        "error of the worst load by kind of screw, medians / % of the mean load",
     )
 
 

@@ -45,8 +45,8 @@ def table(
         written as SVG.
     """
     from rollbench.compare.files import need_writable, write_figure
-    from rollbench.compare.studies.table import asked_for, solve_table
-    from rollbench.compare.studies.table_files import need_format, table_figure, write_table
+    from rollbench.compare.studies.table import check_request, solve_table
+    from rollbench.compare.studies.table_files import check_format, table_figure, write_table
     from rollbench.compare.text.table import table_parts
 
     texts: list[str] = []
@@ -56,9 +56,9 @@ def table(
         else:
             texts[-1] += f" {text}"  # the unit of a range that nobody quoted
     names = [name.strip() for name in quantities.split(",") if name.strip()]
-    asked = asked_for(scene, texts, names, model, stiffness_at)
+    asked = check_request(scene, texts, names, model, stiffness_at)
     if out is not None:
-        need_format(out)
+        check_format(out)
         need_writable(out)
     found = solve_table(asked, engine_of(where), on_terminal)
     parts = table_parts(found)

@@ -23,9 +23,9 @@ from rollbench.compare.studies.extremes import (
     FORMULATIONS,
     campaign_rows,
     count_outcomes,
-    shipped_records,
+    rows_by_case,
+    shipped_campaigns,
     solve_cases,
-    wide_rows,
 )
 from rollbench.compare.studies.survey import MODELS
 from rollbench.compare.studies.survey_levels import Standing, levels_and_models, load_levels
@@ -46,7 +46,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     title = "Errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No survey is stored.",)),))
-    good = len(scenes) - len(survey.unanswered_records(scenes))
+    good = len(scenes) - len(survey.unsolved_records(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
     about = (
@@ -274,7 +274,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                 )
             ),
             Table.of("stability-summary", "Cases solved", summary),
-            Table("stability-cases", "Status of each formulation on each stiff or extreme scene", columns, wide_rows(rows)),
+            Table(
+                "stability-cases", "Status of each formulation on each stiff or extreme scene", columns, rows_by_case(rows)
+            ),
             *table_section_items(),
             Text(
                 (
@@ -284,7 +286,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "sets are judged node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_records())),
+            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_campaigns())),
         ),
         conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; the source's "
         f"iteration {max(counts[name][0] for name in FORMULATIONS[1:])} at best.",

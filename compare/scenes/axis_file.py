@@ -287,11 +287,11 @@ def _roller_end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
         yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
     elif r.end_radius is not None:
         from rollbench.lowfi.bearings.rib import rib_geometry, rib_height
-        from rollbench.lowfi.rollers import tapered
+        from rollbench.lowfi.rollers import tapered_bearing
 
         row = _roller_row(r, Material(2e11, 0.3))  # the geometry does not depend on the moduli
         try:
-            rib_geometry(tapered(row), r.end_radius, rib_height(row))
+            rib_geometry(tapered_bearing(row), r.end_radius, rib_height(row))
         except ValueError as error:
             advice = "correct end_radius or rib_height; usual radii are 0.8 to 0.95 of the distance from the apex"
             yield Fault((f"{at}.end_radius",), str(error), advice)
@@ -540,10 +540,10 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
     ValueError
         If no conformity gives this rigidity.
     """
-    from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
+    from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair
 
     steel, track = parts.nut.material, parts.track
-    rows = AngleRows(
+    rows = CatalogueBearings(
         balls=np.array([float(parts.ball_count)]),
         ball_diameter=np.array([2.0 * parts.balls.radius]),
         pitch_diameter=np.array([2.0 * track.pitch_radius]),

@@ -227,9 +227,9 @@ def preload_force(scene: parts.Scene, given: float | ShareOfRating) -> tuple[flo
     """
     if not isinstance(given, ShareOfRating):
         return given, ""
-    from rollbench.lowfi.rating.life import rating
+    from rollbench.lowfi.rating.life import dynamic_rating
 
-    C = rating(scene)
+    C = dynamic_rating(scene)
     percent = float(error_percent(given.share * C, 0.0, C))
     return given.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
 

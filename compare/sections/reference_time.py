@@ -24,10 +24,10 @@ from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
     TYPED,
-    ColdLevel,
-    Costs,
+    ColdLevelTime,
     Kept,
     RunTime,
+    SetUpCosts,
     load_costs,
     load_times,
     measure_level,
@@ -366,7 +366,7 @@ def level_table(kept: Kept) -> Table:
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
 
 
-def cost_tables(costs: Costs) -> list[Table]:
+def cost_tables(costs: SetUpCosts) -> list[Table]:
     """Return tables of the processor time of set-ups by stage, and of savings and changes by cheaper variants."""
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
@@ -406,7 +406,7 @@ def cost_tables(costs: Costs) -> list[Table]:
     ]
 
 
-def _costliest_stages(level: ColdLevel) -> str:
+def _costliest_stages(level: ColdLevelTime) -> str:
     """Return the stages that take most of a set-up's time, in words."""
     if level.stages is None:
         return "not measured"

@@ -40,11 +40,11 @@ def _extreme_load(side: int, sign: float, run: Run) -> float:
     return float(sign * (sign * run.load[:, side]).max())
 
 
-def _single_load(ball: int, side: int, run: Run) -> float:
+def _ball_load(ball: int, side: int, run: Run) -> float:
     return float(run.load[ball, side])
 
 
-def _line_displacement(station: int, axis: int, run: Run) -> float:
+def _centreline_displacement(station: int, axis: int, run: Run) -> float:
     """Return the displacement at one of the stations that all levels share [um]."""
     return float(1e6 * run.centreline[station, 1 + axis])
 
@@ -58,15 +58,15 @@ def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
                 (f"largest load, {side}", "N", partial(_extreme_load, s, 1.0)),
                 (f"smallest load, {side}", "N", partial(_extreme_load, s, -1.0)),
             ]
-            out += [(f"load of ball {i + 1}, {side}", "N", partial(_single_load, i, s)) for i in range(len(run.load))]
+            out += [(f"load of ball {i + 1}, {side}", "N", partial(_ball_load, i, s)) for i in range(len(run.load))]
     for k in sorted({0, len(run.centreline) // 2}):
         for axis, name in enumerate("xyz"):
             z = 1e3 * run.centreline[k, 0]
-            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_line_displacement, k, axis)))
+            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_centreline_displacement, k, axis)))
     return out
 
 
-def studied_reference(
+def reference_from_stored_runs(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
 ) -> Reference | None:
     """Return the reference of all stored runs on some levels; None without any.
@@ -96,7 +96,7 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
     -------
     list of dict
         Relative cell size, unknowns of the equivalent single mesh, seconds without cached parts and the conditions of their
-        measurement, largest difference of a contact load from the finest level, and `enough_levels` [% of the mean load].
+        measurement, largest difference of a contact load from the finest level, and `load_uncertainty_percent` [% of the mean load].
     """
     return [
         {
@@ -106,13 +106,13 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
             "seconds": run.setup_seconds + run.solve_seconds,
             "measured_with": str(run.measured),
             "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
-            "enough_for_percent": enough_levels(reference, k),
+            "enough_for_percent": load_uncertainty_percent(reference, k),
         }
         for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
 
 
-def enough_levels(reference: Reference, k: int) -> float:
+def load_uncertainty_percent(reference: Reference, k: int) -> float:
     """Return the uncertainty of the contact loads by run ``k`` and the coarser runs [% of the mean load].
 
     RMS over the contacts; that of the first run alone is from experience with other scenes.
@@ -121,7 +121,7 @@ def enough_levels(reference: Reference, k: int) -> float:
     return parts(loads, read_experience(shipped_store())).bar
 
 
-def closing_lines(reference: Reference) -> str:
+def accuracy_sentence(reference: Reference) -> str:
     """Return a sentence on the accuracy of each level, and on levels that are not worth their time.
 
     Percentages are rounded up. Times are given if all are of one measuring run.
@@ -133,7 +133,7 @@ def closing_lines(reference: Reference) -> str:
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
-        text = f"level {row['level']}{' with those before it' if steps else ''} for {_percent_up(good)} %"
+        text = f"level {row['level']}{' with those before it' if steps else ''} for {_rounded_up(good)} %"
         steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
     (first, _), *others = steps
     rest = "".join(f", {text}" for text, _ in others)
@@ -143,12 +143,12 @@ def closing_lines(reference: Reference) -> str:
     return f"Enough: {first}{rest}.{tail}{older}"
 
 
-def _percent_up(percent: float) -> str:
+def _rounded_up(percent: float) -> str:
     """Return a percentage rounded up to two digits.
 
     Examples
     --------
-    >>> _percent_up(1.21), _percent_up(0.031), _percent_up(2.0)
+    >>> _rounded_up(1.21), _rounded_up(0.031), _rounded_up(2.0)
     ('1.3', '0.031', '2')
     """
     unit = 10.0 ** (math.floor(math.log10(percent)) - 1) if percent > 0.0 else 1.0
@@ -177,7 +177,7 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
         it has an order or none; modelling uncertainty (root of squares over the varied choices) and the effect of choices
         that belong to the scene.
     """
-    reference = studied_reference(scene, stores, levels)
+    reference = reference_from_stored_runs(scene, stores, levels)
     if reference is None:
         return []
     coarsest = min(LEVELS)
@@ -202,7 +202,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
     """
     runs, table = reference.runs, []
     shown = [(name, unit, take) for name, unit, take in study_quantities(runs[-1]) if any(take(r) for r in runs)]
-    lines = [take for _, _, take in shown if take.func is _line_displacement]
+    lines = [take for _, _, take in shown if take.func is _centreline_displacement]
     of_two: dict[Take, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
         of_two = dict(
@@ -217,7 +217,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
-            contact = _contact_of_extreme(take, runs[-1])
+            contact = _contact_of_quantity(take, runs[-1])
             observed = grid_convergence(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             row |= {
@@ -235,12 +235,12 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
     return table
 
 
-def _contact_of_extreme(take: Take, finest: Run) -> tuple[int, int] | None:
+def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
     """Return ball and flank of the contact whose load the quantity gives on the finest level.
 
     None if it is not a contact load.
     """
-    if take.func is _single_load:
+    if take.func is _ball_load:
         return take.args[0], take.args[1]
     if take.func is not _extreme_load:
         return None
@@ -274,7 +274,7 @@ def chosen_levels(count: int | None) -> tuple[int, ...]:
     return tuple(range(1, count + 1))
 
 
-def referenced_table(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
+def table_of_reference(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
     """Return the table of a mesh study; of one of several sets without the effect of modelling choices."""
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
@@ -332,7 +332,7 @@ def compute_study(
         """Say what the coarsest level found while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
-                table = extreme_rows(referenced_table(one, stores[:1], (task.level,)))
+                table = terminal_rows(table_of_reference(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
@@ -346,7 +346,7 @@ def compute_study(
     return references
 
 
-def extreme_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the table for the terminal: without rows of single balls and uncertainty in per cent."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
@@ -387,11 +387,11 @@ def mesh_study_for_library(
     stores, wanted = (store, shipped_store()), chosen_levels(levels)
     references = compute_study([target], wanted, stores, Engine(cache=default_root()), step, spread=spread)
     results = [
-        {"scene": target.name, "levels": level_rows(x.found), "quantities": referenced_table(x, stores, wanted)}
+        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of_reference(x, stores, wanted)}
         | model_label(x)
         for x in references
     ]
-    lines = tuple(closing_lines(one.found) for one in references)
+    lines = tuple(accuracy_sentence(one.found) for one in references)
     if isinstance(target, Scene):
         return results[0], "levels", lines
     return {"scene": target.name, "sets": results}, "sets", lines

@@ -125,7 +125,7 @@ def scene_text(seed: int, number: int) -> str:
     if kind != "none":
         scene["preload"] = _draw_preload(rng, kind, ball, force)
     scene["loads"] = _draw_loads(rng, force, pitch / 2.0, scene["nut"]["position"])
-    nut_length = _nut_length(scene, rng)
+    nut_length = _draw_nut_length(scene, rng)
     scene["nut"]["length"] = f"{nut_length:.3f} mm"
     if number >= TUBES:
         del scene["solid"]
@@ -151,7 +151,7 @@ def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[s
     }
 
 
-def _draw_log(rng: np.random.Generator, low: float, high: float) -> float:
+def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
@@ -176,9 +176,9 @@ def _draw_balls(
 
 def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
     """Return the keys of a preload or clearance for balls of a diameter [mm] and a typical axial load [N]."""
-    size = 1e3 * OVERSIZE * ball * _draw_log(rng, 0.3, 2.5)
+    size = 1e3 * OVERSIZE * ball * _draw_log_uniform(rng, 0.3, 2.5)
     if kind == "force":
-        return {"force": f"{force * _draw_log(rng, 0.1, 0.6):.3g} N"}
+        return {"force": f"{force * _draw_log_uniform(rng, 0.1, 0.6):.3g} N"}
     if kind == "lead offset":
         return {"lead_offset": f"{2.0 * size * rng.choice([-1.0, 1.0]):.3g} um"}
     return {"oversize": f"{size if kind == 'oversize' else -size:.3g} um"}
@@ -199,7 +199,7 @@ def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]
     left = {"at": "0 mm", "fix": ["ux", "uy", "rx", "ry", "rz"]}
     right = str(rng.choice(["floating", "floating", "clamped", "none"]))
     offset, tilt = rng.random() < 0.35, rng.random() < 0.25
-    moved, turned = _draw_log(rng, 10.0, 200.0), _draw_log(rng, 0.03, 0.3)
+    moved, turned = _draw_log_uniform(rng, 10.0, 200.0), _draw_log_uniform(rng, 0.03, 0.3)
     if right == "none":
         return [left]
     held, given = ["uy"], {}
@@ -218,7 +218,7 @@ def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]
 
 def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
     """Return an axial load at the left end, around a typical one [N]; at the nut a moment, a radial force or none."""
-    axial = force * _draw_log(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
+    axial = force * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
     moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
     radial, turn = force * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
     out: list[dict[str, Any]] = [{"at": "0 mm", "force": ["0 N", "0 N", f"{axial:.4g} N"]}]
@@ -229,11 +229,11 @@ def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) 
     return out
 
 
-def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
+def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
     """Return the length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, in whole micrometres."""
     read = scene_file.scene_of_text(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
-    return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log(rng, 1.0, 6.0)) + 5e-4, 3)
+    return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log_uniform(rng, 1.0, 6.0)) + 5e-4, 3)
 
 
 def _toml_text(scene: Mapping[str, Any]) -> str:
@@ -418,11 +418,11 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 
 def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
     """Solve a drawn screw and append its record; None, without solving, if the folder belongs to a later run."""
-    if not sample.is_current(folder, token):
+    if not sample.is_current_run(folder, token):
         return None
     with sample.hold_lock(folder):
         record = survey_screw(seed, number, folder / "runs")
-        sample.Writer(folder, token).append([record])
+        sample.RecordWriter(folder, token).append([record])
     return record
 
 
@@ -457,9 +457,9 @@ def run_survey(
         If the folder belongs to another survey, or another process works in it.
     """
     sample.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
-    with sample.taken_over(folder) as token:
+    with sample.take_folder(folder) as token:
         before = [*_stored_answers(kept, seed), *sample.stored_records(folder)]
-        known = {record["number"]: record for record in before if not unanswered_records([record])}
+        known = {record["number"]: record for record in before if not unsolved_records([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
             step(f"{count - len(left)} scenes of {count} are known")
@@ -480,12 +480,12 @@ def _stored_answers(path: Path | None, seed: int) -> list[Record]:
     return [record for record in found["scenes"] if same and record["version"] == __version__]
 
 
-def unanswered_records(records: Sequence[Record]) -> list[Record]:
+def unsolved_records(records: Sequence[Record]) -> list[Record]:
     """Return the records without loads, or whose loads did not converge."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
-def survey_text(seed: int, records: Sequence[Record]) -> str:
+def survey_json(seed: int, records: Sequence[Record]) -> str:
     """Return the survey's JSON text, one scene per line, with the numbers of scenes requested and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
@@ -509,7 +509,7 @@ def known_screws() -> list[Record]:
 WORST_AIM, RMS_AIM = 1.5, 0.5
 
 
-class Accuracy(NamedTuple):
+class ModelAccuracy(NamedTuple):
     """Accuracy of a model on drawn screws."""
 
     #: Number of screws.
@@ -522,13 +522,13 @@ class Accuracy(NamedTuple):
     as_expected: int
 
 
-def model_accuracy(records: Sequence[Record], model: str = "refined") -> Accuracy:
+def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
     """Return a model's accuracy on the drawn screws with recorded errors."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
     held = sum(w <= (e["expected_percent"] or 0.0) for w, e in zip(worst, errors, strict=True))
-    return Accuracy(len(errors), within, max(worst, default=0.0), held)
+    return ModelAccuracy(len(errors), within, max(worst, default=0.0), held)
 
 
 def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:

@@ -25,7 +25,7 @@ from rollbench.compare.reference.store import Measured, measuring_conditions
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.run_times import first_kept, today
+from rollbench.compare.studies.run_times import load_first_valid, today
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -155,7 +155,7 @@ def load_levels(stores: Sequence[Path]) -> Runs | None:
         assert isinstance(rows, list)
         return Runs(measured, str(data["date"]), [LevelRun(**row) for row in rows])
 
-    return first_kept(stores, RUNS, read)
+    return load_first_valid(stores, RUNS, read)
 
 
 def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:

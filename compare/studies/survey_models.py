@@ -1,6 +1,6 @@
 """Errors of models, users' included, on the drawn screws of the survey, by stored loads of the 3D reference.
 
-The loads of the survey's runs are stored next to its record (`keep_loads`), each with a digest of its screw: if it differs
+The loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw: if it differs
 from the screw that is drawn now, nothing is judged.
 """
 
@@ -60,7 +60,7 @@ def screw_name(number: int) -> str:
     return f"survey-{survey.SEED}-{number}"
 
 
-def keep_loads(path: Path, runs: Path, count: int) -> int:
+def store_loads(path: Path, runs: Path, count: int) -> int:
     """Write the loads of the first ``count`` screws to a file, from runs in a folder and from the file's contents.
 
     Returns the number of screws in the file. InputError if it cannot be written.
@@ -195,7 +195,7 @@ def run_models(
     for name in models:
         known_model(name, without=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
-    rows = {name: _judge_each(name, numbers, workers, limit, step) for name in models}
+    rows = {name: _judge_screws(name, numbers, workers, limit, step) for name in models}
     ours = [r for r in survey.shipped_survey()["scenes"] if r["number"] in numbers]
     record: dict[str, list[Row]] = {
         name: [
@@ -222,7 +222,7 @@ def run_models(
     )
 
 
-def _judge_each(
+def _judge_screws(
     model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
 ) -> list[Row]:
     """Return a model's rows in the order of ``numbers``; raise its error if it fails on all of the first screws."""
@@ -264,7 +264,7 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 }
 
 
-def describe_models(models: Mapping[str, Sequence[Row]]) -> list[Row]:
+def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
     """Return a row for each kind of screw: every model's median of the largest load error [% of the mean load]."""
     known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
     out = []

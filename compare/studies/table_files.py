@@ -37,7 +37,7 @@ ROSS_DROPS = (
 )
 
 
-def need_format(path: Path) -> None:
+def check_format(path: Path) -> None:
     """Raise InputError for an unknown file format, or one whose package is missing."""
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
@@ -158,7 +158,7 @@ def ross_text(table: Table) -> str:
         f"It is that of: {table.stiffness_of}.",
         *textwrap.wrap(ROSS_DROPS, 100),
         "Damping is not known here: give cxx and others to `bearing`.",
-        *(f"left out: {line}" for line in _left_out(table)),
+        *(f"left out: {line}" for line in _rows_without_answer(table)),
     ]
     return f'''{_comment_lines(head)}
 
@@ -175,7 +175,7 @@ def bearing(n, place, cxx=0.0, **others):
 '''
 
 
-def _left_out(table: Table) -> list[str]:
+def _rows_without_answer(table: Table) -> list[str]:
     """Return a line for each reason why rows have no answer, with their places."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
@@ -198,7 +198,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         raise InputError(table.scene, places[0], reason, "an answer at each place", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
-    left = _left_out(table)
+    left = _rows_without_answer(table)
     columns: dict[str, Array] = {}
     for name, column in rows.items():
         if name in table.places[0] or any(isinstance(x, str) for x in column):

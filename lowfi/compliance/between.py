@@ -12,8 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
-from rollbench.lowfi.compliance.faces import REACH, NearFace, motions_by_wrench, near_face, quarter_turn
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space_compliance
+from rollbench.lowfi.compliance.faces import REACH, NearFace, motions_by_wrench, near_face_compliance, quarter_turn
 from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
 from rollbench.lowfi.compliance.parts import (
     BOTH,
@@ -26,21 +26,21 @@ from rollbench.lowfi.compliance.parts import (
     grooved_section,
     is_ring,
     nut_beam_ends,
-    of_flanks,
+    select_flanks,
     smooth_body,
 )
 from rollbench.lowfi.compliance.tube import (
     Tube,
     TubeCompliance,
-    by_section,
     cantilever_compliance,
     clamped_beam_compliance,
     contact_compliance,
     end_springs,
     motion_rows,
-    on_line,
+    motions_by_section_load,
     patch_weights,
     points_in_space,
+    project_on_surface,
     section_jump_compliance,
     spring_compliance,
     tube_compliance,
@@ -72,38 +72,42 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
     """Return the compliance of the smooth body over the stretch that the nut covers, cached by geometry."""
     tube = smooth_body(geometry, screw, backend)
-    return of_tube(tube, stretch_zone(geometry, tube))
+    return of_tube(tube, contact_zone(geometry, tube))
 
 
-def stretch_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
+def contact_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
     """Return the stretch [m] of a smooth body that contains every contact."""
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
 
 
 #: Kept for scenes whose other body differs.
-of_tube, section_of_tube = lru_cache(maxsize=32)(tube_compliance), lru_cache(maxsize=32)(by_section)
+of_tube, section_of_tube = lru_cache(maxsize=32)(tube_compliance), lru_cache(maxsize=32)(motions_by_section_load)
 
 
 @lru_cache(maxsize=32)
 @kept(RingCompliance)
-def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
+def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
     """Return the compliance of a ring with its groove, cached by geometry."""
     return ring_compliance(groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
-def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
+def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
     """Return e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
     flank = groove_of_body(geometry, screw)
     if is_ring(geometry, screw):
-        return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
+        return grooved_ring_compliance(geometry, screw).normals - half_space_compliance(
+            NARROW * flank.map.ball, flank.material
+        )
     tube = smooth_body(geometry, screw, backend)
     if not backend.flank:  # the half space at the smooth body's own patch only
-        return -half_space(tube.width, tube.material)
-    return kept_near_face(geometry, screw, backend).alone
+        return -half_space_compliance(tube.width, tube.material)
+    return near_face_of_body(geometry, screw, backend).alone
 
 
-def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+def smooth_body_correction(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] that the smooth body has in addition to its beam."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, screw, flanks)
@@ -113,24 +117,24 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     G = contact_compliance(smooth, points_in_space(x, axes))
     tube = smooth.tube
     plain = tube.section
-    x = on_line(tube, x)
+    x = project_on_surface(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
         if backend.flank:
             G = G + section_jump_compliance(
-                strained_by_section(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
+                contact_motions_by_section_wrench(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
             )
     elif tube.held in CLAMPED:
         G = G - clamped_beam_compliance(rows, stations, *nut_beam_ends(tube), plain)
     return G
 
 
-def strained_by_section(
+def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the motions ``(2 c, 6)`` of contacts by a wrench on their sections, beyond those of the smooth body."""
-    found = kept_near_face(geometry_only(scene), screw, backend)
+    found = near_face_of_body(geometry_only(scene), screw, backend)
     points = points_in_space(*contact_frames(scene, layout, screw, flanks))
     return motions_by_wrench(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
 
@@ -149,29 +153,33 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, fee
 
 
 @lru_cache(maxsize=32)
-def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
+def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
     """Return the compliance added by grooves and faces of screw or nut between contacts of a turn, cached."""
     radii = (0.0, np.inf) if screw else solid_dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
     near = min(low, high) < REACH * geometry.balls.radius
-    return of_sections(groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near)
+    return cached_near_face(
+        groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near
+    )
 
 
 @lru_cache(maxsize=32)
 @kept(NearFace)
-def of_sections(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
-    """Return `near_face`, which uses neither ends nor flange of the smooth body."""
-    return near_face(flank, tube, section, radii, near=near)
+def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
+    """Return `near_face_compliance`, which uses neither ends nor flange of the smooth body."""
+    return near_face_compliance(flank, tube, section, radii, near=near)
 
 
-def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+def groove_and_face_correction(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and faces add between contacts within half a lead."""
     geometry = geometry_only(scene)
     flank, held, found = (
         groove_of_body(geometry, screw),
         fixed_surface(geometry, screw),
-        kept_near_face(geometry, screw, backend),
+        near_face_of_body(geometry, screw, backend),
     )
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
@@ -208,14 +216,14 @@ def body_between_contacts(
     """Return `lowfi.compliance.bodies.whole_body` of a body that is not rigid, for contacts at any positions."""
     held = fixed_surface(scene, screw)
     if is_ring(geometry_only(scene), screw):
-        G = of_flanks(ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth), flanks)
+        G = select_flanks(ring_contacts(grooved_ring_compliance(geometry_only(scene), screw), layout.azimuth), flanks)
     else:
-        G = kernel_part(scene, layout, screw, backend, flanks)
+        G = smooth_body_correction(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
-            feel = strained_by_section(scene, layout, False, backend, flanks) if backend.flank else None
+            feel = contact_motions_by_section_wrench(scene, layout, False, backend, flanks) if backend.flank else None
             G = G + nut_beam(scene, layout, flanks, feel)
         if backend.flank:
-            G = G + grooved_part(scene, layout, screw, backend, flanks)
+            G = G + groove_and_face_correction(scene, layout, screw, backend, flanks)
     G = 0.5 * (G + G.T)
     G.flags.writeable = False
     return G
@@ -227,7 +235,7 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     compliance = smooth_compliance(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
     tube = compliance.tube
-    (low, high), taken = tube.ends, on_line(tube, x)
+    (low, high), taken = tube.ends, project_on_surface(tube, x)
     plain = tube.section
     rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, high))
@@ -237,9 +245,11 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     by_springs = np.concatenate([motion_rows(taken, axes, low), end])
     beam = cantilever_compliance(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
+    motions = np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), end_compliance(compliance)]) - beam
     if backend.flank:
-        motions[:-6] += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], high)
+        motions[:-6] += motions_by_wrench_at(
+            contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], high
+        )
     return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
 
 
@@ -248,7 +258,7 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     geometry = geometry_only(scene)
     tube = smooth_body(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
-    low, taken = tube.ends[0], on_line(tube, x)
+    low, taken = tube.ends[0], project_on_surface(tube, x)
     rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, at))
     shift, tilt, axial, twist = end_springs(tube)
@@ -256,13 +266,13 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     end[0, 4], end[1, 3] = at - low, low - at
     beam = cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = contacts_by_end(section_of_tube(tube, stretch_zone(geometry, tube), at), x, axes) - beam
+    motions = contact_motions_by_end_wrench(section_of_tube(tube, contact_zone(geometry, tube), at), x, axes) - beam
     if backend.flank:
-        motions += by_wrench_at(strained_by_section(scene, layout, True, backend), stations[:-6], at)
+        motions += motions_by_wrench_at(contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], at)
     return motions
 
 
-def by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
+def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
     """Return the motions ``(2 c, 6)`` by a wrench on the section at the station ``at`` [m].
 
     feel ``(2 c, 6)``: motion by the wrench on the section of the contact itself, which only those below ``at`` feel.
@@ -273,7 +283,7 @@ def by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
     return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
-def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
+def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
     """Return the motions ``(2 c, 6)`` of contacts by a wrench on the mean motions of the high end.
 
     Contacts at ``(c, 3)`` [m] along axes ``(c, 2, 3)``.
@@ -287,7 +297,7 @@ def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
     return np.stack([np.einsum("cak,ck->ca", points.axes, u).ravel() for u in by_load], axis=1)
 
 
-def end_by_end(compliance: TubeCompliance) -> Array:
+def end_compliance(compliance: TubeCompliance) -> Array:
     """Return the mean motions of the high end by a wrench on them ``(6, 6)``."""
     (axial, twist), (shift, tilt) = compliance.corner
     out = np.zeros((6, 6))

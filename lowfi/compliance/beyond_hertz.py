@@ -46,7 +46,7 @@ def harmonic_expansion(poisson: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=64)
-def smooth_part(cosine: float, poisson: float) -> float:
+def smooth_series_remainder(cosine: float, poisson: float) -> float:
     """Return series at an angle arccos(cosine) without closed sums of its first two terms; both vanish at the contact."""
     from numpy.polynomial.legendre import legval
 
@@ -74,17 +74,17 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
     nu = material.poissons_ratio
     a, b = harmonic_expansion(nu)
     s = np.sqrt(0.5 * (1.0 - cosine))
-    series = smooth_part(cosine, nu) + a / s - (a + 2.0 * b) * np.log(s * (1.0 + s))
+    series = smooth_series_remainder(cosine, nu) + a / s - (a + 2.0 * b) * np.log(s * (1.0 + s))
     return float(series / (8.0 * np.pi * material.shear_modulus * radius))
 
 
-def own_slope(radius: float, material: Material) -> float:
-    """Return the change of `own_compliance` with the logarithm of a contact's size [m/N]."""
+def sphere_self_compliance_slope(radius: float, material: Material) -> float:
+    """Return the change of `sphere_self_compliance` with the logarithm of a contact's size [m/N]."""
     a, b = harmonic_expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
 
-def own_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
+def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
     """Return the motion of a contact under unit load beyond that of a half space [m/N], averaged over the pressure.
 
     Parameters
@@ -97,8 +97,8 @@ def own_compliance(semi_axes: tuple[float, float], radius: float, material: Mate
         Of the ball.
     """
     log = np.log(0.5 * (semi_axes[0] + semi_axes[1]) / (2.0 * radius)) + MEAN_LOG
-    smooth = smooth_part(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
-    return smooth + own_slope(radius, material) * float(log)
+    smooth = smooth_series_remainder(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
+    return smooth + sphere_self_compliance_slope(radius, material) * float(log)
 
 
 #: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
@@ -147,7 +147,7 @@ class Flank:
         return float(r), float(zeta)
 
 
-def half_space(width: float, material: Material) -> float:
+def half_space_compliance(width: float, material: Material) -> float:
     """Return mean motion of a round Gaussian patch on a half space by its normal load, (1 - nu^2)/(2 sqrt(pi) E s) [m/N].
 
     Parameters
@@ -159,7 +159,7 @@ def half_space(width: float, material: Material) -> float:
 
     Examples
     --------
-    >>> round(half_space(0.1e-3, Material(210e9, 0.3)) * 1e9, 4)  # nm/N
+    >>> round(half_space_compliance(0.1e-3, Material(210e9, 0.3)) * 1e9, 4)  # nm/N
     12.2241
     """
     return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
@@ -172,16 +172,16 @@ def flank_curvatures(flank: Flank) -> tuple[float, float]:
     return -1.0 / float(m.radius[flank.side]), float(along)
 
 
-def size_slope(flank: Flank) -> float:
-    """Return the change of `at_size` with the logarithm of a contact's size [m/N], by the flank's mean curvature."""
+def flank_size_slope(flank: Flank) -> float:
+    """Return the change of `flank_size_correction` with the logarithm of a contact's size [m/N], by the flank's mean curvature."""
     a, b = harmonic_expansion(flank.material.poissons_ratio)
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(flank_curvatures(flank)))
 
 
-def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
+def flank_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
     """Return the effect of size and shape of a contact on the correction for the narrow round patch [m/N]."""
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
     across, along = flank_curvatures(flank)
     shape = (1.0 - 2.0 * nu) * (3.0 - 2.0 * nu) / (16.0 * np.pi * G) * (across - along) * (a - b) / (a + b)
-    return float(size_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape)
+    return float(flank_size_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape)

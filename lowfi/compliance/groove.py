@@ -20,8 +20,8 @@ from rollbench.lowfi.compliance.fourier import (
     Body,
     Grid,
     Layer,
+    condense_to_last,
     mean_motions,
-    on_last,
     quadratic_shape_functions,
     solve_harmonic,
     tube_grid,
@@ -142,7 +142,7 @@ def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
     return found
 
 
-def every_harmonic(n: Array, values: Array) -> Array:
+def interpolate_harmonics(n: Array, values: Array) -> Array:
     """Return quantities sampled at harmonics ``n`` ``(k, ...)`` at all harmonics from the first to the last of them."""
     return np.asarray(cubic_spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
@@ -169,7 +169,7 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
 
 
-def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
+def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
     """Return the motions ``(k,)`` [m/N] of one flank's patch under a unit load on it, in harmonics ``n``."""
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
@@ -186,22 +186,22 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.bands(free)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
-        S, g, work = on_last(kept[free.tobytes()], harmonic, forces[free], along.size)
+        S, g, work = condense_to_last(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
             pressed = g[moves, case]
             values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
     return np.asarray(values.mean(axis=1))
 
 
-def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Return the motion [m/N] of one flank's patch of ``width`` [m] under a unit load on it, summed over `own_waves`."""
+def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
+    """Return the motion [m/N] of one flank's patch of ``width`` [m] under a unit load on it, summed over `self_motion_harmonics`."""
     n = sampled_harmonics(2.6 * flank.contact()[0] / width)
-    waves = every_harmonic(n, own_waves(flank, grid, load, n))
+    waves = interpolate_harmonics(n, self_motion_harmonics(flank, grid, load, n))
     return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
 
 
-def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the loads for `own_waves`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
+def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
+    """Return the loads for `self_motion_harmonics`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
     return force, force
@@ -211,13 +211,13 @@ def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
     """Return the motion of a narrow patch under a unit load on it that a coarse grid does not resolve [m/N]."""
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)
-    sampled = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
-    change = sampled[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
+    sampled = self_motion_harmonics(flank, fine, equal_patch_loads(flank, fine, width), np.concatenate([low[:-1], high]))
+    change = sampled[: low.size] - self_motion_harmonics(flank, coarse, equal_patch_loads(flank, coarse, width), low)
     harmonics = np.arange(high[-1] + 1.0)
     waves = np.empty(harmonics.size)
     waves[:last] = cubic_spline(np.log1p(low), change)(np.log1p(harmonics[:last]))
     waves[0] = 0.5 * waves[1]  # a wave has half the mean square of a constant
-    waves[last:] = every_harmonic(high, sampled[low.size - 1 :])
+    waves[last:] = interpolate_harmonics(high, sampled[low.size - 1 :])
     waves[last] = change[-1]
     return float(waves @ patch_shares(harmonics, width, radius))
 
@@ -269,7 +269,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
     sampled = np.array([loads.T @ solve_harmonic(bands, harmonic, loads) for harmonic in n.tolist()])
     harmonics = np.arange(n[-1] + 1.0)
-    S = every_harmonic(n, sampled)
+    S = interpolate_harmonics(n, sampled)
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
     return RingCompliance(S[:, :4, :4], float(patch_shares(harmonics, width, radius) @ turned), width, radius)

@@ -117,7 +117,7 @@ def geometry_only(scene: Scene) -> Scene:
 
 
 @lru_cache(maxsize=64)
-def with_balls(scene: Scene) -> tuple[Scene, Array]:
+def parts_with_balls(scene: Scene) -> tuple[Scene, Array]:
     """Return the scene with only the parts and the balls' positions, and their azimuths ``(N,)`` [rad]."""
     return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
 
@@ -151,12 +151,12 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Return section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     if geometry.track.lead == 0.0 and screw:
         return screw_section(geometry)
-    return section_of(groove_of_body(geometry, screw))
+    return grooved_body_section(groove_of_body(geometry, screw))
 
 
 @lru_cache(maxsize=64)
 @kept(BeamSection)
-def section_of(flank: Flank) -> BeamSection:
+def grooved_body_section(flank: Flank) -> BeamSection:
     """Return the section constants of a grooved body, cached for scenes whose other body differs."""
     from rollbench.lowfi.compliance.groove import smooth_radius
     from rollbench.lowfi.compliance.tube import cell_section
@@ -208,7 +208,7 @@ def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
     return (base, base), "low"
 
 
-def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
+def select_flanks(G: Array, flanks: Sequence[int]) -> Array:
     """Return rows and columns of some flanks ``(2 c, 2 c)`` of a matrix of both ``(4 N, 4 N)``."""
     if len(flanks) == len(BOTH):
         return G

@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.contact.motion import (
     balance_by_sharpening,
     least_dissipation,
 )
-from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
+from rollbench.lowfi.friction.contact.rings import SettledCell, settle_cell
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove, section_frame
 from rollbench.lowfi.friction.screw.motion import Cell, ball_motion, bare_cell, settle_load
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -67,13 +67,13 @@ class Bearing(ScrewGroove):
 
 
 @dataclass(frozen=True)
-class Solution:
+class BallSolution:
     """Ball under load with its motion."""
 
     #: The bearing.
     bearing: Bearing
     #: Contact loads.
-    load: Settled
+    load: SettledCell
     #: Contacts as friction needs them.
     at: Contacts
     #: Problem of the ball's motion.
@@ -89,7 +89,7 @@ class Solution:
         return self.torque * self.bearing.screw_speed
 
 
-def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> Settled:
+def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
     """Return the contact loads of a ball, the least of the energy of `lowfi.friction.contact.rings`.
 
     Contact forces are unique; without force and with play the ball floats, and its position is where the search ends.
@@ -144,7 +144,7 @@ def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     return maps[AROUND][..., TURNS], drives[AROUND]
 
 
-def ball_contacts(bearing: Bearing, load: Settled) -> Contacts:
+def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
     """Return the friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse.
 
     Parameters
@@ -159,7 +159,7 @@ def ball_contacts(bearing: Bearing, load: Settled) -> Contacts:
     return equal_contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
-def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
+def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
     """Return the problem of motion at given loads and angles of two to four contacts; omega_z is zero by symmetry.
 
     Parameters
@@ -175,7 +175,7 @@ def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
     return Problem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
 
 
-def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
+def inner_torque(bearing: Bearing, load: SettledCell, motion: Motion) -> float:
     """Return the torque [N m] about the axis that keeps the inner ring turning, by friction's moment on the ball.
 
     Parameters
@@ -193,7 +193,7 @@ def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
     return float(np.sum(moments[INNER]))
 
 
-def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False) -> Solution:
+def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False) -> BallSolution:
     """Return loads and the motion of least dissipation of one ball, with Coulomb friction.
 
     Parameters
@@ -215,10 +215,10 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
     at = ball_contacts(bearing, load)
     problem = motion_problem(bearing, load, at)
     motion = least_dissipation(problem, fast=fast)
-    return Solution(bearing, load, at, problem, motion, inner_torque(bearing, load, motion))
+    return BallSolution(bearing, load, at, problem, motion, inner_torque(bearing, load, motion))
 
 
-def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> Solution:
+def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> BallSolution:
     """Return loads and motion by Lin's method with its errors.
 
     Hertz constants of Table B.1, sigmoid, root of 3.19, torque 3.21. The root is searched from the motion of least
@@ -244,7 +244,9 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
     return replace(least, motion=motion, torque=motion.loss / bearing.screw_speed)
 
 
-def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> list[Solution]:
+def solve_over_displacements(
+    bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None
+) -> list[BallSolution]:
     """Return solutions over radial displacements u_y ``(n,)`` [m] (Lin Figure 3.7), each solved separately.
 
     Parameters
@@ -313,7 +315,7 @@ class BearingState:
     """Loads and friction of a bearing with N balls of all rows in order."""
 
     #: Contact loads ``(N, 4)``.
-    load: Settled
+    load: SettledCell
     #: Losses at the contacts ``(N, 4)`` [W].
     loss: Array
     #: Friction torque on the inner ring [N m].
@@ -326,7 +328,7 @@ class BearingState:
     converged: bool
 
 
-def ring_rows(case: BearingCase) -> Array:
+def ring_motion_maps(case: BearingCase) -> Array:
     """Return the motion ``(N, 3, m)`` at each ball by the inner ring's translations and, with tilt, rotations about x, y.
 
     Rotations are scaled by the pitch radius, so that all unknowns are lengths [m].
@@ -345,7 +347,7 @@ def ring_rows(case: BearingCase) -> Array:
 
 def bearing_cell(case: BearingCase, angle: float) -> Cell:
     """Return balls and load of a bearing whose force makes ``angle`` [rad] with its axis."""
-    g, rows = case.groove, ring_rows(case)
+    g, rows = case.groove, ring_motion_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
     if case.tilt:
@@ -354,7 +356,7 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
     return bare_cell(g, np.full(has.shape, g.contact_angle), interference, rows, force)
 
 
-def free_motion(case: BearingCase, angle: float) -> str:
+def describe_free_motion(case: BearingCase, angle: float) -> str:
     """Return a description of an inner ring motion that the force drives and no contact resists; empty for none.
 
     A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear

@@ -143,7 +143,7 @@ class ChainState:
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
-def checked(chain: Chain, errors: Array) -> Array:
+def check_errors(chain: Chain, errors: Array) -> Array:
     """Return errors ``(..., M)`` [m] as the kernels take them.
 
     Raises
@@ -195,7 +195,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     """
     if not 0.0 < load < np.inf:
         raise ValueError("the load must be positive")
-    e, u, work = checked(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
+    e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
     steps, residual, stiffness = k.newton(e, float(load), chain.segments, law, chain.parameters, u, work)
@@ -217,7 +217,7 @@ def end_ratio(chain: Chain, load: float) -> float:
     return float(q[-1] / q[0])
 
 
-def calibrated(chain: Chain, ratio: float, load: float) -> Chain:
+def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
     """Return the chain with the compliance for which `end_ratio` has a given value.
 
     Parameters
@@ -268,7 +268,7 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     ValueError
         A ball that is still loose at ``high``.
     """
-    e = checked(chain, errors)
+    e = check_errors(chain, errors)
 
     def gap(load: float) -> float:
         return float(solve_chain(chain, e, load).motion[ball]) - start
@@ -358,7 +358,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
         raise ValueError("loads must be positive")
-    e = checked(chain, errors)
+    e = check_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=True)
     k.batch(e, f, chain.segments, LAWS.index(chain.law), chain.parameters, out)
@@ -409,7 +409,7 @@ def solve_ensemble(
 
 
 @dataclass(frozen=True)
-class Percentile:
+class PercentileRank:
     """Rank of a number in a sample."""
 
     #: Share of the sample below it, and the standard error of the share.
@@ -442,7 +442,7 @@ class Percentile:
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 
 
-def percentile(sample: Array, value: float, width: float = 0.0) -> Percentile:
+def percentile_rank(sample: Array, value: float, width: float = 0.0) -> PercentileRank:
     """Return the rank of a number in a sample.
 
     Parameters
@@ -454,4 +454,4 @@ def percentile(sample: Array, value: float, width: float = 0.0) -> Percentile:
     width
         Half of what rounding hides of it, counted as equal.
     """
-    return Percentile(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)
+    return PercentileRank(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
-from rollbench.lowfi.random_errors.chain import Chain, checked
+from rollbench.lowfi.random_errors.chain import Chain, check_errors
 from rollbench.meshes.arrays import Array
 
 #: Newton steps of a round, halvings of a step.
@@ -30,7 +30,7 @@ TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True)
-class Eliminated:
+class EliminationResult:
     """Result of Liu's elimination algorithm."""
 
     #: Contact loads ``(M,)`` [N].
@@ -43,7 +43,7 @@ class Eliminated:
     converged: bool
 
 
-def _angle(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
+def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the sine of the contact angle and its derivative by the approach."""
     sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
     if chain.law == "constant":
@@ -54,9 +54,9 @@ def _angle(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
     return sine, cosine**2 / (sine * (chain.groove_distance - errors + approach))
 
 
-def _motion(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
+def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the motion (A - B)/cos(lead) [m] of an approach, and its derivative."""
-    sine, turn = _angle(chain, errors, approach)
+    sine, turn = _contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
         # difference of two lengths along the axis, from that of their squares: no cancellation
         grown, a = approach - errors, chain.groove_distance
@@ -66,18 +66,20 @@ def _motion(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]
     return v / np.cos(chain.lead_angle), (1.0 - v * turn) / (sine * np.cos(chain.lead_angle))
 
 
-def _forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
+def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the axial forces C(j) [N], odd in the approach, and their derivatives."""
-    sine, turn = _angle(chain, errors, approach)
+    sine, turn = _contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
     load = chain.stiffness * approach * root
     return load * sine * lead, (1.5 * chain.stiffness * root * sine + load * turn) * lead
 
 
-def _equations(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array) -> tuple[Array, Array]:
+def _equations_and_jacobian(
+    chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
+) -> tuple[Array, Array]:
     """Return equations (17) and (18) of the balls ``at`` [N], and their Jacobian."""
-    force, rate = _forces(chain, errors, approach)
-    motion, slope = _motion(chain, errors, approach)
+    force, rate = _axial_forces(chain, errors, approach)
+    motion, slope = _motion_of_approach(chain, errors, approach)
     n = at.size
     spring = 1.0 / np.diff(np.cumsum(chain.segments)[at])
     value, jacobian = load - np.cumsum(force), -np.tril(np.broadcast_to(rate, (n, n)))
@@ -88,9 +90,11 @@ def _equations(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, 
     return value, jacobian
 
 
-def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array) -> tuple[Array, int, bool]:
+def _solve_round(
+    chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
+) -> tuple[Array, int, bool]:
     """Solve the equations of the balls that are in; return approaches, steps, and whether they are solved."""
-    value, jacobian = _equations(chain, errors, at, load, approach)
+    value, jacobian = _equations_and_jacobian(chain, errors, at, load, approach)
     for step in range(MAX_STEPS):
         size = float(np.abs(value).max())
         if size <= TOLERANCE * load:
@@ -98,7 +102,7 @@ def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, appr
         move = -np.linalg.solve(jacobian, value)
         fraction = 1.0
         for _ in range(MAX_HALVINGS):
-            ahead = _equations(chain, errors, at, load, approach + fraction * move)
+            ahead = _equations_and_jacobian(chain, errors, at, load, approach + fraction * move)
             if np.abs(ahead[0]).max() < size:
                 break
             fraction *= 0.5
@@ -107,7 +111,7 @@ def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, appr
     return approach, MAX_STEPS, False
 
 
-def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated:
+def solve_by_elimination(chain: Chain, errors: Array, load: float) -> EliminationResult:
     """Return contact loads by Liu's five steps.
 
     Parameters
@@ -130,14 +134,14 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated
     """
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
         raise ValueError("the elimination needs a compliance and a load above zero")
-    e = checked(chain, errors)
+    e = check_errors(chain, errors)
     share = float(contact_approach(load / (chain.balls * chain.slope), chain.C))
     at = np.arange(chain.balls)
     approach, steps, done = np.full(chain.balls, share), 0, True
     rounds = 0
     while at.size:
         rounds += 1
-        approach, taken, solved = _round(chain, e[at], at, load, approach)
+        approach, taken, solved = _solve_round(chain, e[at], at, load, approach)
         steps, done = steps + taken, done and solved
         keep = approach >= 0.0
         if keep.all() or not solved:
@@ -145,4 +149,4 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated
         at, approach = at[keep], approach[keep]
     q = np.zeros(chain.balls)
     q[at] = contact_force(approach, chain.C)
-    return Eliminated(q, rounds, steps, done)
+    return EliminationResult(q, rounds, steps, done)

@@ -247,7 +247,7 @@ def filled_turns(scene: Scene) -> float:
     return scene.ball_count * angle / (2.0 * pi)
 
 
-def _shape(scene: Scene) -> tuple[Array, float]:
+def _capacity_factors(scene: Scene) -> tuple[Array, float]:
     """Return the factors ``(4,)`` of (2) by conformity and curvature, gamma^0.3 included, and the ball's diameter [mm]."""
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
@@ -268,33 +268,33 @@ def contact_capacity(scene: Scene) -> Array:
     alpha = scene.track.contact_angle
     if float(groove_radii(scene).min()) <= scene.balls.radius:
         raise ValueError("ratings need grooves larger than the ball")
-    shape, D = _shape(scene)
+    shape, D = _capacity_factors(scene)
     if scene.track.lead == 0.0:
         base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
         raise ValueError("the rating of a screw needs a contact angle above zero")
-    return np.asarray(_turn_rating(scene) * _turns_share(scene) / (scene.ball_count * sin(alpha) * _slope(scene)))
+    return np.asarray(_turn_rating(scene) * _turns_factor(scene) / (scene.ball_count * sin(alpha) * _lead_cosine(scene)))
 
 
-def _slope(scene: Scene) -> float:
+def _lead_cosine(scene: Scene) -> float:
     return cos(lead_angle(scene.track))
 
 
-def _turns_share(scene: Scene) -> float:
+def _turns_factor(scene: Scene) -> float:
     return float(filled_turns(scene) ** 0.86)
 
 
 def _turn_rating(scene: Scene) -> Array:
     """Return (3) of each raceway ``(4,)`` [N], for one turn."""
     alpha = scene.track.contact_angle
-    shape, D = _shape(scene)
-    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _slope(scene) ** 1.3
+    shape, D = _capacity_factors(scene)
+    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _lead_cosine(scene) ** 1.3
     per_turn = scene.ball_count / filled_turns(scene)
     return np.asarray(CONTACT * SINGLE_ROW * shape * angle * per_turn ** (2.0 / 3.0) * D**1.8)
 
 
-def rating(scene: Scene) -> float:
+def dynamic_rating(scene: Scene) -> float:
     """Return the basic dynamic load rating C of one pair of opposite raceways.
 
     Parameters
@@ -325,12 +325,12 @@ def rating(scene: Scene) -> float:
     >>> balls = Balls(5e-3, steel, tuple(2.0 * pi * k / 9 for k in range(9)))
     >>> inner, outer = Screw(0.02, 0.049, 5.2e-3, steel), Nut(0.01, 0.02, 0.1, 5.2e-3, steel)
     >>> bearing = Scene("ring", "ring", Track(25e-3, 0.0, 0.0), inner, outer, balls)
-    >>> C = rating(bearing)
+    >>> C = dynamic_rating(bearing)
     >>> round(C), round(C / (1.3 * 9 ** (2 / 3) * 10**1.8), 1)
     (21109, 59.5)
     """
     if scene.track.lead > 0.0:
-        screw, nut = _turn_rating(scene)[[0, 3]] * _turns_share(scene)
+        screw, nut = _turn_rating(scene)[[0, 3]] * _turns_factor(scene)
     else:
         alpha, capacities = scene.track.contact_angle, contact_capacity(scene)[[0, 3]] * scene.ball_count
         screw, nut = capacities * sin(alpha) if is_thrust(scene) else capacities * cos(alpha) * np.array(RADIAL)
@@ -366,7 +366,7 @@ def life(scene: Scene, load: Array) -> Life | None:
     >>> load = np.zeros((scene.ball_count, 4))
     >>> load[:, [0, 3]] = 100.0
     >>> found = life(scene, load)
-    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _slope(scene)
+    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _lead_cosine(scene)
     >>> round(found.revolutions / (found.rating / axial) ** 3, 9)
     1.0
     """
@@ -381,11 +381,11 @@ def life(scene: Scene, load: Array) -> Life | None:
             mean = top * float(np.mean((load[:, s] / top) ** order)) ** (1.0 / order)
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
-    total, rated = float(shares.sum() ** -0.9), rating(scene)
-    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene), scene.track.lead)
+    total, rated = float(shares.sum() ** -0.9), dynamic_rating(scene)
+    return Life(total, raceways, rated, rated / float(np.cbrt(total)), name_life_standard(scene), scene.track.lead)
 
 
-def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:
+def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
     """Return the contact loads that cause the same fatigue damage as several load cases together, by (4).
 
     Parameters
@@ -407,7 +407,7 @@ def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:
     return np.asarray(top * np.cbrt(sum(share * (load / top) ** TURNING for load, share in used)))
 
 
-def standard_of(scene: Scene) -> str:
+def name_life_standard(scene: Scene) -> str:
     """Return the name of the standard by which a scene's life is computed."""
     if scene.track.lead > 0.0:
         return "ISO 3408-5"
@@ -479,22 +479,22 @@ def equivalent_life(
     ring = scenes[0].track.lead == 0.0
     standard = "ISO 281" if ring else "ISO 3408-5"
     for scene, _, _ in used:
-        reason = _outside(scene, ring=ring)
+        reason = _uncovered_loads(scene, ring=ring)
         if reason:
             raise ValueError(f"{standard} does not know {reason} (as in {scene.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
-        loads: tuple[float, ...] = (mean_force(n, np.array([_of_ring(scenes[0], F) for _, _, F in used])),)
-        rated: tuple[float, ...] = (rating(scenes[0]),)
+        loads: tuple[float, ...] = (mean_force(n, np.array([_equivalent_bearing_load(scenes[0], F) for _, _, F in used])),)
+        rated: tuple[float, ...] = (dynamic_rating(scenes[0]),)
     else:
         axial = np.array([F[2] for _, _, F in used])
-        along, against = halves(axial, preload)
-        loads, rated = (mean_force(n, along), mean_force(n, against)), _ratings(scenes[0])
+        along, against = forces_on_halves(axial, preload)
+        loads, rated = (mean_force(n, along), mean_force(n, against)), _ratings_by_direction(scenes[0])
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
     return EquivalentLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
 
 
-def halves(force: Array, preload: float) -> tuple[Array, Array]:
+def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
     """Return the forces on the two halves of a preloaded nut by (6).
 
     Parameters
@@ -515,7 +515,7 @@ def halves(force: Array, preload: float) -> tuple[Array, Array]:
 
     Examples
     --------
-    >>> [x.round(1).tolist() for x in halves(np.array([0.0, 1e3, 5e3, -5e3]), 1e3)]
+    >>> [x.round(1).tolist() for x in forces_on_halves(np.array([0.0, 1e3, 5e3, -5e3]), 1e3)]
     [[1000.0, 1574.8, 5000.0, 0.0], [1000.0, 574.8, 0.0, 5000.0]]
     """
     size = np.abs(force)
@@ -546,13 +546,13 @@ def mean_force(shares: Array, force: Array) -> float:
     return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
 
 
-def _ratings(scene: Scene) -> tuple[float, float]:
+def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
     """Return the ratings [N] of a screw along +z and against it.
 
     Of the nut with play, of its halves with a lead offset, of which the one that is shifted along +z carries the forces
     against it.
     """
-    capacity = rating(scene)
+    capacity = dynamic_rating(scene)
     offset = scene.errors.lead_offset
     if offset == 0.0:
         return capacity, capacity
@@ -561,7 +561,7 @@ def _ratings(scene: Scene) -> tuple[float, float]:
     return (before, after) if offset > 0.0 else (after, before)
 
 
-def factors(alpha: float) -> tuple[float, float, float]:
+def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
     """Return the factors e, X and Y of a single row of balls (ISO 281), P = X F_r + Y F_a where F_a > e F_r.
 
     Parameters
@@ -578,7 +578,7 @@ def factors(alpha: float) -> tuple[float, float, float]:
     Examples
     --------
     >>> from math import radians
-    >>> [round(x, 2) for x in factors(radians(40.0))], [round(x, 2) for x in factors(radians(60.0))]
+    >>> [round(x, 2) for x in radial_and_axial_factors(radians(40.0))], [round(x, 2) for x in radial_and_axial_factors(radians(60.0))]
     ([1.14, 0.35, 0.57], [2.17, 0.92, 1.0])
     """
     angle = degrees(alpha)
@@ -590,12 +590,12 @@ def factors(alpha: float) -> tuple[float, float, float]:
     return e, X, Y
 
 
-def _of_ring(scene: Scene, force: Array) -> float:
+def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     """Return the equivalent load P [N] of a bearing."""
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
-    e, X, Y = factors(scene.track.contact_angle)
+    e, X, Y = radial_and_axial_factors(scene.track.contact_angle)
     if axial > e * radial:
         return X * radial + Y * axial
     if thrust:
@@ -603,7 +603,7 @@ def _of_ring(scene: Scene, force: Array) -> float:
     return radial
 
 
-def _outside(scene: Scene, *, ring: bool) -> str:
+def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
     """Return the conditions of a case that the standard does not cover; empty where it covers all."""
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:

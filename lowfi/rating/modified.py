@@ -30,7 +30,7 @@ import numpy as np
 
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import Life, is_thrust
-from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
@@ -125,7 +125,7 @@ def fatigue_limit(scene: Scene) -> float:
         across = 2.0 * scene.track.pitch_radius
         return float(static_rating(scene) / STATIC_OVER_FATIGUE * min(1.0, (0.1 / across) ** 0.5))
     of_one_newton = float(error_free_hertz(scene).pressure(np.ones(4)).max())
-    return float(scene.ball_count * slope_of(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
+    return float(scene.ball_count * approach_per_displacement(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
 
 
 def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:

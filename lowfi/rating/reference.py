@@ -81,7 +81,7 @@ class ReferenceLife:
     )
 
 
-def of_balls(scene: Scene, life: Life | None) -> ReferenceLife | None:
+def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None:
     """Return the reference life of a bearing's row of balls by (1).
 
     Parameters
@@ -128,7 +128,7 @@ def edge_stress(laminae: int) -> Array:
         return np.asarray(1.0 - 0.01 / np.log(1.985 * place))
 
 
-def of_rollers(row: RollerRow, line_loads: Array) -> ReferenceLife | None:
+def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | None:
     """Return the reference life of a row of rollers by (2) and (3).
 
     Parameters

@@ -85,7 +85,7 @@ class Rigidities:
         return None if self.bodies is None else PRACTICE * self.bodies
 
 
-def slope_of(scene: Scene) -> float:
+def approach_per_displacement(scene: Scene) -> float:
     """Return the approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi).
 
     Parameters
@@ -120,7 +120,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     counts = np.array([half.sum() for half in halves])
     C = error_free_hertz(scene).C
     pair = np.array([C[0] + C[3], C[1] + C[2]])
-    s, n = slope_of(scene), scene.ball_count
+    s, n = approach_per_displacement(scene), scene.ball_count
 
     def excess(u: float, start: Array, force: float) -> float:
         pressed = contact_force(start + s * u * np.array([1.0, -1.0]), pair)
@@ -231,7 +231,7 @@ def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidi
     [271, 265, 250]
     """
     size = abs(force)
-    if size == 0.0 or slope_of(scene) <= 0.0:
+    if size == 0.0 or approach_per_displacement(scene) <= 0.0:
         return None
     alone = contacts_displacement(scene, size)
     body = body_compliance(scene)

@@ -117,8 +117,8 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
         Lengths [m] between neighbouring bearings, or from a single bearing to the farther end, each with the kinds of its
         two ends, the stiffer first.
     """
-    bearings = sorted((s for s in scene.supports if _holds(s, "ux", "uy")), key=lambda s: s.at)
-    held = ["fixed" if _holds(s, "rx", "ry") else "supported" for s in bearings]
+    bearings = sorted((s for s in scene.supports if _support_fixes(s, "ux", "uy")), key=lambda s: s.at)
+    held = ["fixed" if _support_fixes(s, "rx", "ry") else "supported" for s in bearings]
     if len(bearings) == 1:
         return [(max(bearings[0].at, scene.screw.length - bearings[0].at), (held[0], "free"))]
     kinds = [held[i] if i in (0, len(held) - 1) else "supported" for i in range(len(held))]
@@ -126,11 +126,13 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
     return [(b.at - a.at, (x, y) if x == "fixed" else (y, x)) for a, b, x, y in pairs]
 
 
-def _holds(support: Support, *names: str) -> bool:
+def _support_fixes(support: Support, *names: str) -> bool:
     return {*names} <= {name for name, _ in support.fixed}
 
 
-def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulus: float) -> tuple[float, float]:
+def buckling_load_and_critical_speed(
+    length: float, ends: tuple[str, str], root: float, bore: float, modulus: float
+) -> tuple[float, float]:
     """Return the buckling load and the critical speed of a steel bar by (1) and (2).
 
     Parameters
@@ -155,7 +157,7 @@ def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulu
 
     Examples
     --------
-    >>> load, speed = euler(2.4, ("fixed", "supported"), 56.5e-3, 0.0, 210e9)
+    >>> load, speed = buckling_load_and_critical_speed(2.4, ("fixed", "supported"), 56.5e-3, 0.0, 210e9)
     >>> round(1e-3 * load), round(speed * 30.0 / pi)
     (360, 1868)
     """
@@ -164,7 +166,7 @@ def euler(length: float, ends: tuple[str, str], root: float, bore: float, modulu
     return c * pi**2 * stiff / length**2, factor**2 / length**2 * sqrt(stiff / (DENSITY * area))
 
 
-def compression(scene: Scene, result: StaticResult) -> float:
+def shaft_compression(scene: Scene, result: StaticResult) -> float:
     """Return the largest axial compression of the shaft [N] by its loads, its supports and the nut.
 
     The nut's force is taken to act at the nut's middle; zero where the shaft is only in tension.
@@ -198,7 +200,10 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
     if scene.track.lead == 0.0 or not spans:
         return None
     root, track = root_diameter(scene), scene.track
-    found = [euler(x, ends, root, scene.screw.bore, scene.screw.material.youngs_modulus) for x, ends in spans]
+    found = [
+        buckling_load_and_critical_speed(x, ends, root, scene.screw.bore, scene.screw.material.youngs_modulus)
+        for x, ends in spans
+    ]
     weakest = min(range(len(spans)), key=lambda k: found[k][0])
     load, critical = found[weakest][0], min(speed for _, speed in found)
     length, ends = spans[weakest]
@@ -210,7 +215,7 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
         length,
         root,
         load,
-        compression(scene, result),
+        shaft_compression(scene, result),
         critical,
         speed,
         None if speed is None else across * speed,

@@ -74,9 +74,9 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
     records = survey.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
     assert done == [0, 2]  # what had no answer is tried again
     assert [r["number"] for r in records] == [0, 1, 2]
-    assert [r["number"] for r in survey.unanswered_records(records)] == [0]
+    assert [r["number"] for r in survey.unsolved_records(records)] == [0]
     assert "[1/3] scene 0: refused, 1 s" in said
-    assert json.loads(survey.survey_text(SEED, records))["scenes"] == records
+    assert json.loads(survey.survey_json(SEED, records))["scenes"] == records
     with pytest.raises(InputError, match="another sweep"):
         survey.run_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
 
@@ -91,11 +91,11 @@ def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(survey, "survey_screw", fake)
     kept = tmp_path / "survey.json"
     rows = [{"number": k, "version": survey.__version__, "status": s} for k, s in enumerate(("converged", "refused"))]
-    kept.write_text(survey.survey_text(SEED, rows))
+    kept.write_text(survey.survey_json(SEED, rows))
     records = survey.run_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
     assert done == [1, 2]
     assert records[0] == rows[0]
-    kept.write_text(survey.survey_text(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"'))
+    kept.write_text(survey.survey_json(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"'))
     survey.run_survey(SEED, 3, tmp_path / "other", 1, lambda _: None, kept)
     assert done == [1, 2, 0, 1, 2]
 

@@ -31,12 +31,26 @@ from rollbench.hifi.rolling.verification import (
     solve_steady_rolling,
     solve_steady_rolling_as_contact,
 )
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, relative_curvatures, thrust_state
+from rollbench.lowfi.bearings.angular_contact import (
+    BallBearing,
+    BallRow,
+    bearing_of_contact_angle,
+    relative_curvatures,
+    thrust_state,
+)
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded_rows
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, life, mean_force, rating
+from rollbench.lowfi.rating.life import (
+    PARTING,
+    dynamic_rating,
+    equivalent_life,
+    forces_on_halves,
+    life,
+    mean_force,
+    radial_and_axial_factors,
+)
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -165,7 +179,7 @@ def _catalogue_bearing(case: str, row: Sequence[float], conformity: float) -> Ba
     d_m, d_w, balls = row[:3]
     angle, young = read_input(case, "contact_angle", "angle"), read_input(case, "youngs_modulus", "pressure")
     poisson = float(read_inputs()[case]["poissons_ratio"])
-    return of_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
+    return bearing_of_contact_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
 
 
 def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
@@ -282,7 +296,7 @@ def equivalent_loads(findings: Findings, study: Study) -> None:
     findings.number("speed_rexroth", mean_speed_of_phases("rexroth"))
     findings.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
-    loaded, other = halves(force, 1.0)
+    loaded, other = forces_on_halves(force, 1.0)
     lower = error_percent((1.0 + force / ROUNDED) ** 1.5, loaded)
     words = (
         f"with 3 the loaded half's force is {-float(lower.min()):.1f} % lower where the halves part, and no higher anywhere"
@@ -293,12 +307,12 @@ def equivalent_loads(findings: Findings, study: Study) -> None:
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
     found = equivalent_life([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
     assert found is not None
-    lives = (rating(nut) / np.array(found.loads)) ** 3
+    lives = (dynamic_rating(nut) / np.array(found.loads)) ** 3
     printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
     findings.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
     for name, angle in (row.key.split("_") for row in load_table(findings.table) if row.key[0] in "eXY"):
-        findings.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
+        findings.number(f"{name}_{angle}", radial_and_axial_factors(float(np.radians(float(angle))))["eXY".index(name)])
 
 
 #: Cells along each axis of the grid of the program CONTACT's example, and width of the grid over that of the contact.
@@ -318,7 +332,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
-    bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
+    bearing = bearing_of_contact_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
     angle = np.arccos(read_inputs()["nsk"]["cosine"])
     findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)

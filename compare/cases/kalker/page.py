@@ -25,22 +25,22 @@ from rollbench.compare.studies.rolling.rows import (
     LIMIT,
     PAIRS,
     RINGS,
-    Change,
+    ChoiceEffect,
     RollingRow,
-    Series,
-    from_rest,
-    grid_changes,
+    RunFromRest,
+    effects_of_choices,
+    is_within_limit,
     load_state,
+    runs_from_rest,
     stored_rows,
-    within_limit,
 )
 from rollbench.compare.studies.rolling.runs import (
     LEVELS,
     NAMES,
     SOURCE_LEVEL,
-    KeptSizes,
     RollingRun,
-    find_body_sizes,
+    StoredVariants,
+    find_body_variants,
     load_run,
 )
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_semi_axes, solve_rolling
@@ -113,13 +113,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
     study.uses([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
-    series = from_rest()
+    series = runs_from_rest()
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = KeptSizes((), left) if left else find_body_sizes(stores, fresh=study.timed)
+    sizes = StoredVariants((), left) if left else find_body_variants(stores, fresh=study.timed)
     patches = patch_fields()
     step("other grids, steps and paths")
-    changed = grid_changes(stores, series, sizes.variants)
+    changed = effects_of_choices(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_introduction(found, proof)),
@@ -169,7 +169,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def _finite_body_items(
-    stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Verification]
+    stores: Sequence[Path], sizes: StoredVariants, proof: Sequence[Verification]
 ) -> list[Text | Table | Figure | PressureMap]:
     """Return text and tables comparing finite bodies with half spaces, for several sizes and meshes of the bodies."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
@@ -291,7 +291,7 @@ def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verificati
     """Return the introduction: the 3D model, verifications passed, and forces and torques beyond the limit."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
-    beyond = [r for r in gated if not within_limit(r)]
+    beyond = [r for r in gated if not is_within_limit(r)]
     out = [
         "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
         "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
@@ -359,7 +359,7 @@ def _comparison_row(row: RollingRow) -> Row:
         Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
         Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
         Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
-        "verdict": f"within {LIMIT:g} %" if within_limit(row) else f"beyond {LIMIT:g} %",
+        "verdict": f"within {LIMIT:g} %" if is_within_limit(row) else f"beyond {LIMIT:g} %",
     }
 
 
@@ -394,7 +394,7 @@ def _grid_rows(stores: Sequence[Path]) -> list[Row]:
     return out
 
 
-def _from_rest_row(s: Series) -> Row:
+def _from_rest_row(s: RunFromRest) -> Row:
     """Return the table row of a transient run from rest: final force, steady force, time at which the balls meet."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
@@ -407,7 +407,7 @@ def _from_rest_row(s: Series) -> Row:
     }
 
 
-def _numerical_choice_row(c: Change) -> Row:
+def _numerical_choice_row(c: ChoiceEffect) -> Row:
     """Return the table row of one numerical choice: change of the ball-to-ball force, and the stated uncertainty."""
     return {
         "scene": c.scene,
@@ -419,7 +419,7 @@ def _numerical_choice_row(c: Change) -> Row:
     }
 
 
-def _from_rest_figure(series: Sequence[Series]) -> Figure:
+def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
     """Draw ball-to-ball force and speed of the balls over time, for two balls started from rest."""
     forces = [Curve(f"{s.steps} steps", [1e3 * t for t in s.time], s.force) for s in series]
     last = series[-1]

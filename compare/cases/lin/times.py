@@ -17,13 +17,13 @@ from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.reference_time import warm_seconds
 from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 from rollbench.compare.studies.run_times import (
-    ColdLevel,
+    ColdLevelTime,
     Kept,
     RunTime,
-    case_times,
     measure_call,
     measure_level,
     measure_model,
+    times_of_page,
     today,
 )
 
@@ -51,7 +51,7 @@ CALLS = {
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
     """Measure all run times that are compared with Lin's tables (takes five minutes on two idle cores)."""
     times: dict[tuple[str, str], RunTime] = {}
-    levels: list[ColdLevel] = []
+    levels: list[ColdLevelTime] = []
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
         cold, model = measure_model(name, "lin", repeats=1), MODELS["lin"]
@@ -84,7 +84,7 @@ class RunTimes:
 
 def stored_run_times(study: Study, name: str, way: str) -> RunTimes:
     """Return the stored run times of a scene; ``way``: model, "lin", "numerical", "formula" or "3D"."""
-    kept = study.once(case_times, "lin")
+    kept = study.once(times_of_page, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.levels:

@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
 from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
+from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair, thrust_state_under_load
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import ARRANGEMENTS
 from rollbench.meshes.parts import Scene
@@ -120,7 +120,7 @@ def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
     """Return splines of C/(Z^(2/3) D^1.8) and C_0/(Z D^2) over D/d_m at a contact angle [rad] (ISO 281, ISO 76; N, m)."""
     rings = [bearing_scene(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
-    dynamic = [rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
+    dynamic = [dynamic_rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
     static = [static_rating(one) for one in rings] / (FEW * balls**2)
     return CubicSpline(RELATIVE, dynamic), CubicSpline(RELATIVE, static)
 
@@ -170,15 +170,15 @@ def compare_ball_bearings() -> Iterator[Outside]:
     pitch, angle = np.array([_mean_diameter(rows[0]) for rows in bearings]), np.radians(column_values("angle_deg")[:, 0])
     dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     count, ball = np.array([balls_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
-    begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
+    begin = CatalogueBearings(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
         conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
         balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
-        each = AngleRows(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
-        state = state_under(each, np.column_stack([forces, load[:, -1]]))
+        each = CatalogueBearings(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
+        state = thrust_state_under_load(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
     for i, rows in enumerate(bearings):
@@ -241,8 +241,10 @@ def compare_constant_angle_pairs() -> Iterator[Outside]:
 
     pitch, angle = np.array([_mean_diameter(row) for row in source.rows]), np.radians(column_values("angle_deg"))
     usual = np.full(pitch.size, CONFORMITY)
-    rows = AngleRows(column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
-    stiff = 2e-7 * state_under(rows, column_values("preload_daN", 10.0)).stiffness
+    rows = CatalogueBearings(
+        column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON
+    )
+    stiff = 2e-7 * thrust_state_under_load(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"

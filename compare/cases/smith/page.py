@@ -223,7 +223,7 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
     study.uses(("smith-axis-taper",))
     scene = catalogue.shipped("smith-axis-taper")
     assert isinstance(scene, Assembly)
-    (roller,) = rollers.rollers_of_axis(scene)
+    (roller,) = rollers.loaded_rollers(scene)
     runs = [run for level in rollers.LEVELS if (run := rollers.stored_run(roller, level, (shipped_store(),))) is not None]
     if not runs:
         return ()
@@ -240,7 +240,7 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
         rows.append(row)
     best = runs[-1]
     times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
-    note = f"{ROLLER_NOTE} {rollers.closing_lines(roller, runs)} Processor time: {times}."
+    note = f"{ROLLER_NOTE} {rollers.low_order_sentence(roller, runs)} Processor time: {times}."
     along = [1e3 * x for x in best.along]
     even = [1e-3 * roller.load / roller.row.length] * 2
     half = 500.0 * roller.row.length

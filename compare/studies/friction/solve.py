@@ -23,14 +23,8 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer
-from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, power_balance, vector_json
-from rollbench.compare.studies.friction.whole import (
-    NO_SPEED,
-    Choices,
-    friction_status,
-    solve_scene,
-    torque_over_coefficient,
-)
+from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, power_balance, three_digits
+from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, friction_coefficients, friction_status, solve_scene
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -106,12 +100,12 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     return solve_kind(scene)
 
 
-def solve_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
+def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
     """Compute friction for `rollbench.friction`, as JSON values; ``mu``: coefficients instead of the scene's."""
-    return as_json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
+    return answer_json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
 
 
-def as_json(found: FrictionAnswer) -> dict[str, Any]:
+def answer_json(found: FrictionAnswer) -> dict[str, Any]:
     """Return JSON values, with the warning above the answer."""
     return found.data | {"warning": found.warning or None}
 
@@ -168,7 +162,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     found = _axis_answer(
         head, assembly, result, answers, (pairs[0], motion, each[0], _drag_torques(assembly, result, pairs[0], motion))
     )
-    over = [{"screw": f.screw, "nut": f.nut} | _summed_drag(states, {}) for f, states in zip(pairs, each, strict=True)]
+    over = [{"screw": f.screw, "nut": f.nut} | _summed_torques(states, {}) for f, states in zip(pairs, each, strict=True)]
     tables = [*found.tables, *([("over the coefficient of friction", OVER_COLUMNS, over)] if len(pairs) > 1 else [])]
     return replace(found, data=found.data | {"over_friction": over}, tables=tables)
 
@@ -180,7 +174,7 @@ def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Fric
         return []
     if not balls:
         raise ArgumentError("mu", f"with {assembly.name}", "a set of balls", "leave it out: its sets are rollers")
-    return torque_over_coefficient(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
+    return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
 def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
@@ -218,17 +212,17 @@ def _axis_answer(
     found: tuple[Friction, Motion, Solved, dict[int, float]],
 ) -> FrictionAnswer:
     friction, motion, solved, drag = found
-    nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead_of_set(s)}
+    nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _set_lead(s)}
     drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.loss_rows(state)]
     good = all(state.settled for _, _, state in solved)
     failed = next((x for x in solved if not x[2].settled), None)
-    torque, power = _summed_drag(solved, drag), _energy_of_sets(solved)
+    torque, power = _summed_torques(solved, drag), _summed_powers(solved)
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
-    warnings += answer.static_only([w for w in result.warnings if not w.startswith(of_rollers)])
+    warnings += answer.without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             warnings += [w.prefixed(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
@@ -251,15 +245,15 @@ def _axis_answer(
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
             *(() if solved else (NO_COEFFICIENT,)),
         ],
-        "left_out": answer.left_out(friction) if solved else [],
+        "left_out": answer.neglected_effects(friction) if solved else [],
         "warnings": warnings,
     }
-    flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.flat_rows(balls), strict=True)]
+    flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.terminal_ball_rows(balls), strict=True)]
     every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
     of_balls = (
         "torque",
         f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
-        f"sets of balls; their friction torque {vector_json(torque['friction_torque_Nmm'])} N mm",
+        f"sets of balls; their friction torque {three_digits(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
     lines = [*([of_balls] if solved else []), left]
@@ -271,12 +265,12 @@ def _axis_answer(
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
 
 
-def _lead_of_set(s: SetResult) -> float:
+def _set_lead(s: SetResult) -> float:
     """Return the lead of a set of balls [m]; zero for rollers."""
     return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
-def _energy_of_sets(solved: Solved) -> dict[str, Any]:
+def _summed_powers(solved: Solved) -> dict[str, Any]:
     """Return powers [W] summed over all sets: contact input and loss, power of driving torque and of axial loads.
 
     Also the efficiency, if one of the latter two drives the other.
@@ -293,7 +287,7 @@ def _energy_of_sets(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _summed_drag(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
+def _summed_torques(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
     """Return friction, drag and driving torque summed over all sets [N mm]; drag None unless known for every set."""
     known = len(drag) == len(solved)
     return {
@@ -333,8 +327,8 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
     mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    largest = "none" if worst is None else f"{vector_json(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
-    known_mean = words if mean is None else f"{vector_json(mean)} N mm"
+    largest = "none" if worst is None else f"{three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
+    known_mean = words if mean is None else f"{three_digits(mean)} N mm"
     lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
     for case, one in each:
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]

@@ -32,14 +32,14 @@ from rollbench.compare.studies.members.ensemble import (
     OF_SET,
     WHOLE,
     Block,
+    ball_slices,
     contact_loads,
-    contact_places,
-    ensemble_columns,
+    output_names,
     solve_block,
     with_seed,
     without_random_errors,
 )
-from rollbench.lowfi.jit import STATICS, cached
+from rollbench.lowfi.jit import STATICS, is_machine_code_cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -56,7 +56,7 @@ LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 MOST = 10_000_000
 
 
-class Bands:
+class LoadDistributions:
     """Distribution of each contact load over the members, by running sums and histograms.
 
     Parameters
@@ -135,7 +135,7 @@ class Members:
     #: Status of members without equilibrium, by number.
     failed: dict[int, str]
     #: Distribution of the contact loads, set after set.
-    bands: Bands
+    bands: LoadDistributions
     #: Range of each set's balls in them; None for rollers.
     balls: tuple[slice | None, ...]
     #: Wall clock [s].
@@ -177,9 +177,11 @@ def run_members(
     InputError
         If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
-    _check_members(scene, model, count)
+    _check_request(scene, model, count)
     start, model = perf_counter(), model or default_model(scene)
-    kernels = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
+    kernels = (
+        "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS)) else "interpreted"
+    )
     bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
     nominal = contact_loads(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
@@ -187,7 +189,7 @@ def run_members(
         what = "screw" if isinstance(scene, Scene) else "sets"
         advice = f"load or preload the {what}"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
-    bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
+    bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     done = 0
     for first, block in _solve_blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
         bands.add(block.loads)
@@ -198,10 +200,10 @@ def run_members(
                 failed[first + k] = status
         done += len(block.kept)
         step(f"[{done}/{count}] {len(failed)} failed")
-    return Members(scene, model, np.concatenate(rows), failed, bands, contact_places(scene), perf_counter() - start)
+    return Members(scene, model, np.concatenate(rows), failed, bands, ball_slices(scene), perf_counter() - start)
 
 
-def _check_members(scene: Scene | Assembly, model: str, count: int) -> None:
+def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
     single = isinstance(scene, Scene)
     if single:
         known_model(model, without=("condensed",))
@@ -246,7 +248,7 @@ def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
 
 
-def statistics_of(values: Array) -> dict[str, Any] | None:
+def sample_statistics(values: Array) -> dict[str, Any] | None:
     """Return mean with standard error, deviation, extremes, and quantiles with their 95 % intervals.
 
     The interval of a quantile lies between order statistics, by the binomial distribution of the number of values below it.
@@ -279,12 +281,12 @@ def ensemble_for_library(
 ) -> dict[str, Any]:
     """Solve an ensemble for `rollbench.ensemble` and return JSON values; InputError as `run_members`."""
     each, cases = solve_ensemble(described, described.name, model, count, seed, Engine(workers=workers), step)
-    return whole_ensemble(described, each, cases)
+    return ensemble_json(described, each, cases)
 
 
-def whole_ensemble(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
+def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
     """Return the JSON of a scene, or of each of its load cases."""
-    data = [as_json(batch) for batch in each]
+    data = [members_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
     return {"scene": described.name, "cases": by_case} if cases else data[0]
 
@@ -308,7 +310,7 @@ def solve_ensemble(
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
     scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
     each: list[Members] = []
-    with _read_rows(csv_out, [*(["case"] if cases else []), "member", "status", *ensemble_columns(scenes[0])]) as write:
+    with _open_csv(csv_out, [*(["case"] if cases else []), "member", "status", *output_names(scenes[0])]) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
             row = partial(_write_row, write, head)
             each.append(run_members(scene, model or default_model(scene), count, engine, step, row))
@@ -320,7 +322,7 @@ def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: 
 
 
 @contextmanager
-def _read_rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
+def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
     """Yield a function that writes rows to a file, which gets its name only when it is complete."""
     if path is None:
         yield lambda *_: None
@@ -339,7 +341,7 @@ def _read_rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[li
         unfinished.unlink(missing_ok=True)
 
 
-def as_json(members: Members) -> dict[str, Any]:
+def members_json(members: Members) -> dict[str, Any]:
     """Return JSON values: statistics of the outputs, failures, bands of every loaded contact.
 
     Of several sets their statistics are in ``sets``, and rows of ``balls`` begin with the name of the set.
@@ -350,7 +352,7 @@ def as_json(members: Members) -> dict[str, Any]:
     rows = _ball_bands(members.bands)
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        counts["sets"] = _set_bands(members, scene)
+        counts["sets"] = _set_statistics(members, scene)
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(members.balls)
@@ -361,21 +363,21 @@ def as_json(members: Members) -> dict[str, Any]:
     else:
         seed, balls = scene.errors.seed, [x for one in rows for x in one]
     names = WHOLE if isinstance(scene, Assembly) else KEPT
-    sums = {key: statistics_of(kept[:, k]) for k, key in enumerate(names)}
+    sums = {key: sample_statistics(kept[:, k]) for k, key in enumerate(names)}
     head = {"scene": scene.name, "model": members.model, "seed": seed, **counts, "statistics": sums}
     return {**head, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 
-def _set_bands(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
+def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Return the statistics of each set."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
-        {"set": i + 1, "name": s.name, "statistics": {key: statistics_of(kept[:, k]) for k, key in enumerate(OF_SET)}}
+        {"set": i + 1, "name": s.name, "statistics": {key: sample_statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
         for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
     ]
 
 
-def _ball_bands(bands: Bands) -> list[list[dict[str, Any]]]:
+def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
     """Return rows of the loaded contacts of every ball."""
     found = {
         "without_random_errors_N": bands.nominal,

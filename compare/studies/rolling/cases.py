@@ -36,7 +36,7 @@ MOVING = np.array([False, False, True, True])
 
 
 @dataclass(frozen=True)
-class Case:
+class RollingCase:
     """A friction scene for the 3D model."""
 
     #: Name of the scene.
@@ -55,7 +55,7 @@ class Case:
     coupled: bool
 
 
-def rolling_case(scene: KindScene, choices: Choices) -> Case:
+def rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
     """Return a scene for the 3D model.
 
     Parameters
@@ -80,7 +80,7 @@ def rolling_case(scene: KindScene, choices: Choices) -> Case:
     if isinstance(scene, ScrewPairScene):
         return _screw_case(scene, choices)
     if isinstance(scene, BearingBallScene):
-        return _ring_case(scene)
+        return _bearing_case(scene)
     reason = f"the 3D model of rolling takes one to {MOST} balls under given conditions, not the kind {scene.kind}"
     raise Refusal(scene.name, "kind", reason, "take a linear pair, a linear chain, a screw pair or a bearing ball")
 
@@ -95,7 +95,7 @@ def _contact_directions(angles: Array, senses: Array) -> Array:
     return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
-def _linear_case(scene: LinearScene) -> Case:
+def _linear_case(scene: LinearScene) -> RollingCase:
     """Return the balls of a linear bearing for the 3D model; Refusal for too many balls or no motion."""
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
@@ -110,15 +110,20 @@ def _linear_case(scene: LinearScene) -> Case:
     material = Material(b.young, b.poisson, b.mu, b.mu_balls)
     normals = _contact_directions(scene.angles, LINEAR)
     if scene.distribution == "elastic":
-        found = [_pressed_loads(scene, layout, material, n, float(r)) for n, r in zip(normals, scene.side, strict=True)]
+        found = [
+            _loads_with_elastic_angles(scene, layout, material, n, float(r))
+            for n, r in zip(normals, scene.side, strict=True)
+        ]
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
-        loads = np.array([_given_loads(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
+        loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
     whole = rolling_scene(layout, material, normals, loads)
-    return Case(scene.name, scene.kind, without_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False)
+    return RollingCase(
+        scene.name, scene.kind, without_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False
+    )
 
 
-def _given_loads(scene: LinearScene, normals: Array, rho: float) -> Array:
+def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
     """Return contact loads (4,) [N] that balance a ball at its angles, or (diagonal) at the nominal angle."""
     if scene.distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
@@ -127,7 +132,7 @@ def _given_loads(scene: LinearScene, normals: Array, rho: float) -> Array:
     return np.asarray(np.maximum(np.concatenate([bottom, top]), 0.0))
 
 
-def _pressed_loads(
+def _loads_with_elastic_angles(
     scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
 ) -> tuple[Array, Array]:
     """Return directions (4, 2) and loads (4,) [N] of a ball whose contact angles follow the loads."""
@@ -142,7 +147,7 @@ def _pressed_loads(
     return found.normal[0], found.force[0]
 
 
-def _screw_case(scene: ScrewPairScene, choices: Choices) -> Case:
+def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
         _refuse_scene(scene, "ingredients.hertz", "the 3D model has no constants as printed", 'take "nominal"')
@@ -190,12 +195,12 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> Case:
         if not good:
             _refuse_scene(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
         scenes.append(rolling_scene(layout, material, loads.normal, loads.force))
-    return Case(
+    return RollingCase(
         scene.name, scene.kind, without_ball_contacts(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled
     )
 
 
-def _ring_case(scene: BearingBallScene) -> Case:
+def _bearing_case(scene: BearingBallScene) -> RollingCase:
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":
         _refuse_scene(
@@ -222,4 +227,4 @@ def _ring_case(scene: BearingBallScene) -> Case:
     if not loads.converged:
         _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
     whole = rolling_scene(layout, material, loads.normal, loads.force)
-    return Case(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)
+    return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

@@ -31,7 +31,7 @@ from rollbench.compare.running import out_of_memory
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import case as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import Case, rolling_case
+from rollbench.compare.studies.rolling.cases import RollingCase, rolling_case
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rigid_rolling, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes
@@ -150,7 +150,7 @@ def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
     return path
 
 
-def patch_shape(case: Case, level: int) -> tuple[int, int]:
+def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
     """Return the cells of a level; for the source's element size as many as fit into the largest contact."""
     if level != SOURCE_LEVEL:
         return LEVELS[level]
@@ -187,7 +187,7 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
         If memory does not suffice.
     """
     try:
-        return _compute_case(scene, level, bodies, processes)
+        return _solve_on_grid(scene, level, bodies, processes)
     except MemoryError as error:
         raise out_of_memory(error) from error
     except ValueError as error:
@@ -196,19 +196,19 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
         raise Refusal(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
 
 
-def _compute_case(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
+def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
     """Solve a scene on one grid with all variants of its bodies, and return the run."""
     begin, sizes = process_time(), BODIES[bodies]
     case = rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
-    shape = patch_shape(case, level)
+    shape = grid_shape(case, level)
     elsewhere = balls.prepare_bodies((case.apart, case.touching), sizes, processes)
     pairs = {
-        name: _both_states(case, balls.Choices(shape, share, curved, sizes))
+        name: _solve_apart_and_touching(case, balls.Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
     }
     limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
-    measured = {name: measure_forces(case, *pair) for name, pair in pairs.items()}
-    fine, other = (measure_forces(case, *pair) for pair in limits)
+    measured = {name: named_values(case, *pair) for name, pair in pairs.items()}
+    fine, other = (named_values(case, *pair) for pair in limits)
     apart, touching = pairs["elastic"]
     states = [r.status for pair in pairs.values() for r in pair if not r.converged]
     return RollingRun(
@@ -231,14 +231,14 @@ def _compute_case(scene: KindScene, level: int, bodies: str, processes: int) -> 
     )
 
 
-def _both_states(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
+def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Solve a case with balls apart and touching; one solution serves both where they are the same system."""
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
 
-def measure_forces(
-    case: Case, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
+def named_values(
+    case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a solved case by names that end with the unit."""
     out: dict[str, float] = {}
@@ -252,8 +252,8 @@ def measure_forces(
             out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
         out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0][:2], strict=True)}
-        names = [case.contacts[t] for t in _loaded_scene(case.apart)]
-        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _losses_of(apart), strict=True)}
+        names = [case.contacts[t] for t in _loaded_contacts(case.apart)]
+        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _contact_losses(apart), strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}
     out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.loss), 1e3 * float(touching.loss)
     if linear:
@@ -262,12 +262,12 @@ def measure_forces(
     return out
 
 
-def _loaded_scene(scene: Rolling) -> list[int]:
+def _loaded_contacts(scene: Rolling) -> list[int]:
     """Return the contacts of the first ball that carry load, by their index."""
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
-def _losses_of(result: balls.RollingResult | balls.RigidResult) -> list[float]:
+def _contact_losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
     """Return the loss at each contact [W]."""
     if isinstance(result, balls.RollingResult):
         return [c.loss for c in result.contacts]
@@ -285,7 +285,7 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
 @dataclass(frozen=True)
-class Variant:
+class BodyVariant:
     """Forces and losses with one modelling choice of the bodies changed."""
 
     #: Description of the choice; half spaces for none.
@@ -294,7 +294,7 @@ class Variant:
     values: dict[str, float]
 
 
-def known_variants() -> dict[str, tuple[str, Sizes | None]]:
+def body_variants() -> dict[str, tuple[str, Sizes | None]]:
     """Return scene and body sizes of each variant by its description; None for half spaces."""
     sizes = BODIES[FINITE]
     assert sizes is not None
@@ -314,24 +314,24 @@ def known_variants() -> dict[str, tuple[str, Sizes | None]]:
     }
 
 
-def apply_variant(choice: str) -> Variant:
+def compute_variant(choice: str) -> BodyVariant:
     """Compute the forces and losses of the variant with this description."""
-    name, sizes = known_variants()[choice]
+    name, sizes = body_variants()[choice]
     scene = shipped_case(name, KindScene)
     case = rolling_case(scene, Choices(SHAPE))
     systems = (case.apart, case.touching)
     elastic, near = (
-        measure_forces(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems))
+        named_values(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems))
         for e in (1.0, NEARLY_RIGID)
     )
-    limit = measure_forces(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
-    return Variant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
+    limit = named_values(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
+    return BodyVariant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
 
 
 @lru_cache(maxsize=1)
-def body_sizes() -> tuple[Variant, ...]:
+def compute_body_variants() -> tuple[BodyVariant, ...]:
     """Compute all variants of the bodies; cached."""
-    return tuple(apply_variant(choice) for choice in known_variants())
+    return tuple(compute_variant(choice) for choice in body_variants())
 
 
 # --- what the choices behind finite bodies do, kept with the package: half a minute of every report
@@ -345,11 +345,11 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
 @dataclass(frozen=True)
-class KeptSizes:
+class StoredVariants:
     """Variants of the bodies, and whether they were stored or computed."""
 
     #: The variants.
-    variants: tuple[Variant, ...]
+    variants: tuple[BodyVariant, ...]
     #: Sentence on their origin.
     words: str
 
@@ -359,21 +359,21 @@ def variants_key() -> str:
     return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
-def find_body_sizes(stores: Sequence[Path], *, fresh: bool) -> KeptSizes:
+def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
     """Return the stored variants if their key is valid, else compute them; ``fresh``: compute and store them."""
-    kept = None if fresh else _load_sizes(stores)
+    kept = None if fresh else _load_variants(stores)
     if kept is None:
-        found = body_sizes()
+        found = compute_body_variants()
         if fresh:
             rows = ",\n ".join(json.dumps(asdict(one)) for one in found)
             replace_file(stores[0] / FILE, f'{{"key": "{variants_key()}", "variants": [\n {rows}]}}\n')
-        return KeptSizes(found, "Computed for this report.")
-    again, then = apply_variant(LIVE), next(one for one in kept if one.choice == LIVE)
+        return StoredVariants(found, "Computed for this report.")
+    again, then = compute_variant(LIVE), next(one for one in kept if one.choice == LIVE)
     off = max(abs(float(error_percent(again.values[name], value))) for name, value in then.values.items())
-    return KeptSizes(kept, f'Kept with the package; "{LIVE}" recomputed differs by up to {off:.1g} %.')
+    return StoredVariants(kept, f'Kept with the package; "{LIVE}" recomputed differs by up to {off:.1g} %.')
 
 
-def choices_share(straight: bool) -> float:
+def largest_choice_effect(straight: bool) -> float:
     """Return the largest relative change of a force or loss by one choice of finite bodies, as shipped.
 
     On straight rails, or on rings and helices, by the scenes of `body_sizes.SCENES`.
@@ -381,18 +381,18 @@ def choices_share(straight: bool) -> float:
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
     choices = [
-        choice for choice, (name, sizes) in known_variants().items() if (name == LINEAR) == straight and sizes is not None
+        choice for choice, (name, sizes) in body_variants().items() if (name == LINEAR) == straight and sizes is not None
     ]
     first, others = values[choices[0]], [values[choice] for choice in choices[1:]]
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 
-def _load_sizes(stores: Sequence[Path]) -> tuple[Variant, ...] | None:
+def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
     """Return the variants of the first store whose key is valid; None without one."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            rows = tuple(Variant(**row) for row in found["variants"])
+            rows = tuple(BodyVariant(**row) for row in found["variants"])
         except (OSError, ValueError, KeyError, TypeError):
             continue
         if found["key"] == variants_key() and any(one.choice == LIVE for one in rows):

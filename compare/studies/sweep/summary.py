@@ -37,7 +37,7 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
-def summarise(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the summary of a sweep as JSON values; refusals are counted by reason, with one example each."""
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
@@ -52,10 +52,10 @@ def summarise(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
-        "outputs": {name: statistics_of(column_of(good, name)) for name in sweep.wanted},
+        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
-        "indices": indices_by_output(sweep, records),
+        "indices": sobol_indices_by_output(sweep, records),
     }
 
 
@@ -64,18 +64,18 @@ def converged_records(records: Mapping[int, Record]) -> list[Record]:
     return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
 
 
-def column_of(rows: Sequence[Record], name: str) -> Array:
+def output_column(rows: Sequence[Record], name: str) -> Array:
     """Return an output of all rows, (k,); nan if a row has none."""
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
-def input_columns(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
+def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
     """Return the values of the keys as numbers, (k, d) (see `Vary.number`)."""
     found = [[vary.number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
 
 
-def statistics_of(values: Array) -> dict[str, float] | None:
+def output_statistics(values: Array) -> dict[str, float] | None:
     """Return mean with standard error, standard deviation, extremes and quantiles; None with fewer than two values."""
     y = values[np.isfinite(values)]
     if y.size < 2:
@@ -91,11 +91,11 @@ def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list
 
     Rows have ``at`` (in the key's unit), ``mean``, ``standard_error`` and ``samples``.
     """
-    x, y = input_columns(keys, rows), column_of(rows, MAIN)
-    return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_means(vary, x[:, k])] for k, vary in enumerate(keys)}
+    x, y = input_values(keys, rows), output_column(rows, MAIN)
+    return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
 
 
-def _group_means(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
+def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
     distinct = np.unique(x)
     if distinct.size <= BINS or vary.choices:
         return [x == value for value in distinct]
@@ -108,7 +108,7 @@ def _group_mean(x: Array, y: Array) -> dict[str, float]:
     return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
 
 
-def indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
 
     For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. Used
@@ -126,11 +126,11 @@ def indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, 
     found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
     for name in sweep.wanted:
         y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
-        found["outputs"][name] = _indices_of_output(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
+        found["outputs"][name] = _indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
     return found
 
 
-def _indices_of_output(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
     if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
         return None
     n = y.shape[1]
@@ -167,15 +167,15 @@ def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], row
     """Return the figures of a sweep; none with fewer than two converged records."""
     if len(rows) < 2:
         return []
-    shown, left = _shown_keys(keys, found)
-    return [*of_summary(name, keys, found), _scatter_figure(name, keys, shown, rows, left)]
+    shown, left = _keys_to_show(keys, found)
+    return [*summary_figures(name, keys, found), _scatter_figure(name, keys, shown, rows, left)]
 
 
-def of_summary(
+def summary_figures(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
     """Return the figures that need only the summary; ``called``: short names of the keys."""
-    shown, left = _shown_keys(keys, found)
+    shown, left = _keys_to_show(keys, found)
     figures = [
         _effects_figure(name, [keys[k] for k in shown], found, left, called),
         _worst_figure(name, keys, found["worst"], called),
@@ -184,22 +184,22 @@ def of_summary(
     return figures if indices is None else [*figures, indices]
 
 
-def _shown_keys(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
+def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the keys with the largest effect, as many as a figure has panels, and a sentence if some are left out.
 
     A seed has no order, so no trend can be seen along it.
     """
-    ordered = _ordered_keys(keys)
-    shown = sorted(ordered, key=lambda k: -_reach_of_groups(found["main_effects"][keys[k].key]))[:PANELS]
+    ordered = _keys_with_order(keys)
+    shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
 
 
-def _ordered_keys(keys: Sequence[Vary]) -> list[int]:
+def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
     """Return the keys that have an order; a seed only if it is the only key."""
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
-def _reach_of_groups(groups: Sequence[Mapping[str, float]]) -> float:
+def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
     means = [g["mean"] for g in groups]
     return max(means) - min(means)
 
@@ -223,7 +223,7 @@ def _effects_figure(
 
 def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = input_columns(keys, some), column_of(some, MAIN)
+    x, y = input_values(keys, some), output_column(some, MAIN)
     panels = tuple(
         Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
         for k in shown
@@ -232,8 +232,8 @@ def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows:
 
 
 def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
-    kept = _ordered_keys(keys)
-    x, keys = input_columns(keys, worst)[:, kept], [keys[k] for k in kept]
+    kept = _keys_with_order(keys)
+    x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
     low = np.array([1.0 if v.choices else v.low for v in keys])
     high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
     place = (x - low) / (high - low)
@@ -307,12 +307,12 @@ def make_sweep(
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
     """Solve missing samples, write the summary to the folder and return it; InputError as `run_samples`."""
     records = sweeping.run_samples(sweep, out, engine, step)
-    found = summarise(sweep, records)
-    write_summary(sweep, records, found, out)
+    found = summarise_sweep(sweep, records)
+    write_results(sweep, records, found, out)
     return found
 
 
-def write_summary(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
+def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures to the folder."""
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

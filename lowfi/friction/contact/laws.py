@@ -93,7 +93,7 @@ def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -
     return full
 
 
-def about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
+def rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
     """Return motion ``(n, 3)`` of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12)."""
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
@@ -115,7 +115,7 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
 
     Examples
     --------
-    >>> d = dissipated_power(equal_contacts(1e-3, 1e-3, 10.0, 0.1), about_point(1.0, 0.0, 0.0))
+    >>> d = dissipated_power(equal_contacts(1e-3, 1e-3, 10.0, 0.1), rotation_about_point(1.0, 0.0, 0.0))
     >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
     """

@@ -123,7 +123,7 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     )
 
 
-def without_friction(motion: Motion) -> Motion:
+def remove_friction_forces(motion: Motion) -> Motion:
     """Return same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion.
 
     Parameters

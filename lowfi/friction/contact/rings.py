@@ -20,7 +20,7 @@ STEPS = 600
 
 
 @dataclass(frozen=True)
-class Settled:
+class SettledCell:
     """Contact loads of N balls between two rigid bodies."""
 
     #: Contact forces ``(N, 4)`` [N].
@@ -47,7 +47,7 @@ def cell_state(cell: CellArrays) -> CellState:
 
 def settle_cell(
     cell: CellArrays, load: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
-) -> Settled:
+) -> SettledCell:
     """Return the loads, the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p.
 
     By Newton's method with line search. Valid for approaches far below the reach r_G - r_B; forces do not depend on the
@@ -70,10 +70,10 @@ def settle_cell(
     steps = int(kernels(CONTACT, compiled=fast).minimise_energy(cell, load, ball, inner, state, GOAL, STEPS))
     left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
     good = left <= ACCEPTED * (load + float(np.sum(state.force)))
-    return Settled(state.force, angles(state.normal), ball, inner, left, steps, good)
+    return SettledCell(state.force, angles(state.normal), ball, inner, left, steps, good)
 
 
-def settle_each(
+def settle_each_ball(
     start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
 ) -> tuple[Array, Array, Array, Array]:
     """Return the result of `settle_cell` for N balls independent of each other, each with its inner body.

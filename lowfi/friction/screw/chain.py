@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.rings import Settled, cell_state
+from rollbench.lowfi.friction.contact.rings import SettledCell, cell_state
 from rollbench.lowfi.friction.screw.groove import (
     Grooved,
     ScrewGroove,
@@ -509,9 +509,9 @@ class CoupledChain:
     """Loads and motion of a chain that agree."""
 
     #: Loads without friction, with which a fixed screw stays.
-    bare: Settled
+    bare: SettledCell
     #: Loads with friction.
-    load: Settled
+    load: SettledCell
     #: The motion.
     motion: ChainMotion
     #: Last change of the friction fed back [N].

@@ -83,7 +83,7 @@ class StaticContacts:
         return float(np.einsum("nsi,ni->", push, self.frames[:, :, 2]))
 
 
-def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
+def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
     """Return the contacts of a solved scene with the Hertz constants that its ingredients name.
 
     member: the specimen that ``result`` was solved for. Raises ValueError for a result that did not converge.
@@ -98,24 +98,24 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
     """Return the contacts of a solution for the balls of ``drawn`` at the positions of ``layout``."""
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
-    c_a, c_b, across = _ellipses(scene, drawn, angle)
-    cube = _cube(force)
+    c_a, c_b, across = _ellipse_constants(scene, drawn, angle)
+    cube = _force_cube_root(force)
     return StaticContacts(drawn.ball_radius, force, angle, c_a * cube, c_b * cube, across, layout)
 
 
-def _cube(force: Array) -> Array:
+def _force_cube_root(force: Array) -> Array:
     """Return cube roots of forces ``(N, 4)``, for the ellipses: a contact without load keeps a vanishing one."""
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
-def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
+def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
     """Return the contacts with other forces ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad]; Hertz constants stay."""
-    grown = _cube(force) / _cube(at.force)
+    grown = _force_cube_root(force) / _force_cube_root(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
 
 
-def spread(
+def spread_to_all_balls(
     at: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, angle: float
 ) -> StaticContacts:
     """Return the contacts of all N balls of ``layout``, some of which are in ``at``; no load on the others.
@@ -150,11 +150,11 @@ def spread(
     return full
 
 
-def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return the constants of the semi-axes ``(N, 4)`` and whether the long one lies across the groove, by ``hertz``."""
     kind, shape = scene.ingredients.hertz, angle.shape
     if kind == "as printed":
-        c_a, c_b = _printed(scene)
+        c_a, c_b = _printed_ellipse_constants(scene)
         return np.broadcast_to(c_a, shape), np.broadcast_to(c_b, shape), np.ones(shape, dtype=bool)
     if kind == "actual":
         h, curvature = actual_hertz(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
@@ -167,7 +167,7 @@ def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array
     return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
 
 
-def _printed(scene: Scene) -> tuple[Array, Array]:
+def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
     """Return the constants of the semi-axes ``(4,)`` with the errors of Lin's Table B.1."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))

@@ -21,7 +21,7 @@ CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 
 
 @kernel
-def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
+def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Return approach, sine of the contact angle and d(approach)/dv by Liu's (10) and (14).
 
     Approach = error + v sin(angle(approach)).
@@ -42,7 +42,7 @@ def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
 
 
 @kernel
-def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
+def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Return force law and direction of a ball from the distance of the groove centres, at a fixed lateral offset."""
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
@@ -53,7 +53,7 @@ def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
 
 
 @kernel
-def ball(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
+def ball_force(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
     """Return contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
 
     error [m]: excess of the ball; law: interpretation of the contact angle; p: Hertz stiffness [N/m^1.5], distance A of the
@@ -62,10 +62,10 @@ def ball(u: float, error: float, law: int, p: Array) -> tuple[float, float, floa
     v = u * p[4]
     approach, sine, slope = error + v * p[2], p[2], p[2]
     if law == EXACT:
-        approach, sine, slope = _exact(v, error, p)
+        approach, sine, slope = _exact_approach(v, error, p)
     elif law == IMPLICIT and approach > 0.0:
         # in (10) the approach has the sign of that at a constant angle
-        approach, sine, slope = _implicit(v, error, p)
+        approach, sine, slope = _implicit_approach(v, error, p)
     if approach <= 0.0:
         return 0.0, 0.0, 0.0
     # d(sine)/dv, the groove centres being A - error + approach apart
@@ -83,7 +83,7 @@ TOLERANCE = 1e-10
 
 
 @kernel
-def _rigid(errors: Array, load: float, p: Array) -> float:
+def _rigid_motion(errors: Array, load: float, p: Array) -> float:
     """Return the motion [m] of rigid bodies with a constant contact angle, to a hundredth of the load from above.
 
     Some ball is loaded there.
@@ -106,13 +106,13 @@ def _rigid(errors: Array, load: float, p: Array) -> float:
 
 
 @kernel
-def newton(
+def solve_by_newton(
     errors: Array, load: float, segments: Array, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
     """Solve the axial chain of balls by Newton's method; equations in ``lowfi.random_errors.chain``."""
     m = errors.size
     loads, s, t = work[0], work[1], work[2]
-    u[m - 1] = _rigid(errors, load, p)
+    u[m - 1] = _rigid_motion(errors, load, p)
     for j in range(m - 1, 0, -1):
         # the stretch under equal shares, laid on the rigid motion
         u[j - 1] = u[j] + segments[j] * load * (m - j) / m
@@ -122,7 +122,7 @@ def newton(
         behind_s, behind_t = 0.0, 0.0
         worst = 0.0
         for j in range(m - 1, -1, -1):
-            load_j, force, rate = ball(u[j], errors[j], law, p)
+            load_j, force, rate = ball_force(u[j], errors[j], law, p)
             if iteration > 0:
                 worst = max(worst, abs(force - forces[j]))
             loads[j] = load_j
@@ -149,7 +149,7 @@ def newton(
 
 
 @kernel
-def batch(errors: Array, loads: Array, segments: Array, law: int, p: Array, out: Array) -> None:
+def solve_batch(errors: Array, loads: Array, segments: Array, law: int, p: Array, out: Array) -> None:
     """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
 
     out (n, L, 7): smallest and largest contact load [N], loaded balls, motion u of ball 1 [m], the same of the first
@@ -159,7 +159,7 @@ def batch(errors: Array, loads: Array, segments: Array, law: int, p: Array, out:
     u, work = np.empty(m), np.empty((3, m))
     for i in range(n):
         for k in range(loads.size):
-            _, residual, stiffness = newton(errors[i], loads[k], segments, law, p, u, work)
+            _, residual, stiffness = solve_by_newton(errors[i], loads[k], segments, law, p, u, work)
             q = work[0]
             first, count = -1, 0
             for j in range(m):

@@ -33,7 +33,7 @@ def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process()
 
 def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path):
     kept = load_times((shipped_store(),))
-    found = run_times.Typed("solve my.toml", 2.0, 1.9, 2.5, 0.75, 0.7, 3.0, 2.6)
+    found = run_times.CommandTime("solve my.toml", 2.0, 1.9, 2.5, 0.75, 0.7, 3.0, 2.6)
     run_times.save_times(tmp_path, replace(kept, typed=(found,)))
     (row,) = reference_time.typed_table(load_times([tmp_path])).rows
     assert [row[key] for key in ("command", "seconds", "again", "beside_cpu")] == ["solve my.toml", 2.0, 0.75, 2.6]
@@ -51,7 +51,7 @@ def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, 
 
 
 def test_threads_are_compared_with_one():
-    one, two = run_times.in_threads(20, 1)
+    one, two = run_times.time_threads(20, 1)
     assert one.ratio == 1.0
     assert two.ratio == pytest.approx(one.seconds / two.seconds)
 

@@ -10,8 +10,8 @@ from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
-from rollbench.compare.studies.rolling.rows import RollingRow, relative_uncertainty, within_limit
-from rollbench.compare.studies.rolling.study import find_runs
+from rollbench.compare.studies.rolling.rows import RollingRow, is_within_limit, quantity_uncertainty
+from rollbench.compare.studies.rolling.study import find_or_compute_runs
 from rollbench.hifi.rolling import balls, bodies
 
 
@@ -59,10 +59,10 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runs, "compute_run", until_the_second)
     with pytest.raises(KeyboardInterrupt):
-        find_runs(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
+        find_or_compute_runs(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
-    kept = find_runs(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
-    assert relative_uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
+    kept = find_or_compute_runs(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
+    assert quantity_uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
 def row(low, reference, bar):
@@ -72,7 +72,7 @@ def row(low, reference, bar):
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
     cases = ((4.07, 0.0), (4.1, 0.0), (4.1, 0.03), (4.2, 1.0))
-    assert [within_limit(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
+    assert [is_within_limit(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):

@@ -115,7 +115,7 @@ def test_loads_of_runs_are_kept_beside_those_that_a_file_has(tmp_path, monkeypat
     monkeypatch.setattr(survey, "stored_run", lambda _, scene: run if scene.name.endswith("-1") else None)
     path = tmp_path / survey_models.LOADS
     path.write_text(json.dumps({"seed": survey.SEED, "level": survey.LEVEL, "screws": [row]}), encoding="utf-8")
-    assert survey_models.keep_loads(path, tmp_path, 3) == 2
+    assert survey_models.store_loads(path, tmp_path, 3) == 2
     found = {r["number"]: r for r in json.loads(path.read_text(encoding="utf-8"))["screws"]}
     assert found[number] == row
     np.testing.assert_allclose(found[1]["load"], run.load, rtol=1e-5)

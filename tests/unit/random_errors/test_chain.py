@@ -219,12 +219,12 @@ def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
 
 
 def test_calibration():
-    chain = chains.calibrated(LONG, 0.862, 5000.0)
+    chain = chains.calibrate_compliance(LONG, 0.862, 5000.0)
     assert chains.end_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
-    assert chains.calibrated(LONG, 0.2, 5000.0).compliance > chain.compliance
+    assert chains.calibrate_compliance(LONG, 0.2, 5000.0).compliance > chain.compliance
     for ratio in (0.0, 1.0, 1.2):
         with pytest.raises(ValueError, match="ratio"):
-            chains.calibrated(LONG, ratio, 5000.0)
+            chains.calibrate_compliance(LONG, ratio, 5000.0)
 
 
 def test_no_chain_and_bad_input_are_refused():

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from tests.axes import ROLLERS
 
 from rollbench.lowfi.rating import roller_life
-from rollbench.lowfi.rollers import tapered
+from rollbench.lowfi.rollers import tapered_bearing
 
 #: f_c of ISO 281 (radial roller bearings) by gamma = D cos(alpha)/D_pw.
 FACTORS = {0.10: 84.2, 0.14: 87.7, 0.20: 88.7, 0.26: 86.4, 0.30: 83.8}
@@ -20,7 +20,7 @@ def test_rating_is_b_m_f_c_of_the_standard(gamma):
         return replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=angle)
 
     def gamma_of(row):
-        return row.diameter * np.cos(row.cup_angle) / tapered(row).pitch_diameter
+        return row.diameter * np.cos(row.cup_angle) / tapered_bearing(row).pitch_diameter
 
     row = row_of(brentq(lambda angle: gamma_of(row_of(angle)) - gamma, 1e-3, 0.12))
     assert gamma_of(row) == pytest.approx(gamma)
@@ -50,8 +50,10 @@ def test_life_does_not_depend_on_the_slices_of_an_even_load_and_an_uneven_one_li
 def test_cases_alike_live_as_each_and_shares_count():
     q = np.full((ROLLERS.count, 5), 1e5)
     whole = roller_life.life(ROLLERS, q).revolutions
-    assert roller_life.life(ROLLERS, roller_life.over_cases([q, q], [0.3, 0.7])).revolutions == pytest.approx(whole)
-    mixed = roller_life.life(ROLLERS, roller_life.over_cases([q, 0.0 * q], [0.5, 0.5])).revolutions
+    assert roller_life.life(ROLLERS, roller_life.equivalent_line_loads([q, q], [0.3, 0.7])).revolutions == pytest.approx(
+        whole
+    )
+    mixed = roller_life.life(ROLLERS, roller_life.equivalent_line_loads([q, 0.0 * q], [0.5, 0.5])).revolutions
     assert mixed / whole == pytest.approx(2.0 ** (10.0 / 12.0), rel=1e-9), "means of order 4, life to the 10/3"
 
 

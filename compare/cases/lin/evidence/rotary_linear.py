@@ -17,7 +17,14 @@ from rollbench.compare.printed import entry, load_table, value_of
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.bearing import Loads, velocity_deviation
-from rollbench.lowfi.friction.linear.chain import PairMaps, PairResult, force_maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction.linear.chain import (
+    PairMaps,
+    PairResult,
+    force_maps,
+    pair_angles_and_loads,
+    pair_formulas,
+    solve_pair,
+)
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -52,7 +59,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def solve_rotary_as_printed(case: str) -> bearing.Solution:
+def solve_rotary_as_printed(case: str) -> bearing.BallSolution:
     """Solve the ball motion of a case of Table 3.2 as Lin does: his Hertz constants, sigmoid friction law, root finding."""
     scene = source_cases.rotary_scene(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
@@ -60,7 +67,7 @@ def solve_rotary_as_printed(case: str) -> bearing.Solution:
 
 
 @cache
-def solve_rotary(case: str, hertz: Mode = "right") -> bearing.Solution:
+def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BallSolution:
     """Solve the ball motion of a case of Table 3.2 by least dissipation.
 
     ``hertz``: "as printed" keeps Lin's loads and contact ellipses.
@@ -106,7 +113,7 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     findings.numbers(values)
 
 
-def rotary_value(s: bearing.Solution, key: str) -> float:
+def rotary_value(s: bearing.BallSolution, key: str) -> float:
     """Return the computed value for a row of Table 3.2 in its printed unit; ``key``: such as "F_sum" or "torque"."""
     kind, _, what = key.partition("_")
     if kind == "F":
@@ -118,7 +125,7 @@ def rotary_value(s: bearing.Solution, key: str) -> float:
     return 1e3 * s.torque
 
 
-def force_or_torque_increase(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
+def force_or_torque_increase(first: bearing.BallSolution, raised: bearing.BallSolution, what: str) -> float:
     """Return the increase between two cases: of the sum of contact forces [%], or of the torque as a fraction."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
@@ -214,7 +221,7 @@ def _check_map_claims(findings: Findings, m: PairMaps) -> None:
 
 def formula_deviation(mated: bool) -> Array:
     """Return the velocity deviations (2,) of both balls by Lin's formula (3.43), at the loads stated in the text."""
-    angles, loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
+    angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
@@ -235,7 +242,7 @@ def table_3_4(findings: Findings, study: Study) -> None:
 
 def force_with_misprinted_exponents() -> float:
     """Return the ball-to-ball force of case (a) by Lin's formula (3.51) with the misprinted exponents -2/3, taken in N."""
-    loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
+    loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]

@@ -31,8 +31,8 @@ from rollbench.compare.printed import entry, value_of
 from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.results.view import make_view
 from rollbench.compare.sections.curves import lateral_displacement_curves, load_curve, load_panel
-from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
-from rollbench.lowfi.as_source import best_start
+from rollbench.compare.studies.members.ensemble import EnsembleResult, ensemble_of_study
+from rollbench.lowfi.as_source import solve_with_fallback_start
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
@@ -272,7 +272,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
     ensembles = {}
     for name in ("lin-random", "lin-combined"):
         step(f"{study.scene(name).members} drawn screws of {name}")
-        ensembles[name] = of_study(study, name)
+        ensembles[name] = ensemble_of_study(study, name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
     left = load_panel(
@@ -501,7 +501,7 @@ def solver_agreement_row(study: Study, name: str) -> Row:
         ("source", "source's own kinematics", "g3", "iterations"),
     )
     for kinematics, heading, form, counted in kinds:
-        by_source = best_start(scene, kinematics)
+        by_source = solve_with_fallback_start(scene, kinematics)
         off = load_error(by_energy.load, by_source.load).max_percent if by_source.converged else None
         row[Quantity(kinematics, heading, "% of mean", form)] = off
         row[Quantity(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations

@@ -23,7 +23,7 @@ from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import BallRow
 from rollbench.lowfi.bearings.axis import (
     BearingSet,
-    SetState,
+    BearingSetState,
     TorqueBudget,
     acceleration_torque,
     angular_speed,
@@ -176,7 +176,7 @@ def screw_tension() -> float:
 
 
 @cache
-def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> SetState:
+def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
     """Return the equilibrium of the bearing rows of one end.
 
     ``state``: "preload" only, after the "stretch" of the screw, or with the load of 4.2 "applied" as well.

@@ -19,7 +19,7 @@ from rollbench.lowfi.jit import kernel
 
 
 @kernel
-def _series(x: float, y: float, mean: float) -> float:
+def _carlson_series(x: float, y: float, mean: float) -> float:
     """Return R_D (x + ..)^(3/2) about equal arguments, to the seventh order (DLMF 19.36.2); x, y: relative deviations."""
     z = -(x + y) / 3.0
     xy, zz = x * y, z * z
@@ -33,8 +33,8 @@ def _series(x: float, y: float, mean: float) -> float:
 
 
 @kernel
-def _series_slope(x: float, y: float, dx: float, dy: float) -> float:
-    """Return the derivative of the bracket of `_series` along (dx, dy)."""
+def _carlson_series_slope(x: float, y: float, dx: float, dy: float) -> float:
+    """Return the derivative of the bracket of `_carlson_series` along (dx, dy)."""
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
     dxy, dzz = dx * y + x * dy, 2.0 * z * dz
@@ -75,8 +75,8 @@ def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
         dx, dy, dz = 0.25 * (dx + d_shift), 0.25 * (dy + d_shift), 0.25 * (dz + d_shift)
     mean, d_mean = (x + y + 3.0 * z) / 5.0, (dx + dy + 3.0 * dz) / 5.0
     ux, uy = 1.0 - x / mean, 1.0 - y / mean
-    end = _series(ux, uy, mean)
-    bend = _series_slope(ux, uy, (x * d_mean / mean - dx) / mean, (y * d_mean / mean - dy) / mean)
+    end = _carlson_series(ux, uy, mean)
+    bend = _carlson_series_slope(ux, uy, (x * d_mean / mean - dx) / mean, (y * d_mean / mean - dy) / mean)
     slope = 3.0 * d_total + scale * (bend / (mean * sqrt(mean)) - 1.5 * end * d_mean / mean)
     return 3.0 * total + scale * end, -4.0 / 3.0 * slope
 
@@ -91,7 +91,7 @@ _U2, _W = _NODES[12:] ** 2, _WEIGHTS[12:].copy()
 
 
 @kernel
-def coordinate(x: float, y: float, h: float, b2: float) -> float:
+def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
     """Return the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1, zero inside the ellipse at h = 0."""
     x2, y2, h2 = x * x, y * y, h * h
     p = x2 + y2 - 1.0 - b2
@@ -117,7 +117,7 @@ def coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 
 @kernel
-def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
+def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the potential by Carlson's integrals for the confocal coordinate ``low`` <= 1."""
     # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
@@ -155,7 +155,7 @@ def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
 
 
 @kernel
-def far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
+def potential_far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the potential for ``low`` >= 1 by Gauss sums over u = sqrt(low/s); N and H r are summed without cancellation.
 
     Integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s)
@@ -218,9 +218,9 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
         return DissipationTerms(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     # centre of rotation in units of a, and the regularising speed as the height above the ellipse
     x, y, h, b2 = vz / turn, -vx / turn, speed / size, (b / a) * (b / a)
-    low = coordinate(x, y, h, b2)
+    low = confocal_coordinate(x, y, h, b2)
     value, g_x, g_y, g_h, moment, xx, xy, yy, r_x, r_y, r_r = (
-        near(x, y, h, b2, low) if low <= 1.0 else far(x, y, h, b2, low)
+        potential_near(x, y, h, b2, low) if low <= 1.0 else potential_far(x, y, h, b2, low)
     )
     sign, lever = copysign(1.0, turn), a / size
     return DissipationTerms(
@@ -239,7 +239,7 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 
 
 @kernel
-def dissipation_many(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
+def dissipation_of_contacts(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
     """Write `dissipation` of n contacts to out (n, 11); a, b (n,); motion (n, 3): vx, vz, spin."""
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

@@ -16,7 +16,7 @@ from .dissipation import dissipation
 
 
 @kernel
-def evaluate(
+def evaluate_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
     """Return the value of the function at q and its part from the speed; write gradient (n,) and Hessian (n, n).
@@ -96,7 +96,7 @@ def column_units(shape: Array, maps: Array) -> Array:
 
 
 @kernel
-def residual(grad: Array, units: Array) -> float:
+def largest_imbalance(grad: Array, units: Array) -> float:
     """Return the largest component of the gradient as a force [N]."""
     worst = 0.0
     for j in range(grad.shape[0]):
@@ -105,7 +105,7 @@ def residual(grad: Array, units: Array) -> float:
 
 
 @kernel
-def descend(
+def minimise_dissipation(
     shape: Array,
     maps: Array,
     drives: Array,
@@ -116,7 +116,7 @@ def descend(
     limit: int,
     reach: float,
 ) -> tuple[float, float, float, int]:
-    """Minimise at one regularising speed, from q (n,) onwards, which is overwritten; arguments as in ``evaluate``.
+    """Minimise at one regularising speed, from q (n,) onwards, which is overwritten; arguments as in ``evaluate_dissipation``.
 
     Ends where no generalised force is out of balance by more than ``tolerance`` times the sum of the strengths, or
     after ``limit`` steps, or beyond the surface speed ``reach`` [m/s], where push exceeds friction. Returns value,
@@ -127,9 +127,9 @@ def descend(
     hess, next_hess = np.empty((n, n)), np.empty((n, n))
     units = column_units(shape, maps)
     goal = tolerance * np.sum(shape[:, 2])
-    value, excess = evaluate(shape, maps, drives, push, speed, q, grad, hess)
+    value, excess = evaluate_dissipation(shape, maps, drives, push, speed, q, grad, hess)
     count = 0
-    while count < limit and residual(grad, units) > goal and np.max(np.abs(q) * units) <= reach:
+    while count < limit and largest_imbalance(grad, units) > goal and np.max(np.abs(q) * units) <= reach:
         count += 1
         newton_step(hess, grad, units, step)
         slope = 0.0
@@ -139,9 +139,9 @@ def descend(
         for _ in range(40):
             for j in range(n):
                 trial[j] = q[j] + length * step[j]
-            new, new_excess = evaluate(shape, maps, drives, push, speed, trial, next_grad, next_hess)
+            new, new_excess = evaluate_dissipation(shape, maps, drives, push, speed, trial, next_grad, next_hess)
             small = -slope <= 1e-13 * abs(value)  # then only the gradient still tells one point from another
-            if small and residual(next_grad, units) < 0.5 * residual(grad, units):
+            if small and largest_imbalance(next_grad, units) < 0.5 * largest_imbalance(grad, units):
                 better = True
                 break
             if not small and new <= value + 1e-4 * length * slope:
@@ -154,7 +154,7 @@ def descend(
         q[:] = trial
         grad[:] = next_grad
         hess[:] = next_hess
-    return value, excess, residual(grad, units), count
+    return value, excess, largest_imbalance(grad, units), count
 
 
 @kernel
@@ -188,7 +188,7 @@ def drive_speed(shape: Array, drives: Array) -> float:
 
 
 @kernel
-def speeds_at(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
+def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
     """Return the contact motions (m, 3) at q and their surface speeds (m,) [m/s]."""
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
@@ -209,7 +209,7 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 
 
 @kernel
-def friction_of(shape: Array, motion: Array, speed: float, forces: Array) -> None:
+def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
     """Write strength times the derivative of D by (vx, vz, spin) to forces (m, 3): friction is its opposite."""
     for i in range(shape.shape[0]):
         f = shape[i, 2]
@@ -218,30 +218,32 @@ def friction_of(shape: Array, motion: Array, speed: float, forces: Array) -> Non
 
 
 @kernel
-def holds(shape: Array, force: Array) -> bool:
+def contact_can_stick(shape: Array, force: Array) -> bool:
     """Return whether one contact, shape (1, 3), resists the generalised force (3,) at rest.
 
     It does where D(v; 1 m/s) - force . v has a minimum: the force is then a gradient of D, inside the limit surface.
     """
     maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
-    _, _, left, _ = descend(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
+    _, _, left, _ = minimise_dissipation(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
     return bool(left <= 1e-6 * shape[0, 2])
 
 
 @kernel
-def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float) -> int:
+def minimise_free_motion(
+    slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float
+) -> int:
     """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrite q (n,); return the steps."""
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
         reduced[i] = maps[i] @ basis.T
-    y, (motion, _) = np.zeros(basis.shape[0]), speeds_at(slipping, maps, drives, q)
-    _, _, _, count = descend(slipping, reduced, motion, basis @ push, 0.0, y, 1e-13, int(np.int64(60)), reach)
+    y, (motion, _) = np.zeros(basis.shape[0]), contact_speeds(slipping, maps, drives, q)
+    _, _, _, count = minimise_dissipation(slipping, reduced, motion, basis @ push, 0.0, y, 1e-13, int(np.int64(60)), reach)
     q += y @ basis
     return count
 
 
 @kernel
-def reactions(
+def sticking_reactions(
     slipping: Array,
     maps: Array,
     drives: Array,
@@ -255,8 +257,8 @@ def reactions(
     """Add to ``forces`` the reactions of sticking contacts that balance the ball; return the remaining imbalance."""
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
-    evaluate(slipping, maps, drives, push, 0.0, q, out, hess)
-    friction_of(slipping, speeds_at(slipping, maps, drives, q)[0], 0.0, forces)
+    evaluate_dissipation(slipping, maps, drives, push, 0.0, q, out, hess)
+    friction_gradients(slipping, contact_speeds(slipping, maps, drives, q)[0], 0.0, forces)
     for k in range(resting.shape[0]):
         out += held[k] @ maps[resting[k]]
     change = -(out / units) @ inverse
@@ -266,7 +268,7 @@ def reactions(
     out[:] = -push
     for i in range(maps.shape[0]):
         out += forces[i] @ maps[i]
-    return residual(out, units)
+    return largest_imbalance(out, units)
 
 
 @kernel
@@ -282,7 +284,7 @@ def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
 
 
 @kernel
-def lock(
+def impose_rest(
     shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
 ) -> tuple[bool, float, int]:
     """Impose rest on contacts slower than ``still`` [m/s] and minimise over the others; overwrite q, forces, rest.
@@ -291,7 +293,7 @@ def lock(
     force out of balance [N], and the steps.
     """
     n, units, count = maps.shape[2], column_units(shape, maps), 0
-    (motion, size), slipping = speeds_at(shape, maps, drives, q), shape.copy()
+    (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
     rest[:] = np.where((shape[:, 2] > 0.0) & (size < still), 1.0, 0.0)
     slipping[:, 2] *= 1.0 - rest
     resting = np.flatnonzero(rest)
@@ -305,12 +307,12 @@ def lock(
         inverse, basis = rest_space(rows, units)
         q -= inverse @ seen / units
     if basis.shape[0] > 0:
-        count = free_motion(slipping, maps, drives, push, basis, q, 1e9 * still)
-    balance = reactions(slipping, maps, drives, push, resting, units, inverse, q, forces)
-    _, size = speeds_at(shape, maps, drives, q)
+        count = minimise_free_motion(slipping, maps, drives, push, basis, q, 1e9 * still)
+    balance = sticking_reactions(slipping, maps, drives, push, resting, units, inverse, q, forces)
+    _, size = contact_speeds(shape, maps, drives, q)
     good = balance <= 1e-9 * np.sum(shape[:, 2])
     for i in resting:
-        good = good and size[i] <= 1e-6 * still and holds(shape[i : i + 1], forces[i])
+        good = good and size[i] <= 1e-6 * still and contact_can_stick(shape[i : i + 1], forces[i])
     return bool(good), balance, count
 
 
@@ -318,7 +320,7 @@ def lock(
 def least_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, start: int, q: Array, forces: Array, rest: Array, bounds: Array
 ) -> tuple[int, float, int]:
-    """Write the motion of least dissipation: q (n,), forces (m, 3), rest (m,), bounds (2,); arguments as in `evaluate`.
+    """Write the motion of least dissipation: q (n,), forces (m, 3), rest (m,), bounds (2,); arguments as in `evaluate_dissipation`.
 
     A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
     the verge of slip), each minimum the start of the next; then contacts at rest are locked. bounds: the least
@@ -346,7 +348,9 @@ def least_dissipation(
         at_end = ratio <= 1.0001e-6
         goal = 1e-11 if at_end else 1e-3
         limit = int(np.int64(20 if near else 200))
-        value, excess, balance, steps = descend(shape, maps, drives, push, ratio * top, q, goal, limit, 1e9 * top)
+        value, excess, balance, steps = minimise_dissipation(
+            shape, maps, drives, push, ratio * top, q, goal, limit, 1e9 * top
+        )
         count += steps
         if near and balance > goal * np.sum(shape[:, 2]):
             ratio, near = 0.1, False
@@ -355,23 +359,23 @@ def least_dissipation(
         near = False
         if at_end:
             bounds[0] = value - excess
-            friction_of(shape, speeds_at(shape, maps, drives, q)[0], ratio * top, forces)
+            friction_gradients(shape, contact_speeds(shape, maps, drives, q)[0], ratio * top, forces)
             exact_q, exact_forces = q.copy(), forces.copy()
-            good, left, steps = lock(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * ratio * top)
+            good, left, steps = impose_rest(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * ratio * top)
             count += steps
             if good:
                 q[:] = exact_q
                 forces[:] = exact_forces
-                bounds[1], _ = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)
+                bounds[1], _ = evaluate_dissipation(shape, maps, drives, push, 0.0, q, grad, hess)
                 return EXACT, left, count
         ratio *= 0.1
     rest[:] = 0.0
-    bounds[1], _ = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)
+    bounds[1], _ = evaluate_dissipation(shape, maps, drives, push, 0.0, q, grad, hess)
     return REGULARISED, balance, count
 
 
 @kernel
-def least_dissipation_many(
+def least_dissipation_of_bodies(
     shape: Array, maps: Array, drives: Array, q: Array, forces: Array, rest: Array, outcome: Array
 ) -> None:
     """Write `least_dissipation` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).

@@ -30,7 +30,7 @@ def hertz_contact(
 
 
 @kernel
-def press(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
+def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
     """Return the elastic energy [J] at positions of balls (N, 2) and inner body (m,) [m]; write ``state``.
 
     sum (2/5) C^(-3/2) <approach>^(5/2); less push . p + pull . u, which ``state`` derives too, it is convex.
@@ -107,14 +107,14 @@ def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du:
 
 
 @kernel
-def copy(source: CellState, to: CellState) -> None:
+def copy_state(source: CellState, to: CellState) -> None:
     """Overwrite ``to`` by ``source``."""
     to.ball[:], to.inner[:], to.stiffness[:] = source.ball, source.inner, source.stiffness
     to.force[:], to.normal[:] = source.force, source.normal
 
 
 @kernel
-def largest(balls: Array, inner: Array) -> float:
+def largest_entry(balls: Array, inner: Array) -> float:
     """Return the largest entry in size of (N, 2) and (m,)."""
     size = 0.0
     for k in range(balls.shape[0]):
@@ -135,22 +135,22 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
     dp, du = np.zeros_like(p), np.zeros_like(u)
     stiff, force, normal = np.zeros_like(state.stiffness), np.zeros_like(state.force), np.zeros_like(state.normal)
     trial = CellState(np.zeros_like(p), np.zeros_like(u), stiff, force, normal)
-    energy, steps = press(cell, p, u, state), 0
-    worst = largest(state.ball, state.inner)
+    energy, steps = contact_energy(cell, p, u, state), 0
+    worst = largest_entry(state.ball, state.inner)
     while steps < limit and worst > goal * (load + np.sum(state.force)):
         steps += 1
         floor = 1e-12 * np.max(state.stiffness) + 1e-12 * max(load, 1e-9) / reach
         newton_step(cell, state, floor, dp, du)
-        length = min(1.0, LONGEST_STEP * reach / max(largest(dp, du), 1e-300))
+        length = min(1.0, LONGEST_STEP * reach / max(largest_entry(dp, du), 1e-300))
         slope = np.sum(state.ball * dp) + np.sum(state.inner * du)
         work = np.sum(cell.push * dp) + np.sum(cell.pull * du)
         moved = False
         for _ in range(50):
-            new = press(cell, p + length * dp, u + length * du, trial)
+            new = contact_energy(cell, p + length * dp, u + length * du, trial)
             # the work is that of the step, to keep precision for nearly unloaded balls, which would otherwise drift; where
             # round-off still hides the fall of the energy, the forces must tell
             flat = -length * slope <= 1e-12 * energy
-            off = largest(trial.ball, trial.inner)
+            off = largest_entry(trial.ball, trial.inner)
             if off < worst if flat else new - energy - length * work <= 1e-4 * length * slope:
                 moved = True
                 break
@@ -160,7 +160,7 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
         p += length * dp
         u += length * du
         energy, worst = new, off
-        copy(trial, state)
+        copy_state(trial, state)
     return steps
 
 
@@ -191,4 +191,4 @@ def minimise_each(
         state = CellState(np.zeros((1, 2)), np.zeros(1), stiff, force[k : k + 1], normal[k : k + 1])
         ball, inner = x[k : k + 1, :2].copy(), x[k, 2:].copy()
         minimise_energy(cell, float(np.sum(np.abs(given[k]))), ball, inner, state, goal, limit)
-        x[k, :2], x[k, 2:], left[k] = ball[0], inner, largest(state.ball, state.inner)
+        x[k, :2], x[k, 2:], left[k] = ball[0], inner, largest_entry(state.ball, state.inner)

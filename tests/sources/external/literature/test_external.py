@@ -12,10 +12,10 @@ from rollbench.compare.evidence import audit, numbers_left_out
 from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
-from rollbench.compare.studies.friction.whole import torque_over_coefficient
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, axial_displacement, of_angle
+from rollbench.compare.studies.friction.whole import friction_coefficients
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, axial_displacement, bearing_of_contact_angle
 from rollbench.lowfi.bearings.axis import equilibrium, lift_off_force, preloaded_rows
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.parts import Friction
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -53,7 +53,9 @@ def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
 @pytest.mark.parametrize(("size", "times", "printed"), [("5", 2, 1.814), ("7p5", 3, 2.578)])
 def test_ratings_of_nuts_of_more_circuits_grow_as_the_catalogue_prints(size: str, times: int, printed: float) -> None:
     """Circuits of 2.5 turns half a turn apart: twice and three times the turns, by ISO 3408-5 to the power of 0.86."""
-    grown = rating(catalogue.scene(f"external-thk-bnf-3205-{size}")) / rating(catalogue.scene("external-thk-bnf-3205-2p5"))
+    grown = dynamic_rating(catalogue.scene(f"external-thk-bnf-3205-{size}")) / dynamic_rating(
+        catalogue.scene("external-thk-bnf-3205-2p5")
+    )
     assert grown == pytest.approx(times**0.86, rel=1e-3)
     assert grown == pytest.approx(printed, rel=3e-3)
 
@@ -75,7 +77,7 @@ def test_gmn_series_by_one_inferred_number() -> None:
 
 def test_snfa_catalogue_has_frozen_its_angles() -> None:
     """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
-    rigid = of_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
+    rigid = bearing_of_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
     light, heavy = (preloaded_rows(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
     assert equilibrium(heavy).stiffness / equilibrium(light).stiffness == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
@@ -99,7 +101,7 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     """One default: of the record, of scene files, of the command, and so of the maker's worked example of drag torque."""
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
-    assert [f.feedback for f in torque_over_coefficient(replace(nut, friction=None), (0.1,))] == [True]
+    assert [f.feedback for f in friction_coefficients(replace(nut, friction=None), (0.1,))] == [True]
     drag = next(e for e in audit(STUDY, "external-thk") if e.printed.key == "drag")
     assert drag.value == pytest.approx(941.0, rel=2e-3)
     assert "1.09 times the printed torque" in drag.reason

@@ -14,7 +14,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
-from rollbench.compare.studies.rolling.rows import KNOWN, Change, Series, from_rest, grid_changes
+from rollbench.compare.studies.rolling.rows import KNOWN, ChoiceEffect, RunFromRest, effects_of_choices, runs_from_rest
 from rollbench.compare.studies.rolling.runs import (
     FILE,
     FINITE,
@@ -22,9 +22,9 @@ from rollbench.compare.studies.rolling.runs import (
     LEVELS,
     NAMES,
     SCENES,
-    KeptSizes,
-    Variant,
-    known_variants,
+    BodyVariant,
+    StoredVariants,
+    body_variants,
     run_path,
 )
 from rollbench.reports.content import PressureMap, Text
@@ -57,15 +57,17 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
             for way, error in ((BY_GRID, -1.5), (RESOLVED, 0.05), (AS_RUNS, 0.02), (AS_RUNS, -0.01))
         ),
     )
-    series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
+    series = (RunFromRest(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "verifications", lambda **_: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
-    monkeypatch.setattr(rolling, "find_body_sizes", lambda _, **__: KeptSizes((Variant("as shipped", values),), "Kept."))
+    monkeypatch.setattr(
+        rolling, "find_body_sizes", lambda _, **__: StoredVariants((BodyVariant("as shipped", values),), "Kept.")
+    )
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "patch_fields", lambda: (field,))
-    beyond = Change("lin-pair-a", "grid", "finer", 0.5, 0.4)
+    beyond = ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
     monkeypatch.setattr(rolling, "grid_changes", lambda *_: (beyond, replace(beyond, change=0.3)))
     section = rolling.make_section(Study(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
@@ -107,7 +109,7 @@ def test_gate_fails_where_the_low_order_model_is_off_and_for_a_known_exceedance_
 @pytest.mark.parametrize("name", SCENES)
 def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncertainty(name):
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    tried = [v["values"] for v in kept if known_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
+    tried = [v["values"] for v in kept if body_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
     rows = {f"{row.quantity} {row.unit}": row for row in rolling_rows.stored_rows(name, (shipped_store(),), FINITE)}
     first, others = tried[0], tried[1:]
     assert len(others) >= 2
@@ -124,8 +126,8 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     monkeypatch.setattr(rolling_changes, "STEPS", rolling_changes.STEPS[:2])
     assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    series = from_rest.__wrapped__()
-    found = grid_changes((shipped_store(),), series, [Variant(**row) for row in kept])
+    series = runs_from_rest.__wrapped__()
+    found = effects_of_choices((shipped_store(),), series, [BodyVariant(**row) for row in kept])
     assert [(c.scene, c.choice) for c in found] == [
         *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
         *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
@@ -133,7 +135,7 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     assert [c for c in found if not c.within] == []
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
     assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
-    assert grid_changes((), series, ()) == ()
+    assert effects_of_choices((), series, ()) == ()
 
 
 def test_every_shipped_run_has_the_key_of_its_scene():
