@@ -169,7 +169,7 @@ class System:
         return a, a1, a2
 
 
-def _contacts(
+def _contact_terms(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
     """Return normal n, tangent t, dt/dgamma, distance, force, dF/d delta and motion matrices of one flank's contacts."""
@@ -191,7 +191,9 @@ def _contacts(
     return n, t, t1, dist, contact_force(delta, c), contact_slope(delta, c), dof, m0, m1
 
 
-def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
+def equations_and_jacobian(
+    system: System, x: Array, load: Array, *, jacobian: bool = True
+) -> tuple[Array, Array | None, Array]:
     """Return Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact loads.
 
     Parameters
@@ -218,7 +220,7 @@ def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -
     forces = np.zeros((count, 4))
     eye = np.eye(2)
     for side in range(4):
-        n, t, t1, dist, force, stiff, dof, m0, m1 = _contacts(system, p, gamma[:, side], u, side)
+        n, t, t1, dist, force, stiff, dof, m0, m1 = _contact_terms(system, p, gamma[:, side], u, side)
         forces[:, side] = force
         phi[rows_g + side] = np.einsum("na,na->n", n, t)
         np.add.at(phi, rows_p, force[:, None] * n)
@@ -314,11 +316,11 @@ def solve_source(
     total, residual, status = 0, np.inf, "converged"
     with np.errstate(all="ignore"):
         for fraction in steps:
-            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance)
+            x, iterations, residual, status = newton_iteration(system, x, fraction * problem.load.ravel(), tolerance)
             total += iterations
             if status != "converged":
                 break
-        phi, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
+        phi, _, forces = equations_and_jacobian(system, x, problem.load.ravel(), jacobian=False)
     return SourceSolution(
         status=status,
         load=forces,
@@ -383,7 +385,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), own_arms=True)
 
 
-def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
+def _residual_measures(system: System, phi: Array, forces: Array, load: Array) -> float:
     """Return largest unbalanced force over largest force; moments over the pitch radius, contact conditions over r_G."""
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
@@ -397,13 +399,13 @@ def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
     return max(unbalanced / scale, skew)
 
 
-def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
+def newton_iteration(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
     """Iterate by plain Newton (Lin 2.26); return state, iterations, relative residual and status text."""
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(MOST + 1):
-        phi, jac, forces = equations(system, x, load)
-        residual = _measure(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
+        phi, jac, forces = equations_and_jacobian(system, x, load)
+        residual = _residual_measures(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
         if residual <= tolerance:
             return x, iteration, residual, "converged"
         stalled = stalled + 1 if residual >= 0.5 * best else 0

@@ -197,7 +197,7 @@ class ThrustState:
         return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
 
 
-def curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Return the relative curvatures of the inner and of the outer contact [1/m].
 
     Each is a pair (across the groove, along the track).
@@ -261,7 +261,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     # s - A without cancellation
     approach = np.where(u > 0.0, u * (2.0 * a * np.sin(rest) + u) / (s + a), 0.0)
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
-    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, angle))
+    inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, angle))
     c = inner.C + outer.C
     q = contact_force(approach, c)
     sin, cos = np.sin(angle), np.cos(angle)
@@ -277,7 +277,7 @@ def _compliance_by_angle(bearing: BallRows, angle: Array, inner: HertzConstants,
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)
     total = np.zeros_like(sin)
-    for (across, along), h, bend in zip(curvatures(bearing, angle), (inner, outer), bends, strict=True):
+    for (across, along), h, bend in zip(relative_curvatures(bearing, angle), (inner, outer), bends, strict=True):
         axis = np.where(along >= across, h.C_b, h.C_a)  # the greater curvature belongs to the minor semi-axis
         total = total + axis**2 / 6.0 * bend
     return np.asarray(total)
@@ -331,10 +331,10 @@ class BallRow:
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N], to round-off."""
-        return displacement(self.bearing, load)
+        return axial_displacement(self.bearing, load)
 
 
-def displacement(bearing: BallBearing, load: float) -> float:
+def axial_displacement(bearing: BallBearing, load: float) -> float:
     """Return the axial displacement u of the inner ring [m] under a thrust [N], to round-off.
 
     Parameters
@@ -353,7 +353,7 @@ def displacement(bearing: BallBearing, load: float) -> float:
     Examples
     --------
     >>> b = of_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
-    >>> round(displacement(b, 17727.0) * 1e6, 3)
+    >>> round(axial_displacement(b, 17727.0) * 1e6, 3)
     36.0
     """
     if load < 0.0:

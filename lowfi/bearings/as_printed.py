@@ -25,7 +25,7 @@ FITS = {
 }
 
 
-def fitted(difference: float, quantity: str) -> float:
+def fitted_parameter(difference: float, quantity: str) -> float:
     """Return delta*, a* or b* of a curvature difference F by Smith's fits.
 
     Within 2 % of the exact delta* only between F = 0.68 and 0.962; the minor axis is 39 to 42 % too large there.
@@ -87,7 +87,7 @@ class Spreadsheet:
     deflection: float
 
 
-def spreadsheet(
+def compute_spreadsheet(
     load: float,
     balls: int,
     diameter: float,
@@ -123,7 +123,7 @@ def spreadsheet(
         sums = (float(sum(four[0])), float(sum(four[1])))
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
         differences = (curvature_difference(four[0]), outer)
-        delta = (fitted(differences[0], "approach"), fitted(differences[1], "approach"))
+        delta = (fitted_parameter(differences[0], "approach"), fitted_parameter(differences[1], "approach"))
         race = (race_stiffness(sums[0], delta[0]), race_stiffness(sums[1], delta[1]))
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))

@@ -70,13 +70,13 @@ class Axis:
             raise ValueError("stiffnesses must not be negative, and one end must be held")
 
 
-def _series(*stiffness: float | Array) -> Array:
+def _series_stiffness(*stiffness: float | Array) -> Array:
     """Return the stiffness of springs in series; one of stiffness zero makes the whole zero."""
     with np.errstate(divide="ignore"):
         return np.asarray(1.0 / sum(1.0 / np.asarray(k, dtype=float) for k in stiffness))
 
 
-def branches(axis: Axis, position: Array | float) -> tuple[Array, Array]:
+def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Array]:
     """Return the stiffness of both paths from the nut to the frame, k_l and k_r of (1) [N/m].
 
     Parameters
@@ -96,7 +96,7 @@ def branches(axis: Axis, position: Array | float) -> tuple[Array, Array]:
         raise ValueError("the nut's position must lie between the supports")
     ea = axis.young * axis.area
     with np.errstate(divide="ignore"):
-        return _series(axis.left, ea / x), _series(axis.right, ea / (axis.length - x))
+        return _series_stiffness(axis.left, ea / x), _series_stiffness(axis.right, ea / (axis.length - x))
 
 
 def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
@@ -122,7 +122,7 @@ def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
     >>> float(shaft_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
     True
     """
-    left, right = branches(axis, position)
+    left, right = branch_stiffnesses(axis, position)
     return np.asarray(left + right)
 
 
@@ -144,7 +144,7 @@ def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
     >>> (axis_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
     [233.8, 213.2]
     """
-    return _series(nut, shaft_stiffness(axis, position))
+    return _series_stiffness(nut, shaft_stiffness(axis, position))
 
 
 def support_loads(axis: Axis, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
@@ -169,12 +169,12 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
     >>> support_loads(Axis(1.0, 1e-3, 210e9), 0.25, 1e3, tension=5e3)
     (5750.0, 4750.0)
     """
-    left, right = (float(k) for k in branches(axis, position))
+    left, right = (float(k) for k in branch_stiffnesses(axis, position))
     share = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
     return tension + share * force, tension - (1.0 - share) * force
 
 
-def tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
+def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
     F = E A (eps - alpha dT): the elastic strain is the total one less the thermal one. With elastic supports the stretch is
@@ -197,10 +197,10 @@ def tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float =
 
     Examples
     --------
-    >>> round(tension(Axis(1.0, 1e-3, 210e9), 50e-6, expansion=12e-6, warming=3.0), 6)
+    >>> round(shaft_tension(Axis(1.0, 1e-3, 210e9), 50e-6, expansion=12e-6, warming=3.0), 6)
     2940.0
     """
-    springs = _series(axis.left, axis.young * axis.area / axis.length, axis.right)
+    springs = _series_stiffness(axis.left, axis.young * axis.area / axis.length, axis.right)
     return float(springs * (stretch - expansion * warming * axis.length))
 
 
@@ -441,7 +441,7 @@ def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, floa
     return np.array(values)
 
 
-def _loads(bearings: BearingSet, displacement: float) -> Array:
+def _thrust_of_rows(bearings: BearingSet, displacement: float) -> Array:
     """Return the thrust of each row [N]."""
     return _of_rows(bearings, displacement, lambda row, d: row.thrust(d))
 
@@ -449,7 +449,7 @@ def _loads(bearings: BearingSet, displacement: float) -> Array:
 def state_at(bearings: BearingSet, displacement: float) -> SetState:
     """Return loads and stiffness of a set at an axial displacement of the inner rings [m]."""
     stiffness = _of_rows(bearings, displacement, lambda row, d: row.stiffness(d))
-    return SetState(displacement, _loads(bearings, displacement), stiffness)
+    return SetState(displacement, _thrust_of_rows(bearings, displacement), stiffness)
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
@@ -473,7 +473,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
     --------
     Two opposed rows with 1 kN preload under 1 kN: each is deflected by the same amount.
 
-    >>> pair = preloaded(PointRow(1e10), (1, -1), 1e3)
+    >>> pair = preloaded_rows(PointRow(1e10), (1, -1), 1e3)
     >>> equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
     ([1542.4, 542.4], 2828.4)
     """
@@ -484,7 +484,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
         return state_at(bearings, -s[0] * max(bearings.offsets))
 
     def excess(u: float) -> float:
-        return float(s @ _loads(bearings, u)) - force
+        return float(s @ _thrust_of_rows(bearings, u)) - force
 
     # between the displacement at which every row facing one way is loose and where it carries all
     step = max(max(abs(g) for g in bearings.offsets), 1e-9)
@@ -496,7 +496,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
     return state_at(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
 
 
-def arrangement(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
+def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
     """Return a set of equal rows, each ground with the same gap.
 
     Closing the gap deflects two opposed rows by twice the gap together.
@@ -513,7 +513,7 @@ def arrangement(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
     return BearingSet((row,) * len(directions), tuple(directions), (gap,) * len(directions))
 
 
-def preloaded(row: Row, directions: Sequence[int], force: float) -> BearingSet:
+def preloaded_rows(row: Row, directions: Sequence[int], force: float) -> BearingSet:
     """Return a set of equal rows with a preload; displacements count from that state.
 
     Parameters

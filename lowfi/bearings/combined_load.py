@@ -138,7 +138,7 @@ class CombinedState:
     converged: bool
 
 
-def azimuths(bearing: TaperedBearing) -> Array:
+def roller_azimuths(bearing: TaperedBearing) -> Array:
     """Return the azimuths of the rollers ``(N,)`` [rad]; the radial load points at the first."""
     return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
 
@@ -159,7 +159,7 @@ def state_at(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array
         Strain energy [J], axial and radial force ``(2,)`` [N], stiffness ``(2, 2)`` [N/m], roller loads ``(N,)`` [N].
     """
     direction = np.column_stack(
-        [np.full(bearing.rollers, np.sin(bearing.cup_angle)), np.cos(bearing.cup_angle) * np.cos(azimuths(bearing))]
+        [np.full(bearing.rollers, np.sin(bearing.cup_angle)), np.cos(bearing.cup_angle) * np.cos(roller_azimuths(bearing))]
     )
     law, length = bearing.law(), bearing.length
     q = law.line_load(direction @ displacement)
@@ -167,7 +167,7 @@ def state_at(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array
     return float(energy.sum()), length * (q @ direction), (direction.T * slope) @ direction, length * q
 
 
-def combined(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
+def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
     """Return the equilibrium of a bearing under thrust and radial load, by Newton's method on the convex energy.
 
     Parameters
@@ -191,23 +191,23 @@ def combined(bearing: TaperedBearing, axial: float, radial: float) -> CombinedSt
             break
         # a loaded zone of one roller leaves one direction soft: a touch of the diagonal keeps the step finite
         step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
-        x = x + _damped(bearing, x, step, energy - float(force @ x), force) * step
+        x = x + _damped_step(bearing, x, step, energy - float(force @ x), force) * step
     residual = float(np.abs(off).max() / axial)
     return CombinedState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
 
 
-def _damped(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
+def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
     """Largest halving of the step that does not raise the energy; round-off near the minimum counts as none."""
     fraction = 1.0
     while fraction > 1e-6:
         trial = x + fraction * step
-        if _energy(bearing, trial) - float(force @ trial) <= level + 1e-14 * abs(level):
+        if _elastic_energy(bearing, trial) - float(force @ trial) <= level + 1e-14 * abs(level):
             return fraction
         fraction *= 0.5
     return fraction
 
 
-def _energy(bearing: TaperedBearing, x: Array) -> float:
+def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
     """Energy [J], infinite where a trial step leaves the range of the line contact."""
     try:
         return state_at(bearing, x)[0]
@@ -233,7 +233,8 @@ def by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneSt
     """Return displacements and largest load by Smith's load-zone method, with exact integrals and exact line contact.
 
     A power law distributes the load, the line contact of the most loaded roller gives its compression: exact for pure
-    thrust, otherwise as accurate as the exponent and the continuum of rollers. Arguments and errors as for `combined`.
+    thrust, otherwise as accurate as the exponent and the continuum of rollers. Arguments and errors are those of
+    `combined_equilibrium`.
 
     References
     ----------

@@ -58,7 +58,7 @@ class Rib:
     radius: float
 
 
-def rib_of(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
+def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
     """Return the geometry of the contact of a roller's end with the rib, by (1) to (3).
 
     Parameters
@@ -152,7 +152,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     Raises
     ------
     ValueError
-        A radius of the end that `rib_of` refuses.
+        A radius of the end that `rib_geometry` refuses.
     """
     if not (loads > 0.0).any():
         return None
@@ -164,14 +164,14 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     if row.end_radius is None:
         words.append("no pressure: rollers.end_radius, the sphere of the large end, is not given")
     else:
-        a, b = map(float, ellipse(row, load))
+        a, b = map(float, rib_contact_ellipse(row, load))
         pressure = 1.5 * load / (np.pi * a * b)
         if b > height:
             words.append("the ellipse reaches below the rib's contact surface: its pressure is higher")
     return RibContact(worst + 1, load, pressure, a, b, height, "; ".join(words))
 
 
-def ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
+def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
     """Return the semi-axes of the contact with the rib along and across the rim [m].
 
     Parameters
@@ -189,13 +189,13 @@ def ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
     Raises
     ------
     ValueError
-        A radius of the end that `rib_of` refuses.
+        A radius of the end that `rib_geometry` refuses.
     """
     root = np.cbrt(np.asarray(load, dtype=float))
     if row.end_radius is None:
         return 0.0 * root, 0.0 * root
     E, nu = row.material.youngs_modulus, row.material.poissons_ratio
-    along, across = rib_of(tapered(row), row.end_radius, rib_height(row)).curvatures
+    along, across = rib_geometry(tapered(row), row.end_radius, rib_height(row)).curvatures
     h = hertz_constants(np.array(along), np.array(across), contact_modulus(E, nu, E, nu))
     return np.asarray(h.C_a * root), np.asarray(h.C_b * root)
 
@@ -220,7 +220,7 @@ def mean_distance(a: Array, b: Array, height: float) -> Array:
     return np.asarray((weight * np.hypot(x, y + height)).sum(axis=(-2, -1)))
 
 
-def turning(bearing: TaperedBearing) -> tuple[float, float]:
+def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
     """Return the angular speeds of a roller against cone and cup over that of the rings against each other, by (4)."""
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

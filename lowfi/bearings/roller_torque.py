@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.lowfi.bearings.rib import ellipse, mean_distance, rib_height, turning
+from rollbench.lowfi.bearings.rib import mean_distance, rib_contact_ellipse, rib_height, roller_speed_ratios
 from rollbench.lowfi.bearings.torque import taper_torque
 from rollbench.lowfi.rollers import TaperedBearing, middles, slice_contacts, tapered
 from rollbench.meshes.arrays import Array
@@ -124,15 +124,15 @@ def roller_torque(
     Raises
     ------
     ValueError
-        A radius of the end that `rollbench.lowfi.bearings.rib.rib_of` refuses.
+        A radius of the end that `rollbench.lowfi.bearings.rib.rib_geometry` refuses.
     """
     if not (line_loads > 0.0).any():
         return None
     bearing, speed = tapered(row), abs(speed or 0.0)
     loads = line_loads.mean(axis=1) * row.length
-    cone, _ = turning(bearing)
+    cone, _ = roller_speed_ratios(bearing)
     rib = 2.0 * np.sin(bearing.roller_angle) * loads
-    distance = mean_distance(*ellipse(row, rib), rib_height(row))
+    distance = mean_distance(*rib_contact_ellipse(row, rib), rib_height(row))
     sliding = cone * float(rib @ distance)  # torque of the rib over its coefficient
     mu = USUAL_FRICTION if row.rib_friction is None else row.rib_friction
     words, film, timken = [], None, None
@@ -222,4 +222,4 @@ def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
     """Return the torque of elastic hysteresis in both races [N m] by (2), slice by slice."""
     b, _ = slice_contacts(bearing, line_loads)
     work = (line_loads[..., None] * b).sum(axis=(0, 1)) * bearing.length / line_loads.shape[-1]
-    return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(turning(bearing)))
+    return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(roller_speed_ratios(bearing)))

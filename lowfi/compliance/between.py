@@ -13,19 +13,19 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
-from rollbench.lowfi.compliance.faces import REACH, NearFace, felt_by, near_face, turned
+from rollbench.lowfi.compliance.faces import REACH, NearFace, motions_by_wrench, near_face, quarter_turn
 from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
 from rollbench.lowfi.compliance.parts import (
     BOTH,
     CLAMPED,
     REFINED,
     Backend,
-    clamp,
-    flank_of,
+    fixed_surface,
     geometry_only,
+    groove_of_body,
     grooved_section,
-    held_at,
     is_ring,
+    nut_beam_ends,
     of_flanks,
     smooth_body,
 )
@@ -33,15 +33,15 @@ from rollbench.lowfi.compliance.tube import (
     Tube,
     TubeCompliance,
     by_section,
-    cantilever,
-    clamped,
+    cantilever_compliance,
+    clamped_beam_compliance,
     contact_compliance,
     end_springs,
-    jumps,
     motion_rows,
     on_line,
     patch_weights,
-    points_of,
+    points_in_space,
+    section_jump_compliance,
     spring_compliance,
     tube_compliance,
 )
@@ -56,7 +56,7 @@ from rollbench.meshes.solid import dimensions
 BESIDE = 2.5
 
 
-def axes_of(layout: BallLayout) -> Array:
+def ball_axes(layout: BallLayout) -> Array:
     """Return the radial and binormal axes of every ball ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
@@ -65,7 +65,7 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
     """Return nominal contact points ``(c, 3)`` [m] and section axes ``(c, 2, 3)`` of a body's flanks, of N balls each."""
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
     x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
-    return np.concatenate(x), np.concatenate([axes_of(layout)] * len(flanks))
+    return np.concatenate(x), np.concatenate([ball_axes(layout)] * len(flanks))
 
 
 @lru_cache(maxsize=32)
@@ -89,12 +89,12 @@ of_tube, section_of_tube = lru_cache(maxsize=32)(tube_compliance), lru_cache(max
 @kept(RingCompliance)
 def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
     """Return the compliance of a ring with its groove, cached by geometry."""
-    return ring_compliance(flank_of(geometry, screw), held_at(geometry, screw))
+    return ring_compliance(groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
 def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     """Return e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
-    flank = flank_of(geometry, screw)
+    flank = groove_of_body(geometry, screw)
     if is_ring(geometry, screw):
         return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
     tube = smooth_body(geometry, screw, backend)
@@ -110,17 +110,19 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the turns")
     smooth = smooth_compliance(geometry, screw, backend)
-    G = contact_compliance(smooth, points_of(x, axes))
+    G = contact_compliance(smooth, points_in_space(x, axes))
     tube = smooth.tube
     plain = tube.section
     x = on_line(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
-        G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
+        G = G - spring_compliance(tube, x, axes) - clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
         if backend.flank:
-            G = G + jumps(strained_by_section(scene, layout, True, backend, flanks), rows, stations, tube.ends[0])
+            G = G + section_jump_compliance(
+                strained_by_section(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
+            )
     elif tube.held in CLAMPED:
-        G = G - clamped(rows, stations, *clamp(tube), plain)
+        G = G - clamped_beam_compliance(rows, stations, *nut_beam_ends(tube), plain)
     return G
 
 
@@ -129,21 +131,21 @@ def strained_by_section(
 ) -> Array:
     """Return the motions ``(2 c, 6)`` of contacts by a wrench on their sections, beyond those of the smooth body."""
     found = kept_near_face(geometry_only(scene), screw, backend)
-    points = points_of(*contact_frames(scene, layout, screw, flanks))
-    return felt_by(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
+    points = points_in_space(*contact_frames(scene, layout, screw, flanks))
+    return motions_by_wrench(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
     """Return the compliance of the nut as a Timoshenko tube ``(2 c, 2 c)`` [m/N].
 
-    Clamped at its faces, or at its flange; zero if its outside is fixed. feel: see `clamped`.
+    Clamped at its faces, or at its flange; zero if its outside is fixed. feel: see `clamped_beam_compliance`.
     """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
-    if held_at(geometry, False) not in CLAMPED:
+    if fixed_surface(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
     section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
-    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section, feel)
+    return clamped_beam_compliance(motion_rows(x, axes), np.repeat(x[:, 2], 2), *nut_beam_ends(tube), section, feel)
 
 
 @lru_cache(maxsize=32)
@@ -153,7 +155,7 @@ def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
     near = min(low, high) < REACH * geometry.balls.radius
-    return of_sections(flank_of(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near)
+    return of_sections(groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near)
 
 
 @lru_cache(maxsize=32)
@@ -166,7 +168,11 @@ def of_sections(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[flo
 def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and faces add between contacts within half a lead."""
     geometry = geometry_only(scene)
-    flank, held, found = flank_of(geometry, screw), held_at(geometry, screw), kept_near_face(geometry, screw, backend)
+    flank, held, found = (
+        groove_of_body(geometry, screw),
+        fixed_surface(geometry, screw),
+        kept_near_face(geometry, screw, backend),
+    )
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
     middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
@@ -189,16 +195,18 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
         gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # from its other end
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
-    axes = np.stack([normal, turned(normal)], axis=1)
+    axes = np.stack([normal, quarter_turn(normal)], axis=1)
     G = np.zeros((side.size, 2, side.size, 2))
     G[i, :, j] = axes[i].swapaxes(1, 2) @ gain @ axes[j]
     G[j, :, i] = G[i, :, j].swapaxes(1, 2)
     return G.reshape(2 * side.size, -1)
 
 
-def body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+def body_between_contacts(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+) -> Array:
     """Return `lowfi.compliance.bodies.whole_body` of a body that is not rigid, for contacts at any positions."""
-    held = held_at(scene, screw)
+    held = fixed_surface(scene, screw)
     if is_ring(geometry_only(scene), screw):
         G = of_flanks(ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth), flanks)
     else:
@@ -227,7 +235,7 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     end = np.eye(6)
     end[0, 4], end[1, 3] = high - low, low - high
     by_springs = np.concatenate([motion_rows(taken, axes, low), end])
-    beam = cantilever(rows, stations, low, plain, slice(-6, None))
+    beam = cantilever_compliance(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
     if backend.flank:
@@ -246,7 +254,7 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     shift, tilt, axial, twist = end_springs(tube)
     end = np.eye(6)
     end[0, 4], end[1, 3] = at - low, low - at
-    beam = cantilever(rows, stations, low, tube.section, slice(-6, None))[:-6]
+    beam = cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = contacts_by_end(section_of_tube(tube, stretch_zone(geometry, tube), at), x, axes) - beam
     if backend.flank:
@@ -270,7 +278,7 @@ def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
 
     Contacts at ``(c, 3)`` [m] along axes ``(c, 2, 3)``.
     """
-    points = points_of(x, axes)
+    points = points_in_space(x, axes)
     weights = patch_weights(compliance.z, points.z, compliance.tube.width)
     (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.ends)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]

@@ -38,7 +38,7 @@ def legendre_compliance(n: Array, poisson: float) -> Array:
     return np.where(n == 0.0, (1.0 - 2.0 * poisson) / (1.0 + poisson), np.where(n == 1.0, 0.0, c))
 
 
-def expansion(poisson: float) -> tuple[float, float]:
+def harmonic_expansion(poisson: float) -> tuple[float, float]:
     """Return A = 2 (1 - nu) and B of c_n = A/n + B/n^2 + O(n^-3)."""
     a = 2.0 * (1.0 - poisson)
     # top = a' n + b' + ..., a' = 4 - 4 nu, b' = 4 - 2 nu; bottom = 2 n^2 (1 + (1 + 2 nu)/n)
@@ -50,7 +50,7 @@ def smooth_part(cosine: float, poisson: float) -> float:
     """Return series at an angle arccos(cosine) without closed sums of its first two terms; both vanish at the contact."""
     from numpy.polynomial.legendre import legval
 
-    a, b = expansion(poisson)
+    a, b = harmonic_expansion(poisson)
     n = np.arange(2.0, TERMS)
     terms = (2 * n + 1) * legendre_compliance(n, poisson) - 2.0 * a - (a + 2.0 * b) / n
     total = float(legval(cosine, np.append([0.0, 0.0], terms)))
@@ -72,7 +72,7 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
         Of the ball.
     """
     nu = material.poissons_ratio
-    a, b = expansion(nu)
+    a, b = harmonic_expansion(nu)
     s = np.sqrt(0.5 * (1.0 - cosine))
     series = smooth_part(cosine, nu) + a / s - (a + 2.0 * b) * np.log(s * (1.0 + s))
     return float(series / (8.0 * np.pi * material.shear_modulus * radius))
@@ -80,7 +80,7 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
 
 def own_slope(radius: float, material: Material) -> float:
     """Return the change of `own_compliance` with the logarithm of a contact's size [m/N]."""
-    a, b = expansion(material.poissons_ratio)
+    a, b = harmonic_expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
 
@@ -165,7 +165,7 @@ def half_space(width: float, material: Material) -> float:
     return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
 
 
-def curvatures(flank: Flank) -> tuple[float, float]:
+def flank_curvatures(flank: Flank) -> tuple[float, float]:
     """Return principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
     m = flank.map
     along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
@@ -174,14 +174,14 @@ def curvatures(flank: Flank) -> tuple[float, float]:
 
 def size_slope(flank: Flank) -> float:
     """Return the change of `at_size` with the logarithm of a contact's size [m/N], by the flank's mean curvature."""
-    a, b = expansion(flank.material.poissons_ratio)
-    return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(curvatures(flank)))
+    a, b = harmonic_expansion(flank.material.poissons_ratio)
+    return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(flank_curvatures(flank)))
 
 
 def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
     """Return the effect of size and shape of a contact on the correction for the narrow round patch [m/N]."""
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
-    across, along = curvatures(flank)
+    across, along = flank_curvatures(flank)
     shape = (1.0 - 2.0 * nu) * (3.0 - 2.0 * nu) / (16.0 * np.pi * G) * (across - along) * (a - b) / (a + b)
     return float(size_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape)

@@ -32,16 +32,16 @@ from rollbench.lowfi.compliance.parts import (
     BOTH,
     REFINED,
     Backend,
-    flank_of,
+    fixed_surface,
     geometry_only,
+    groove_of_body,
     grooved_section,
-    held_at,
     is_ring,
     of_flanks,
     section_of,
     with_balls,
 )
-from rollbench.lowfi.compliance.tube import clamped, motion_rows
+from rollbench.lowfi.compliance.tube import clamped_beam_compliance, motion_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from rollbench.meshes.helix import BallLayout, ball_layout
@@ -123,7 +123,7 @@ def body_compliance(
     if kind == "rigid" or (screw and kind == "beam"):
         return BodyCompliance(zero, 0.0, 0.0, ())
     geometry = geometry_only(scene)
-    held = held_at(geometry, screw)
+    held = fixed_surface(geometry, screw)
     if held == "rigid":
         return BodyCompliance(zero, 0.0, 0.0, ())
     if kind == "beam":
@@ -134,8 +134,8 @@ def body_compliance(
     e = _own_flank(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
-        e += at_size(flank_of(geometry, screw), semi_axes)
-        slope = size_slope(flank_of(geometry, screw))
+        e += at_size(groove_of_body(geometry, screw), semi_axes)
+        slope = size_slope(groove_of_body(geometry, screw))
     parts = dimensions(geometry)
     assumed = tuple(line for line in parts.assumed if line not in parts.mesh_only)
     return BodyCompliance((whole or whole_body)(scene, layout, screw, backend, flanks), e, slope, assumed)
@@ -168,14 +168,14 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     Array
         ``(2 c, 2 c)`` [m/N].
     """
-    if held_at(geometry_only(scene), screw) == "rigid":
+    if fixed_surface(geometry_only(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     geometry, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
         return of_flanks(_whole_body(geometry, screw, backend).G, flanks)
-    from rollbench.lowfi.compliance.between import body_at
+    from rollbench.lowfi.compliance.between import body_between_contacts
 
-    return body_at(geometry, layout, screw, backend, flanks)
+    return body_between_contacts(geometry, layout, screw, backend, flanks)
 
 
 #: What computes `whole_body`.
@@ -185,9 +185,9 @@ WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
-    from rollbench.lowfi.compliance.between import body_at
+    from rollbench.lowfi.compliance.between import body_between_contacts
 
-    return Coupling(body_at(scene, ball_layout(scene), screw, backend))
+    return Coupling(body_between_contacts(scene, ball_layout(scene), screw, backend))
 
 
 @lru_cache(maxsize=64)
@@ -230,11 +230,11 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
     That is rigid, only a beam, or a ring on its bore. Cached for all load cases of the same parts and balls: not to be
     written to.
     """
-    if backend.screw != "kernel" or held_at(geometry_only(scene), True) != "section":
+    if backend.screw != "kernel" or fixed_surface(geometry_only(scene), True) != "section":
         return None
     parts, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _known(parts, backend)
+        return _known_bodies(parts, backend)
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(parts, layout, backend))
@@ -242,7 +242,7 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
 
 @lru_cache(maxsize=8)
 @kept(EndResponse)
-def _known(scene: Scene, backend: Backend) -> EndResponse:
+def _known_bodies(scene: Scene, backend: Backend) -> EndResponse:
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
@@ -269,7 +269,7 @@ def _by_section(scene: Scene, backend: Backend, at: float) -> Coupling:
     return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
 
 
-def forget() -> None:
+def clear_kept_bodies() -> None:
     """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
     from rollbench.lowfi.compliance.between import (
         kept_near_face,
@@ -283,8 +283,8 @@ def forget() -> None:
     for memory in (
         geometry_only,
         with_balls,
-        flank_of,
-        held_at,
+        groove_of_body,
+        fixed_surface,
         grooved_section,
         section_of,
         smooth_compliance,
@@ -295,7 +295,7 @@ def forget() -> None:
         _own_flank,
         kept_near_face,
         _whole_body,
-        _known,
+        _known_bodies,
         _by_section,
     ):
         memory.cache_clear()
@@ -350,13 +350,15 @@ class Condensed:
         """
         N, screw = layout.z.size, sides[0] < 2
         geometry = geometry_only(scene)
-        if held_at(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
+        if fixed_surface(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
             return total
         x, axes = contact_frames(scene, layout, screw)
         held = whole_body(scene, layout, screw, backend)
-        if screw and held_at(geometry, True) == "section":
+        if screw and fixed_surface(geometry, True) == "section":
             section = grooved_section(geometry, True)
-            held = held + clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section)
+            held = held + clamped_beam_compliance(
+                motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section
+            )
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
         file_G = self.bodies.screw if screw else self.bodies.nut
         if file_G.shape != (N * len(known),) * 2:
@@ -437,12 +439,12 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 def negative_part(G: Array) -> tuple[Array, float]:
     """Return the part of a symmetric G ``(n, n)`` in modes of negative eigenvalues, and the least eigenvalue."""
-    values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest(G)
+    values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest_eigenpairs(G)
     below = values < 0.0
     return (vectors[:, below] * values[below]) @ vectors[:, below].T, float(values[0])
 
 
-def _smallest(G: Array) -> tuple[Array, Array]:
+def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
     """Return eigenvalues of G, all negative ones among them, and their vectors."""
     from scipy.linalg import cho_factor, cho_solve
 
@@ -456,7 +458,7 @@ def _smallest(G: Array) -> tuple[Array, Array]:
         except np.linalg.LinAlgError:
             shift *= 3.0
     while count * INVERSES < len(G):
-        values, vectors = _ritz(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count)
+        values, vectors = _ritz_pairs(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count)
         negative = int((values < 0.0).sum())  # no more than G has (Cauchy's interlacing)
         if 2 * negative < count:
             return values, vectors
@@ -464,7 +466,7 @@ def _smallest(G: Array) -> tuple[Array, Array]:
     return np.linalg.eigh(G)
 
 
-def _ritz(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
+def _ritz_pairs(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
     """Return eigenvalues and vectors of G within a block Krylov space of an operator.
 
     The operator is applied to some vectors ``INVERSES`` times; those at the far end of its spectrum are those of G.

@@ -11,23 +11,23 @@ import numpy as np
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
 from rollbench.lowfi.compliance.groove import (
+    cubic_spline,
     every_harmonic,
     flank_normals,
     flank_weights,
     groove_strains,
-    harmonics_to,
     patch_shares,
-    spline,
+    sampled_harmonics,
     unresolved_motion,
 )
 from rollbench.lowfi.compliance.tube import (
     Points,
     Tube,
-    clamped,
+    clamped_beam_compliance,
     groove_line,
     motion_rows,
     patch_weights,
-    points_of,
+    points_in_space,
     radial_ends,
 )
 from rollbench.meshes.arrays import Array
@@ -74,7 +74,7 @@ class NearFace:
     #: Distance of the face from the middle of the groove ``(k,)`` [m].
     distance: Array
     #: Gain by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]: free or fixed; harmonic around the axis; motion of the flank pressed
-    #: towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force
+    #: towards the face or of the other one, of its arc's centre along the nominal load or across it, by a force
     #: on either flank (f = 2), or also on those of the groove behind it (4), along or across. Zero beyond the last
     #: distance, constant below the first. What a fixed face does across the loads, a tenth of what a free one does, is left
     #: out.
@@ -107,24 +107,24 @@ class NearFace:
         """
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
-        share = spline(known, np.eye(known.size))(place)
-        return np.asarray(np.einsum("m...k,mk->m...", around(self.gain[int(held)], angle), share))
+        share = cubic_spline(known, np.eye(known.size))(place)
+        return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
         """Return the compliance ``(m, 2, f)`` [m/N] between different contacts beyond a smooth body's.
 
         At angles ``(m,)`` [rad].
         """
-        return around(self.far, angle)
+        return sum_of_harmonics(self.far, angle)
 
 
-def around(waves: Array, angle: Array) -> Array:
+def sum_of_harmonics(waves: Array, angle: Array) -> Array:
     """Return the sum over harmonics ``(n, ...)`` of their waves at angles ``(m,)`` [rad], ``(m, ...)``."""
     step = np.pi / (4 * len(waves))
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
     known = step * np.arange(-2, 4 * len(waves) + 3)
-    return np.asarray(spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
+    return np.asarray(cubic_spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
 def near_face(
@@ -214,7 +214,7 @@ def with_tail(flank: Flank, waves: Array) -> Array:
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
-def felt_by(points: Points, side: Array, strains: Array) -> Array:
+def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
     """Return the motions ``(k c, 6)`` of contacts with k axes by a wrench on their section: `groove_strains`.
 
     side: -1 for a flank at negative z of its groove, 1 at positive z.
@@ -232,7 +232,7 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: 
     section: of the beam, clamped at both ends [m]; strains: of its grooves (`groove_strains`).
     """
     plain = smooth.section
-    places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
+    places, along = (np.concatenate([x, x]) for x in pressed_points(flank, ends[0]))
     half = len(places) // 2
     out = np.zeros((2 * half, 2 * half))
     side = np.tile([1.0, -1.0], half)
@@ -241,8 +241,8 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: 
         turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
-        feel = felt_by(points_of(x, axes), side, strains) if sign > 0.0 else None
-        out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam, feel)
+        feel = motions_by_wrench(points_in_space(x, axes), side, strains) if sign > 0.0 else None
+        out += sign * clamped_beam_compliance(motion_rows(x, axes), places, ends, "both", beam, feel)
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
@@ -255,7 +255,7 @@ def less_smooth(
     r_ends, line = radial_ends(smooth)
     plain = tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_loads(flank, plain, line, cuts, smooth.width, kinds)
-    n = harmonics_to(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
+    n = sampled_harmonics(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
     return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
         flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer
     )
@@ -274,10 +274,10 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     From its clamped end to the furthest face; the middle of the loaded groove is at z = 0.
     """
     ball, reach = flank.map.ball, REACH * flank.map.ball
-    r, z = turn(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
+    r, z = groove_nodes(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
     edge = float(z[z.size // 2 + 2 * mesh[0]])
     beyond = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
-    next_r, next_z = turn(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
+    next_r, next_z = groove_nodes(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
     shift = 2.0 * flank.half * np.arange(1.0, beyond + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], beyond), r, np.tile(next_r[1:], beyond)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
@@ -293,7 +293,7 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     return Grid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
 
 
-def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
+def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     """Return the nodes (r, z) [m] of a groove's surface from mid land to mid land.
 
     Parameters
@@ -312,13 +312,13 @@ def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
 
-def turned(along: Array) -> Array:
+def quarter_turn(along: Array) -> Array:
     """Return directions ``(..., 2)`` (r, z) across loads ``along``: a quarter turn from r to z."""
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
 def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return unit loads on the flanks of `pressed`, of patches of ``width`` [m].
+    """Return unit loads on the flanks of `pressed_points`, of patches of ``width`` [m].
 
     Along the nominal load, and (``kinds`` 2) across it, by the pressure that a shift of the patch adds and takes away.
 
@@ -329,11 +329,11 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kind
     """
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
-    places, directions = pressed(flank, grid.z[0, 0])
+    places, directions = pressed_points(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         pressing = normals * np.sign(normals @ along)[:, None]
-        for kind, direction in enumerate((along, turned(along))[:kinds]):
+        for kind, direction in enumerate((along, quarter_turn(along))[:kinds]):
             share = flank_weights(grid, line, place, width, moment=kind)[0]
             for k, cut in enumerate(cuts):
                 force = share[: cut + 1, None] * pressing[: cut + 1]
@@ -344,17 +344,17 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kind
 
 def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
     """Return unit loads on line r = ``line`` of the smooth body, as `true_loads`."""
-    places, directions = pressed(flank, grid.z[0, 0])
+    places, directions = pressed_points(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         for k, cut in enumerate(cuts):
             share = patch_weights(grid.z[: cut + 1, 0], np.array([place]), width)[0]
-            for kind, direction in enumerate((along, turned(along))[:kinds]):
+            for kind, direction in enumerate((along, quarter_turn(along))[:kinds]):
                 out[away, kind, k, : cut + 1, line, ::2] = share[:, None] * direction
     return out
 
 
-def pressed(flank: Flank, low: float) -> tuple[Array, Array]:
+def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
     """Return the contact's z ``(f,)`` [m] and nominal direction of load ``(f, 2)`` (r, z) of the flanks of a groove.
 
     On the flank pressed towards high z, on the other one, and on both of the groove behind where a body from z = low [m]

@@ -31,7 +31,7 @@ GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
 
 
-def quadratic(x: Array) -> tuple[Array, Array]:
+def quadratic_shape_functions(x: Array) -> tuple[Array, Array]:
     """Return values and slopes ``(..., 3)`` of the quadratic Lagrange polynomials on nodes -1, 0, 1."""
     values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
     return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
@@ -141,7 +141,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
     point = 0
     for a, wa in zip(GAUSS, WEIGHT, strict=True):
         for b, wb in zip(GAUSS, WEIGHT, strict=True):
-            (nz, dz), (nr, dr) = quadratic(np.array(a)), quadratic(np.array(b))
+            (nz, dz), (nr, dr) = quadratic_shape_functions(np.array(a)), quadratic_shape_functions(np.array(b))
             N, along_r, along_z = np.outer(nz, nr).ravel(), np.outer(nz, dr).ravel(), np.outer(dz, nr).ravel()
             J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
             det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
@@ -177,7 +177,7 @@ def factor_c(n: int) -> float:
     return 2.0 * np.pi if n == 0 else np.pi
 
 
-def solved(bands: Array, n: int, loads: Array) -> Array:
+def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
     """Return the motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`.
 
     Raises
@@ -273,7 +273,7 @@ class Body:
         return np.append(False, change < ALIKE * np.abs(rows).max())
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
-        """Return the parts of K on the ``free`` freedoms ``(3 nodes,)`` as lower bands ``(3, width, k)`` for `solved`."""
+        """Return the parts of K on the ``free`` freedoms ``(3 nodes,)`` as lower bands ``(3, width, k)``."""
         count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
         i = place[self.freedoms()]
         below = np.flatnonzero((i[:, :, None] >= i[:, None]) & (i[:, None] >= 0))
@@ -312,7 +312,7 @@ def mean_motions(r: Array, n: int) -> Array:
     weights = np.zeros((2, r.size))  # shares of the nodes in the means of f over the area, and of f r over its moment
     for a in range(0, r.size - 2, 2):
         for x, w in zip(GAUSS, WEIGHT, strict=True):
-            N = quadratic(np.array(x))[0]
+            N = quadratic_shape_functions(np.array(x))[0]
             at = float(r[a : a + 3] @ N)
             weights[:, a : a + 3] += w * 0.5 * (r[a + 2] - r[a]) * N * np.array([[at], [at * at]])
     weights[0] *= 2.0 / (r[-1] ** 2 - r[0] ** 2)
@@ -404,7 +404,7 @@ class Stretch:
     motion: tuple[tuple[int, Array], ...] = ()
 
 
-def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
+def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
     """Return two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act.
 
     At an end of the body, a stretch has one line. A load of which less than round-off reaches that line does nothing there.
@@ -443,13 +443,13 @@ def without_line(stretch: Stretch, line: slice) -> Stretch:
     return Stretch(K[:, left[:, None], left] - P[:, :m, :m], forces, motion)
 
 
-def repeated(stretch: Stretch, count: int, loads: Array) -> Stretch:
+def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
     """Return equal stretches in a row, by doubling; loads: on each of the lines between."""
     if count == 1:
         return stretch
-    half = repeated(stretch, count // 2, loads)
-    twice = joined(half, half, loads)
-    return joined(twice, stretch, loads) if count % 2 else twice
+    half = repeat_stretch(stretch, count // 2, loads)
+    twice = join_stretches(half, half, loads)
+    return join_stretches(twice, stretch, loads) if count % 2 else twice
 
 
 def _by_stretches(
@@ -479,7 +479,9 @@ def _by_stretches(
     pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]
     alike = body.alike
     starts = [k for k in range(count // 2) if not alike[k] or pattern[k] != pattern[k - 1]]
-    stretches = [repeated(row_stretch(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])]
+    stretches = [
+        repeat_stretch(row_stretch(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])
+    ]
     between, soft = [*(loads(2 * k) for k in starts), loads(count - 1)], 0.0
     if springs and n[0] < 2:
         motions = end_motions(body, int(n[0]))
@@ -490,6 +492,6 @@ def _by_stretches(
     while between:  # those with the least loads first
         counts = [s.forces.shape[2] for s in stretches]
         i = min(range(len(between)), key=lambda i: counts[i] + counts[i + 1])
-        stretches[i : i + 2] = [joined(stretches[i], stretches[i + 1], between.pop(i))]
+        stretches[i : i + 2] = [join_stretches(stretches[i], stretches[i + 1], between.pop(i))]
     size, blocks = stretches[0].forces.shape[2], stretches[0].motion
     return [BlockSum(size, tuple((first, block[i]) for first, block in blocks)) for i in range(n.size)]

@@ -16,8 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank
-from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, mean_motions, on_last, quadratic, solved, tube_grid
-from rollbench.lowfi.compliance.tube import Tube, groove_line, radial_ends, strained
+from rollbench.lowfi.compliance.fourier import (
+    Body,
+    Grid,
+    Layer,
+    mean_motions,
+    on_last,
+    quadratic_shape_functions,
+    solve_harmonic,
+    tube_grid,
+)
+from rollbench.lowfi.compliance.tube import Tube, groove_line, radial_ends, strained_cell
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
@@ -69,8 +78,8 @@ def groove_strains(flank: Flank, smooth: Tube) -> Array:
     plain = tube_grid(r_ends, np.array([0.0, flank.half]))
     out = np.empty((2, 2))
     for k, kind in enumerate(("axial", "bending")):
-        stiffness, motion = strained(Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind)
-        smooth_stiffness, smooth_motion = strained(smooth.body(plain), kind)
+        stiffness, motion = strained_cell(Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind)
+        smooth_stiffness, smooth_motion = strained_cell(smooth.body(plain), kind)
         at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half])
         widens = float(smooth_motion[0, loaded, 0])
         if kind == "bending":  # from the beam's axis, the mean of the section, which bends away from the stretched side
@@ -89,9 +98,9 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int 
     """
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
-    N, slope = quadratic(node)
+    N, slope = quadratic_shape_functions(node)
     fine = np.linspace(-1.0, 1.0, 65)
-    fine_slope = quadratic(fine)[1]
+    fine_slope = quadratic_shape_functions(fine)[1]
     start, arcs, heights, sizes = 0.0, [], [], []
     for a in range(0, r.size - 2, 2):
         speed = np.hypot(fine_slope @ r[a : a + 3], fine_slope @ z[a : a + 3])
@@ -111,7 +120,7 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int 
     return out, z
 
 
-def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
+def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array:
     """Return harmonics at which a smooth series is sampled, from ``first`` to ``limit``.
 
     Up to 4 all, then each ``step`` times the last.
@@ -122,7 +131,7 @@ def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
     return np.array(harmonics)
 
 
-def spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
+def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
     """Return the cubic spline through values ``(k, ...)`` at positions ``(k,)``.
 
     scipy.interpolate is slow to import, and not needed for bodies whose compliance is cached.
@@ -135,13 +144,13 @@ def spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
 
 def every_harmonic(n: Array, values: Array) -> Array:
     """Return quantities sampled at harmonics ``n`` ``(k, ...)`` at all harmonics from the first to the last of them."""
-    return np.asarray(spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
+    return np.asarray(cubic_spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
     """Return unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, of either sense; mean of both elements'."""
     r, z = grid.r[:, line], grid.z[:, line]
-    slope = quadratic(np.array([-1.0, 0.0, 1.0]))[1]
+    slope = quadratic_shape_functions(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
     for a in range(0, r.size - 2, 2):
         tangent = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
@@ -186,7 +195,7 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
 
 def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
     """Return the motion [m/N] of one flank's patch of ``width`` [m] under a unit load on it, summed over `own_waves`."""
-    n = harmonics_to(2.6 * flank.contact()[0] / width)
+    n = sampled_harmonics(2.6 * flank.contact()[0] / width)
     waves = every_harmonic(n, own_waves(flank, grid, load, n))
     return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
 
@@ -201,12 +210,12 @@ def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
 def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
     """Return the motion of a narrow patch under a unit load on it that a coarse grid does not resolve [m/N]."""
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
-    low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)
+    low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)
     sampled = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
     change = sampled[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
     harmonics = np.arange(high[-1] + 1.0)
     waves = np.empty(harmonics.size)
-    waves[:last] = spline(np.log1p(low), change)(np.log1p(harmonics[:last]))
+    waves[:last] = cubic_spline(np.log1p(low), change)(np.log1p(harmonics[:last]))
     waves[0] = 0.5 * waves[1]  # a wave has half the mean square of a constant
     waves[last:] = every_harmonic(high, sampled[low.size - 1 :])
     waves[last] = change[-1]
@@ -255,10 +264,10 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
         rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
         rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
         rows[4, count - 1 :, line, ::2] = normal_load(flank, half, width, zeta)
-    n = harmonics_to(2.6 * radius / width)
+    n = sampled_harmonics(2.6 * radius / width)
     free = ~fixed.ravel()
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
-    sampled = np.array([loads.T @ solved(bands, harmonic, loads) for harmonic in n.tolist()])
+    sampled = np.array([loads.T @ solve_harmonic(bands, harmonic, loads) for harmonic in n.tolist()])
     harmonics = np.arange(n[-1] + 1.0)
     S = every_harmonic(n, sampled)
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]

@@ -78,7 +78,7 @@ LADDER = {
 RIGID = "rigid apart from the Hertzian contacts"
 
 
-def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
+def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
     """Return statements on how a backend idealises a scene's bodies; raises ValueError as `meshes.solid.dimensions`."""
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
@@ -93,9 +93,9 @@ def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
         screw = nut = "a body of revolution with its groove, held as the scene says"
     elif scene.ingredients.screw == "rigid":
         screw = f"on a rigid axis{smooth}" if backend.screw == "kernel" else RIGID
-    if held_at(scene, True) == "rigid":
+    if fixed_surface(scene, True) == "rigid":
         screw = RIGID
-    if held_at(scene, False) == "rigid":
+    if fixed_surface(scene, False) == "rigid":
         nut = RIGID
     ball = "half spaces at their contacts" if backend.ball == "half space" else "elastic spheres"
     return f"the screw or inner ring is {screw}", f"the nut or outer ring is {nut}", f"balls are {ball}"
@@ -123,7 +123,7 @@ def with_balls(scene: Scene) -> tuple[Scene, Array]:
 
 
 @lru_cache(maxsize=64)
-def flank_of(scene: Scene, screw: bool) -> Flank:
+def groove_of_body(scene: Scene, screw: bool) -> Flank:
     """Return the groove of screw or nut on half a lead, or half a ring's width; ValueError for impossible dimensions."""
     dims = dimensions(scene)
     m = GrooveMap.of(scene)
@@ -136,7 +136,7 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
 
 
 @lru_cache(maxsize=64)
-def held_at(scene: Scene, screw: bool) -> str:
+def fixed_surface(scene: Scene, screw: bool) -> str:
     """Return where the smooth body is fixed (see `Tube`); "rigid" where the body does not move beyond its contacts."""
     dims = dimensions(scene)
     if not screw:
@@ -151,7 +151,7 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Return section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     if geometry.track.lead == 0.0 and screw:
         return screw_section(geometry)
-    return section_of(flank_of(geometry, screw))
+    return section_of(groove_of_body(geometry, screw))
 
 
 @lru_cache(maxsize=64)
@@ -171,7 +171,7 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
     from rollbench.lowfi.compliance.tube import Tube
 
-    flank = flank_of(geometry, screw)
+    flank = groove_of_body(geometry, screw)
     low, high = dimensions(geometry).ends(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
     if screw:
@@ -188,16 +188,16 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
     flange = None if screw else geometry.nut.flange
     return Tube(
-        bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
+        bore, outer, ends, fixed_surface(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
     )
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
     """Return whether a body is a ring with one groove around it, and so a body of revolution itself."""
-    return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
+    return geometry.track.lead == 0.0 and fixed_surface(geometry, screw) not in ("rigid", "section")
 
 
-def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
+def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
     """Return the ends [m] of the beam that represents a nut, and which of them are clamped.
 
     A flange clamps it at its face, or where its bonded fit ends, and deforms as the smooth body does.

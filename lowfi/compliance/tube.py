@@ -23,9 +23,9 @@ from rollbench.lowfi.compliance.fourier import (
     end_motions,
     factor_c,
     line_compliance,
-    quadratic,
+    quadratic_shape_functions,
     refine_lines,
-    solved,
+    solve_harmonic,
     tube_grid,
 )
 from rollbench.meshes.arrays import Array
@@ -138,7 +138,7 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
     young, poisson = material.youngs_modulus, material.poissons_ratio
     body = Body(grid, young, poisson)
     length = float(grid.z[-1, 0])
-    EA, GJ, EI = (stiffness_of(body, kind) * length for kind in ("axial", "torsion", "bending"))
+    EA, GJ, EI = (cell_stiffness(body, kind) * length for kind in ("axial", "torsion", "bending"))
     shear = material.shear_modulus
     sign = 1.0 if screw else -1.0
     radii = (
@@ -151,12 +151,12 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
     return CellSection(BeamSection(EA, EI, GJ, kappa * shear * pi * (outer**2 - bore**2)), radii)
 
 
-def stiffness_of(body: Body, kind: str) -> float:
-    """Return the stiffness of the cell [N/m or N m] (`strained`)."""
-    return strained(body, kind)[0]
+def cell_stiffness(body: Body, kind: str) -> float:
+    """Return the stiffness of the cell [N/m or N m] (`strained_cell`)."""
+    return strained_cell(body, kind)[0]
 
 
-def strained(body: Body, kind: str) -> tuple[float, Array]:
+def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
     """Return the stiffness of the cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m].
 
     The stiffness is twice the energy when its far plane of symmetry moves by one unit. axial: u_z = 1; torsion: u_t = r;
@@ -177,7 +177,7 @@ def strained(body: Body, kind: str) -> tuple[float, Array]:
         else:
             fixed[0, -1, 0] = True  # the rigid shift across
     K, held, q = body.stiffness(n), fixed.ravel(), value.ravel()
-    q[~held] = solved(body.bands(~held), n, -(K @ q)[~held])
+    q[~held] = solve_harmonic(body.bands(~held), n, -(K @ q)[~held])
     return float(q @ (K @ q)), q.reshape(*shape, 3)
 
 
@@ -202,7 +202,7 @@ SAME, NEAR = 1e-9, 0.4
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 
-SHAPES = quadratic(NODE)[0]
+SHAPES = quadratic_shape_functions(NODE)[0]
 
 
 @dataclass(frozen=True)
@@ -252,7 +252,7 @@ class Tube:
             return tube_section(2.0 * self.outer, 2.0 * self.bore, self.material)
         length = self.size[0]
         slice_ = self.body(tube_grid(radial_ends(self)[0], np.array([0.0, length])))
-        EA, GJ, EI = (length * stiffness_of(slice_, kind) for kind in ("axial", "torsion", "bending"))
+        EA, GJ, EI = (length * cell_stiffness(slice_, kind) for kind in ("axial", "torsion", "bending"))
         shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
         bore = (self.outer**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
         kappa = shear_coefficient(bore / self.outer, poisson)
@@ -288,7 +288,7 @@ class Points:
     axes: Array
 
 
-def points_of(x: Array, axes: Array) -> Points:
+def points_in_space(x: Array, axes: Array) -> Points:
     """Return points ``(c, 3)`` [m] and axes ``(c, 2, 3)`` in space in cylindrical components."""
     t = np.arctan2(x[:, 1], x[:, 0])
     c, s = np.cos(t), np.sin(t)
@@ -405,7 +405,7 @@ def by_section(tube: Tube, zone: tuple[float, float], at: float) -> TubeComplian
         i, j = np.tril_indices(held.shape[1])
         bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / factor_c(n)
         moved = np.zeros((free.size, 2))
-        moved[free] = solved(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
+        moved[free] = solve_harmonic(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
         ends.append(moved.reshape(*grid.shape, 3, 2)[:, line].T)
     return TubeCompliance(tube, z, (), tuple(ends))
 
@@ -420,7 +420,7 @@ def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
         low, high = max(z[a], at - half), min(z[a + 2], at + half)
         if high > low:
             points = 0.5 * (low + high) + 0.5 * (high - low) * NODE
-            N = quadratic(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
+            N = quadratic_shape_functions(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
             weight = WEIGHT * (high - low) / (4.0 * half)
             out[:, a : a + 3] += np.stack([weight, weight * (points - at)]) @ N
     return out[0], out[1]
@@ -523,7 +523,9 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
 
 
-def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)) -> Array:
+def cantilever_compliance(
+    rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)
+) -> Array:
     """Return the compliance ``(k, m)`` of motions on a Timoshenko cantilever.
 
     Parameters
@@ -556,8 +558,8 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
     return out
 
 
-def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Return what ``feel`` ``(k, 6)`` adds to the compliance ``(k, k)`` of motions fixed at ``base`` [m], as `cantilever`.
+def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: float) -> Array:
+    """Return what ``feel`` ``(k, 6)`` adds to the compliance ``(k, k)`` of motions fixed at ``base`` [m].
 
     feel: motion of each by the wrench, on its section, of all loads beyond its station and half of those at it. By
     reciprocity its load moves all that is beyond.
@@ -568,20 +570,20 @@ def jumps(feel: Array, rows: Array, stations: Array, base: float) -> Array:
     return np.asarray(moved + moved.T)
 
 
-def clamped(
+def clamped_beam_compliance(
     rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
     """Return the compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m].
 
-    feel: see `jumps`.
+    feel: see `section_jump_compliance`.
     """
     low, high = ends
     if held != "both":
         base = low if held == "low" else high
-        G = cantilever(rows, stations, base, section)
-        return G if feel is None else G + jumps(feel, rows, stations, base)
+        G = cantilever_compliance(rows, stations, base, section)
+        return G if feel is None else G + section_jump_compliance(feel, rows, stations, base)
     rows, stations = np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high))
-    G, k = cantilever(rows, stations, low, section), len(rows) - 6
+    G, k = cantilever_compliance(rows, stations, low, section), len(rows) - 6
     if feel is not None:
-        G += jumps(np.concatenate([feel, np.zeros((6, 6))]), rows, stations, low)
+        G += section_jump_compliance(np.concatenate([feel, np.zeros((6, 6))]), rows, stations, low)
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, contacts
+from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.contact.motion import (
     Motion,
     Problem,
@@ -27,7 +27,7 @@ from rollbench.lowfi.friction.contact.motion import (
     least_dissipation,
 )
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove, frame
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove, section_frame
 from rollbench.lowfi.friction.screw.motion import Cell, ball_motion, bare_cell, settle_load
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
@@ -156,7 +156,7 @@ def ball_contacts(bearing: Bearing, load: Settled) -> Contacts:
     """
     h = bearing.constants
     cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
-    return contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
+    return equal_contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
 def motion_problem(bearing: Bearing, load: Settled, at: Contacts) -> Problem:
@@ -334,7 +334,7 @@ def ring_rows(case: BearingCase) -> Array:
     radius, out = case.groove.pitch_radius, []
     for row in case.rows:
         for k in range(case.count):
-            turn = frame(case.groove, 2.0 * np.pi * (k + case.phase) / case.count)
+            turn = section_frame(case.groove, 2.0 * np.pi * (k + case.phase) / case.count)
             move = np.eye(3)
             if case.tilt:
                 at = radius * turn[0] + np.array([0.0, 0.0, row.place])

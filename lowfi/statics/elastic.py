@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
-from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealised
+from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealisation_statements
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
@@ -155,7 +155,11 @@ class Elastic(OneSet):
         """Return the description of the model, with what was done to make the compliance positive."""
         build, clipped = self.build, self.bodies.clipped
         assert isinstance(build, ElasticBuild)
-        source = idealised(build.backend, build.scene) if build.condensed is None else (build.condensed.describe(),)
+        source = (
+            idealisation_statements(build.backend, build.scene)
+            if build.condensed is None
+            else (build.condensed.describe(),)
+        )
         size = self.state.phi.size + self.state.a.size
         cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
         assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)

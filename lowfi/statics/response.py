@@ -21,7 +21,7 @@ from rollbench.lowfi.compliance.bodies import (
     negative_part,
     whole_body,
 )
-from rollbench.lowfi.compliance.bodies import forget as forget_bodies
+from rollbench.lowfi.compliance.bodies import clear_kept_bodies as forget_bodies
 from rollbench.lowfi.compliance.parts import Backend, with_balls
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term

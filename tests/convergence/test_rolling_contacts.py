@@ -9,7 +9,7 @@ from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.bodies import ball_kernel
 from rollbench.hifi.rolling.contact_bodies import Zone
 from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch
-from rollbench.lowfi.friction.contact.laws import contacts, friction
+from rollbench.lowfi.friction.contact.laws import equal_contacts, friction_forces
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)
@@ -96,8 +96,8 @@ def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
     """Numbers of the two models at the same load: their axes are exchanged."""
     load, radii, young, poisson = GROOVE
     size = hertz(load, *radii, young, poisson)
-    contact = contacts(size.semi_y, size.semi_x, load, 0.1)
-    low = friction(contact, np.array([[0.004, 0.02, spin]]))
+    contact = equal_contacts(size.semi_y, size.semi_x, load, 0.1)
+    low = friction_forces(contact, np.array([[0.004, 0.02, spin]]))
     force, moment = verification.slip_everywhere(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
     assert force == pytest.approx(low.force[0][::-1], rel=1e-3, abs=1e-3)
     assert abs(moment) == pytest.approx(abs(float(low.moment[0])), rel=1e-3)

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
-from rollbench.lowfi.bearings.combined_load import combined
+from rollbench.lowfi.bearings.combined_load import combined_equilibrium
 from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
 
 SEEDS = range(12)
@@ -73,6 +73,6 @@ def test_combined_load_of_any_tapered_bearing(seed: int) -> None:
     b = taper(rng)
     thrust = 10.0 ** rng.uniform(0.0, 5.0)
     for share in (0.0, rng.uniform(0.01, 0.9), 0.98):
-        s = combined(b, thrust, share * thrust / np.tan(b.cup_angle))
+        s = combined_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle))
         assert s.converged
         assert np.all(np.linalg.eigvalsh(s.stiffness) > 0.0)

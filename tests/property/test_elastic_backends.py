@@ -10,7 +10,7 @@ from tests.property.test_invariance import end_for_end
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
-from rollbench.lowfi.compliance.parts import LADDER, REFINED, held_at
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, fixed_surface
 from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
 from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import elastic as kernel
@@ -157,7 +157,7 @@ def test_turned_end_for_end(nut_held, backend):
 def test_elastic_rings(name):
     """Bearings without lead: rings held outside and by the bore answer by kernels; loads near those of rigid rings."""
     scene = catalogue.scene(name)
-    assert [held_at(scene, screw) for screw in (True, False)] == ["bore", "outer"]
+    assert [fixed_surface(scene, screw) for screw in (True, False)] == ["bore", "outer"]
     lin = solve_elastic(scene, backend=LADDER["lin"])
     found = solve_elastic(scene, backend=REFINED)
     assert found.status == lin.status == "converged"

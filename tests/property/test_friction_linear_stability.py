@@ -7,8 +7,14 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations, diagonal_loads, elastic_loads
-from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.bearing import (
+    LinearBearing,
+    angle_deviations,
+    balanced_loads,
+    diagonal_loads,
+    elastic_loads,
+)
+from rollbench.lowfi.friction.linear.chain import ChainResult, prepare_chain, solve_linear_chain
 
 BEARING = source_cases.linear().bearing
 MU = (0.001, 0.1, 0.5)
@@ -21,7 +27,7 @@ def check(
 
     motion: agreement asked of the velocities over the carriage's.
     """
-    chain = prepare(bearing, angles, loads)
+    chain = prepare_chain(bearing, angles, loads)
     one, two = solve_linear_chain(chain), solve_linear_chain(chain, start=rng.uniform(-3.0, 3.0, (len(angles), 3)))
     case = bearing.mu, angles, loads
     for result in (one, two):
@@ -37,7 +43,7 @@ def check(
 def test_pairs(mu: float, theta: float) -> None:
     """rho to +-0.999, loads 1e-3 to 1e5 N."""
     bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(0)
-    turn = deviations(np.radians([theta, theta]))
+    turn = angle_deviations(np.radians([theta, theta]))
     for rho, vertical in product((-0.999, -0.9, -0.6, -1e-3, 0.0, 0.3, 0.999), (1e-3, 1.0, 100.0, 1e5)):
         loads = diagonal_loads(vertical, np.array([rho, -rho]))
         check(bearing, bearing.contact_angle + turn, loads, rng)
@@ -46,7 +52,7 @@ def test_pairs(mu: float, theta: float) -> None:
 @pytest.mark.parametrize("theta", [-5.0, 0.5, 5.0])
 def test_pairs_under_balanced_and_elastic_loads(theta: float) -> None:
     rng = np.random.default_rng(1)
-    angles = BEARING.contact_angle + deviations(np.radians([theta, theta]))
+    angles = BEARING.contact_angle + angle_deviations(np.radians([theta, theta]))
     for rho, vertical in product((-0.999, -0.6, 0.4, 0.999), (1e-3, 100.0, 1e5)):
         side = np.array([rho, -rho])
         check(BEARING, angles, balanced_loads(angles, vertical, side), rng)
@@ -63,7 +69,7 @@ def test_two_point_transition(mu: float) -> None:
     """
     bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(2)
     for theta, rest in product((0.0, 0.5, 3.0), (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)):
-        angles = bearing.contact_angle + deviations(np.radians([theta, theta]))
+        angles = bearing.contact_angle + angle_deviations(np.radians([theta, theta]))
         loads = diagonal_loads(100.0, np.array([-1.0 + rest, 1.0 - rest]))
         check(bearing, angles, loads, rng, motion=1e-6 if rest > 1e-4 else 1e-3)
 
@@ -101,7 +107,7 @@ SPEEDS, CONFORMITIES = (0.0, 1e-12, -1e-12, 1e3), (0.505, 0.52, 0.6, 0.9)
 
 @pytest.mark.parametrize("change", [{"speed": v} for v in SPEEDS] + [{"conformity": c} for c in CONFORMITIES], ids=str)
 def test_any_speed_and_conformity(change: dict[str, float]) -> None:
-    angles = BEARING.contact_angle + deviations(np.radians([2.0, 2.0]))
+    angles = BEARING.contact_angle + angle_deviations(np.radians([2.0, 2.0]))
     loads, bearing = diagonal_loads(100.0, np.array([-0.6, 0.6])), replace(BEARING, **change)
     result = check(bearing, angles, loads, np.random.default_rng(4))
     assert np.isfinite(result.velocity).all()

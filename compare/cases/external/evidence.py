@@ -25,8 +25,8 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, curvatures, of_angle, thrust_state
-from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, relative_curvatures, thrust_state
+from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded_rows
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
@@ -158,7 +158,7 @@ def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
 
 def _pair(bearing: BallBearing, preload: float) -> BearingSet:
     """Return two opposed bearings, preloaded against each other by a force [N]."""
-    return preloaded(BallRow(bearing), (1, -1), preload)
+    return preloaded_rows(BallRow(bearing), (1, -1), preload)
 
 
 @cache
@@ -310,7 +310,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     angle = np.arccos(inputs()["nsk"]["cosine"])
     findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
-    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
+    inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, np.array(angle)))
     cube = float(np.cbrt(input_in_SI("nsk", "normal_load", "force")))
     findings.number("approach_outer", 1e6 * float(outer.C) * cube**2)
     findings.number("approach_inner", 1e6 * float(inner.C) * cube**2)

@@ -23,8 +23,8 @@ from rollbench.lowfi.friction.as_source.screw import from_linear_starts, from_pa
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, balanced_loads, deviations
-from rollbench.lowfi.friction.linear.chain import Chain, pair_state, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, angle_deviations, balanced_loads
+from rollbench.lowfi.friction.linear.chain import Chain, pair_state, prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
@@ -278,7 +278,7 @@ class LinearCase:
 
     def chain(self) -> Chain:
         """Return the balls prepared for the chain solver."""
-        return prepare(self.bearing, self.angles, self.loads)
+        return prepare_chain(self.bearing, self.angles, self.loads)
 
 
 def chain_group(
@@ -321,7 +321,7 @@ def linear_pair(
 def chain_state(count: int) -> tuple[Array, Array]:
     """Return random contact angles [rad] and loads [N] of a linear chain, (N, 4), with deviations and side forces."""
     rng = np.random.default_rng(count)
-    angles = LINEAR.contact_angle + deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
+    angles = LINEAR.contact_angle + angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
@@ -480,7 +480,7 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
 
     def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
-        return prepare(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
+        return prepare_chain(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
     return [
         (

@@ -15,7 +15,7 @@ from rollbench.compare.cases.makers.outside import Band, Outside, of_row
 from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
-from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
+from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import rating
 from rollbench.meshes.arrays import Array
@@ -39,7 +39,7 @@ def over_pair(name: str) -> tuple[float, float, float]:
 
     def totals_of(name: str) -> Array:
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
-        state = equilibrium(arrangement(one, rows, 1e-6))
+        state = equilibrium(equal_rows(one, rows, 1e-6))
         loads = state.loads
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 

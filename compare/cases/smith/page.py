@@ -66,7 +66,7 @@ def parameters_figure() -> Figure:
             Series(f"{label}, table", differences, error_percent(np.array(values), np.array(right)).tolist(), "markers")
         )
         inside = [f for f in differences if 0.3 < f < 0.99]
-        fits = [float(error_percent(as_printed.fitted(f, fit), contact_parameters(f)[column])) for f in inside]
+        fits = [float(error_percent(as_printed.fitted_parameter(f, fit), contact_parameters(f)[column])) for f in inside]
         if key != "b":
             off.append(Series(f"{label}, fit", inside, fits, "line"))
     panels = (

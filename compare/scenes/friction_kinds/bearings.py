@@ -18,7 +18,7 @@ from rollbench.compare.scenes.friction_kinds import common
 from rollbench.compare.scenes.friction_kinds.common import KindKeys, KindScene, head_of
 from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, deviations
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ranges import ContactAngle, Quantity, Rate, Size
@@ -403,7 +403,7 @@ def _balls(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]
     """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps after each ball (N,) [m]."""
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
-        turned, rho = deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
+        turned, rho = angle_deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
         return keys.track.contact_angle + turned, np.array([rho, -rho]), np.zeros(2)
     turned = np.array([b.angle_deviations for b in keys.chain])
     side, gap = (np.array([getattr(b, name) for b in keys.chain]) for name in ("side_force_ratio", "gap"))

@@ -32,7 +32,7 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import (
 from rollbench.compare.scenes.keys import without_null
 from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
 from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
-from rollbench.lowfi.friction.linear.bearing import deviations
+from rollbench.lowfi.friction.linear.bearing import angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.ranges import (
     Azimuth,
@@ -177,7 +177,7 @@ def _linear(scene: LinearScene) -> Table:
         "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
     }
     if isinstance(scene, LinearPairScene):
-        mated = b.contact_angle + deviations(np.full(2, scene.deviation), mated=True)
+        mated = b.contact_angle + angle_deviations(np.full(2, scene.deviation), mated=True)
         angles = {"deviation": text_of(Theta, scene.deviation), "mated": bool(np.array_equal(mated, scene.angles))}
         return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side[0])}}
     chain = [

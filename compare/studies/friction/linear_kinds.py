@@ -11,14 +11,20 @@ from rollbench.compare.quantities import number
 from rollbench.compare.scenes.friction_kinds.bearings import LinearScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
-from rollbench.lowfi.friction.linear.bearing import CONTACTS, balanced_loads, diagonal_loads, directions, elastic_loads
+from rollbench.lowfi.friction.linear.bearing import (
+    CONTACTS,
+    balanced_loads,
+    contact_directions,
+    diagonal_loads,
+    elastic_loads,
+)
 from rollbench.lowfi.friction.linear.chain import (
     ANOTHER,
     RISEN,
     Chain,
     ChainResult,
     may_jam,
-    prepare,
+    prepare_chain,
     second_state,
     solve_linear_chain,
 )
@@ -48,7 +54,7 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     else:
         rows = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
         angles, force = scene.angles, rows
-    pushes = force[..., None] * directions(angles)
+    pushes = force[..., None] * contact_directions(angles)
     carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
     left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
     return angles, force, float(np.abs(left).max()) / scene.vertical
@@ -88,7 +94,7 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
 def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     """Solve motion and forces of two or more balls, far apart and touching."""
     angles, force, left = linear_loads(scene)
-    chains = [prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    chains = [prepare_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
     apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
     second = second_state(chains[1], near, fast) if near.status == "converged" else None

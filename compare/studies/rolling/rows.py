@@ -41,7 +41,7 @@ from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, run_from_rest, s
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.lowfi.friction.bearing import SIDES, solve_ball
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.run import solve_pair
 
 
@@ -60,7 +60,7 @@ def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
     """Solve the balls of a linear bearing; return values by name, and the status."""
     angles, force, _ = linear_loads(scene)
     apart, near = (
-        solve_linear_chain(prepare(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
+        solve_linear_chain(prepare_chain(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
     )
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
     out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.deviation)}

@@ -15,9 +15,9 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import root
 
-from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, Law, Sigmoid, contacts
+from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, Law, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.contact.motion import HYBRID
-from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
+from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, semi_axes
 from rollbench.lowfi.friction.linear.chain import pair_state
 from rollbench.meshes.arrays import Array, Mask
 
@@ -129,7 +129,7 @@ class SourceMotion:
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
 
-def balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
+def force_balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
     """Return balance of N balls in motions q ``(N, n)`` under a friction law and forces ``(N-1,)`` [N] of ball k on k + 1.
 
     References
@@ -155,7 +155,7 @@ def balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
     return Balance(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(n, 4), bite * size, rub)
 
 
-def blocks(touching: Mask) -> list[slice]:
+def touching_groups(touching: Mask) -> list[slice]:
     """Return groups of balls that touch, from marks ``(N-1,)``; a single ball is a group too."""
     ends = [0, *(np.flatnonzero(~touching) + 1).tolist(), touching.size + 1]
     return [slice(a, b) for a, b in pairwise(ends)]
@@ -174,7 +174,7 @@ def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[
 
     def residual(x: Array) -> Array:
         motions, forces = split(x)
-        left = balance(balls, law, motions, forces).left / (pair.units * bound)
+        left = force_balance(balls, law, motions, forces).left / (pair.units * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))
 
     start = np.append((q * turn).ravel(), ball_force[: n - 1] / bound)
@@ -184,21 +184,23 @@ def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[
     return *split(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
 
 
-def roots(balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]) -> tuple[Array, Array, float, int]:
+def solve_source_chain(
+    balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]
+) -> tuple[Array, Array, float, int]:
     """Return motions ``(N, n)``, forces ``(N-1,)``, worst residual and calls, for given contacts ``(N-1,)``.
 
     start: motions and forces.
     """
     q, force = start[0].copy(), np.zeros(balls.count - 1)
     worst, calls = 0.0, 0
-    for group in blocks(touching):
+    for group in touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
         q[group], force[inner], left, further = root_of_block(balls.subset(group), law, start[0][group], start[1][inner])
         worst, calls = max(worst, left), calls + further
     return q, force, worst, calls
 
 
-def closing_in(pair: Neighbours, q: Array, tolerance: float = 0.0) -> Mask:
+def not_separating(pair: Neighbours, q: Array, tolerance: float = 0.0) -> Mask:
     """Return which neighbours ``(N-1,)`` do not separate in motions q. tolerance: relative to the nominal speed."""
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
@@ -228,19 +230,19 @@ def solve_by_root(
     pair = balls.pair
     none = np.zeros(balls.count - 1)
     first = np.tile(pair.nominal, (balls.count, 1)) if start is None else np.asarray(start, dtype=float)
-    free, _, left, calls = roots(balls, law, none > 0.0, (first, none))
-    touch = np.asarray(reach, dtype=bool) & closing_in(pair, free)
+    free, _, left, calls = solve_source_chain(balls, law, none > 0.0, (first, none))
+    touch = np.asarray(reach, dtype=bool) & not_separating(pair, free)
     q, force = free, none
     if left <= ACCEPTED and np.any(touch):
-        q, force, left, further = roots(balls, law, touch, (free, none) if touching is None else touching)
+        q, force, left, further = solve_source_chain(balls, law, touch, (free, none) if touching is None else touching)
         calls += further
-    balanced = balance(balls, law, q, force)
-    wrong = bool(np.any(force < -ACCEPTED * balls.bound) or np.any(reach & ~touch & closing_in(pair, q, ACCEPTED)))
+    balanced = force_balance(balls, law, q, force)
+    wrong = bool(np.any(force < -ACCEPTED * balls.bound) or np.any(reach & ~touch & not_separating(pair, q, ACCEPTED)))
     status: Status = "failed" if not left <= ACCEPTED else "overlapping" if wrong else "exact"
     return SourceMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
 
 
-def neighbours(bearing: LinearBearing) -> Neighbours:
+def neighbour_interaction(bearing: LinearBearing) -> Neighbours:
     """Return the interaction of balls of a linear bearing in touch (Lin 3.26-3.29); unknowns v, omega_x, omega_y."""
     r, v = bearing.ball_radius, bearing.speed
     turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])
@@ -254,16 +256,16 @@ def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
     Contact motions by Lin 3.22-3.24. Raises ValueError for loads that are negative.
     """
     angles, loads = np.atleast_2d(np.asarray(angles, dtype=float)), np.atleast_2d(np.asarray(loads, dtype=float))
-    r, n = bearing.ball_radius, directions(angles)
+    r, n = bearing.ball_radius, contact_directions(angles)
     a, b = semi_axes(bearing, np.maximum(loads, max(1e-9 * float(loads.max()), 1e-30)))
-    at = contacts(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
+    at = equal_contacts(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
     maps = np.zeros((*loads.shape, 3, 3))
     maps[..., 1, 0] = 1.0
     maps[..., 1, 1], maps[..., 1, 2] = r * n[..., 1], -r * n[..., 0]
     maps[..., 2, 1], maps[..., 2, 2] = n[..., 0], n[..., 1]
     drives = np.zeros((*loads.shape, 3))
     drives[..., 1] = -MOVING * bearing.speed
-    return Balls(at, maps, drives, neighbours(bearing))
+    return Balls(at, maps, drives, neighbour_interaction(bearing))
 
 
 def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> Law:

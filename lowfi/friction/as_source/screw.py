@@ -35,19 +35,19 @@ from rollbench.lowfi.friction.as_source.chain import (
     Neighbours,
     SourceMotion,
     Status,
-    balance,
-    blocks,
-    closing_in,
+    force_balance,
     linear_balls,
     linear_law,
-    roots,
+    not_separating,
     solve_by_root,
+    solve_source_chain,
+    touching_groups,
 )
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.friction.contact.motion import HYBRID
 from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Cell, contact_wrench, hold_screw, screw_contacts, source_law
@@ -125,16 +125,18 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
     return Settled(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
 
 
-def neighbours(groove: ScrewGroove) -> Neighbours:
+def neighbour_interaction(groove: ScrewGroove) -> Neighbours:
     """Return the interaction of balls of a screw in touch, on the exact helix.
 
     Unknowns omega_B, omega_x, omega_y, omega_z; corrects Lin 3.73-3.75.
     """
     p, r = groove.pair, groove.ball_radius
-    return Neighbours(p.first, p.second, p.closing, groove.between, np.array([groove.radius, r, r, r]), rolling(groove))
+    return Neighbours(
+        p.first, p.second, p.closing, groove.between, np.array([groove.radius, r, r, r]), least_sliding_motion(groove)
+    )
 
 
-def rolling(groove: ScrewGroove) -> Array:
+def least_sliding_motion(groove: ScrewGroove) -> Array:
     """Return the motion ``(4,)`` [rad/s] of a ball that slides least at four contacts at the nominal angle.
 
     Where searches begin; an assumption, as the text names no start.
@@ -148,7 +150,7 @@ def rolling(groove: ScrewGroove) -> Array:
 def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
     """Return N balls at given contact loads [N] and angles [rad], both ``(N, 4)``, in the order SL, SR, NL, NR."""
     maps, drives = groove.maps(groove.normals(angle))
-    return Balls(screw_contacts(groove, force), maps, drives, neighbours(groove))
+    return Balls(screw_contacts(groove, force), maps, drives, neighbour_interaction(groove))
 
 
 @dataclass(frozen=True)
@@ -188,7 +190,7 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
 
     scale [N]: sum of a ball's contact loads, by which the equations are scaled.
     """
-    g, pair = cell.groove, neighbours(cell.groove)
+    g, pair = cell.groove, neighbour_interaction(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed
     size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
 
@@ -201,7 +203,7 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
             return np.full_like(x, 1e3)
         places, q, between = split(x)
         force, bent, normal = contact_forces(cell, places)
-        rolling = balance(screw_balls(g, force, places.gamma), law, q, between)
+        rolling = force_balance(screw_balls(g, force, places.gamma), law, q, between)
         friction = contact_wrench(g.normals(places.gamma), rolling.force, rolling.moment)[..., [0, 2]]
         pull = cell.push + (friction - force[..., None] * normal).sum(axis=1)
         bite = (pair.mu * between)[:, None] * rolling.rub
@@ -223,7 +225,7 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
-    for group in blocks(touching):
+    for group in touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
         group_cell = replace(
             cell,
@@ -242,7 +244,7 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
     return SourceState(Places(ball, gamma, start.at.screw), force, q, between, left, calls)
 
 
-def state_of(result: PairResult, touching: bool) -> SourceState:
+def start_from_result(result: PairResult, touching: bool) -> SourceState:
     """Return a solution of the chain solver, balls in contact or not, as a start."""
     solution = result.touching if touching else result.free
     at = Places(solution.load.ball, solution.load.angle, np.zeros(0))
@@ -251,9 +253,9 @@ def state_of(result: PairResult, touching: bool) -> SourceState:
 
 def at_given_loads(cell: Cell, load: Settled, law: Law) -> SourceState:
     """Return separate balls at loads without friction, searched from rolling: the start where no other is given."""
-    n, pair = cell.angle.shape[0], neighbours(cell.groove)
+    n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
-    q, _, left, calls = roots(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
+    q, _, left, calls = solve_source_chain(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
     return SourceState(Places(load.ball, load.angle, np.zeros(0)), load.force, q, none, left, calls)
 
 
@@ -277,19 +279,19 @@ def coupled_by_root(
     touching
         Where balls in contact are searched from; the separate balls where None. The text names no starts.
     """
-    held, pair = hold_screw(cell, load), neighbours(cell.groove)
+    held, pair = hold_screw(cell, load), neighbour_interaction(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
     begin = at_given_loads(cell, load, law) if start is None else start
     none = np.zeros(cell.angle.shape[0] - 1)
     free = solved = coupled_roots(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
-    touch = np.asarray(reach, dtype=bool) & closing_in(pair, free.q)
+    touch = np.asarray(reach, dtype=bool) & not_separating(pair, free.q)
     if free.left <= ACCEPTED and np.any(touch):
         solved = coupled_roots(held, law, touch, free if touching is None else touching, scale)
         calls += solved.calls
-    sums = balance(screw_balls(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
+    sums = force_balance(screw_balls(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
     bad = np.any(solved.ball_force < -ACCEPTED * cell.groove.mu * scale)
-    wrong = bool(bad or np.any(reach & ~touch & closing_in(pair, solved.q, ACCEPTED)))
+    wrong = bool(bad or np.any(reach & ~touch & not_separating(pair, solved.q, ACCEPTED)))
     status: Status = "failed" if not solved.left <= ACCEPTED else "overlapping" if wrong else "exact"
     motion = SourceMotion(solved.q, free.q, solved.ball_force, sums.groove_loss, sums.ball_loss, solved.left, calls, status)
     return SourceScrew(load, solved.force, solved.at.gamma, motion)
@@ -407,7 +409,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
         azimuths, loaded = run.place(azimuth, turned)
         load = loads_by_root(run_cell(run, azimuths, loaded, turned), None if before is None else before.at)
         at = Places(load.ball, load.angle, load.inner)
-        motion, order = _step(run, load.force, load.angle, gap <= 0.0, law, before)
+        motion, order = _solve_step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
         force[order[:-1]], q[order], free[order] = motion.ball_force, motion.q, motion.free
@@ -423,7 +425,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     return SourceRun(nut_angle, gaps, forces, speeds, groove, ball, tuple(status))
 
 
-def _step(
+def _solve_step(
     run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _Before | None
 ) -> tuple[SourceMotion, NDArray[np.intp]]:
     """Return the motion of the balls and their order, which begins after a neighbour out of reach, where the ring is cut.
@@ -442,7 +444,7 @@ def _step(
     return (motion if motion.status != "failed" else solve_by_root(balls, law, near, free)), order
 
 
-def shaken(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
+def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
     """Return motions ``(N, n)``, each unknown off by up to ``off`` of itself, at least of 1 % of the largest surface speed.
 
     units ``(n,)``: surface speed per unknown.
@@ -474,13 +476,15 @@ def from_linear_starts(
     off
         Largest relative deviation of a start.
     """
-    apart, together = (solve_linear_chain(prepare(bearing, angles, loads, touching)) for touching in (False, True))
+    apart, together = (solve_linear_chain(prepare_chain(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
     law = linear_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
     reach, units = np.ones(balls.count - 1, dtype=bool), balls.pair.units
     yield solve_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (shaken(np.column_stack([r.velocity, r.rotation]), units, rng, off) for r in (apart, together))
+        free, near = (
+            perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, off) for r in (apart, together)
+        )
         force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
         yield solve_by_root(balls, law, reach, free, (near, force))
 
@@ -516,12 +520,16 @@ def from_pair_starts(
     off
         Largest relative deviation of a start.
     """
-    free, touching, units = state_of(solved, False), state_of(solved, True), neighbours(pair.groove).units
+    free, touching, units = (
+        start_from_result(solved, False),
+        start_from_result(solved, True),
+        neighbour_interaction(pair.groove).units,
+    )
     starts: list[tuple[SourceState | None, SourceState | None]] = [(None, None)]
     for _ in range(count):
         force = touching.ball_force * rng.uniform(0.0, 2.0, 1)
-        near = replace(touching, q=shaken(touching.q, units, rng, off), ball_force=force)
-        starts.append((replace(free, q=shaken(free.q, units, rng, off)), near))
+        near = replace(touching, q=perturbed_motions(touching.q, units, rng, off), ball_force=force)
+        starts.append((replace(free, q=perturbed_motions(free.q, units, rng, off)), near))
     for start in starts:
         try:
             yield screw_pair_by_root(pair, screw_sigmoid(pair.groove), *start).motion
@@ -558,5 +566,5 @@ def from_screw_starts(
     reach, force = chain.slack[:-1] <= 0.0, solved.ball_force[:-1]
     yield solve_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (shaken(q, balls.pair.units, rng, off) for q in (alone.q, solved.q))
+        free, near = (perturbed_motions(q, balls.pair.units, rng, off) for q in (alone.q, solved.q))
         yield solve_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))

@@ -63,7 +63,7 @@ class Dissipation:
     excess: Array
 
 
-def contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
+def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
     """Return contacts of one shape ``(n,)``, to which the arguments are broadcast.
 
     Friction is exact to 1e-10 of its size for b/a >= 0.01 (measured against quadrature), to 1e-8 at 1e-3, to 1e-7 at 1e-4.
@@ -99,7 +99,7 @@ def about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
     return np.stack([-s * z, s * x, s], axis=1)
 
 
-def dissipation(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
+def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
     """Return mu int p sqrt(|v|^2 + speed^2) dA with first and second derivatives, in closed form.
 
     Parameters
@@ -115,7 +115,7 @@ def dissipation(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = Fa
 
     Examples
     --------
-    >>> d = dissipation(contacts(1e-3, 1e-3, 10.0, 0.1), about_point(1.0, 0.0, 0.0))
+    >>> d = dissipated_power(equal_contacts(1e-3, 1e-3, 10.0, 0.1), about_point(1.0, 0.0, 0.0))
     >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
     """
@@ -131,8 +131,8 @@ def dissipation(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = Fa
     )
 
 
-def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
-    """Return the friction of contacts in a given motion; arguments as for `dissipation`.
+def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
+    """Return the friction of contacts in a given motion; arguments as for `dissipated_power`.
 
     References
     ----------
@@ -142,11 +142,11 @@ def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False
     --------
     Pure sliding has the force mu F:
 
-    >>> sliding = friction(contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
+    >>> sliding = friction_forces(equal_contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
     >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
     (-1.0, 2.0)
     """
-    d = dissipation(at, motion, speed, fast)
+    d = dissipated_power(at, motion, speed, fast)
     return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
 
 
@@ -226,7 +226,7 @@ class Coulomb:
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
         """Return the exact integrals over the ellipse."""
-        return friction(at, motion, 0.0, fast)
+        return friction_forces(at, motion, 0.0, fast)
 
 
 @dataclass(frozen=True)
@@ -241,7 +241,7 @@ class Regularised:
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
         """Return the exact integrals over the ellipse."""
-        return friction(at, motion, self.speed, fast)
+        return friction_forces(at, motion, self.speed, fast)
 
 
 @dataclass(frozen=True)
@@ -268,14 +268,14 @@ class Sigmoid:
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
         """Return Coulomb's friction, from exact integrals or interpolated, times the factor."""
-        full = friction(at, motion, 0.0, fast)
+        full = friction_forces(at, motion, 0.0, fast)
         if self.map_spacing is not None:
-            full = interpolated(at, motion, self.map_spacing, full, fast)
+            full = interpolated_friction(at, motion, self.map_spacing, full, fast)
         s = self.factor(motion[:, 2])
         return Friction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * np.abs(s))
 
 
-def interpolated(at: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
+def interpolated_friction(at: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
     """Return Coulomb's friction interpolated linearly between multiples of ``spacing`` in c/a (Lin 3.2.1).
 
     Where the spin vanishes, c/a has no value and ``exact`` is taken. Raises ValueError for vx not 0 (d not 0).
@@ -291,7 +291,7 @@ def interpolated(at: Contacts, motion: Array, spacing: float, exact: Friction, f
     ends = []
     for k in (low, low + 1.0):
         vz = np.where(turns, spin * at.a * k * spacing, motion[:, 1])
-        f = friction(at, np.stack([0.0 * vz, vz, spin], axis=1), 0.0, fast)
+        f = friction_forces(at, np.stack([0.0 * vz, vz, spin], axis=1), 0.0, fast)
         ends.append(np.column_stack([f.force, f.moment, f.loss]))
     mixed = (1.0 - weight) * ends[0] + weight * ends[1]
     mixed = np.where(turns[:, None], mixed, np.column_stack([exact.force, exact.moment, exact.loss]))

@@ -72,7 +72,7 @@ class LinearBearing:
 
     def hertz(self) -> HertzConstants:
         """Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
-        return _hertz(self.ball_radius, self.conformity, self.young, self.poisson)
+        return _hertz_constants(self.ball_radius, self.conformity, self.young, self.poisson)
 
     def psi(self) -> float:
         """Constant Psi of a = Psi R_B^(1/3) F^(1/3) (Lin 3.36) [(m2/N)^(1/3)]."""
@@ -80,13 +80,13 @@ class LinearBearing:
 
 
 @lru_cache(maxsize=64)
-def _hertz(ball_radius: float, conformity: float, young: float, poisson: float) -> HertzConstants:
+def _hertz_constants(ball_radius: float, conformity: float, young: float, poisson: float) -> HertzConstants:
     across = 1.0 - 0.5 / conformity
     modulus = contact_modulus(young, poisson, young, poisson)
     return hertz_constants(np.array(1.0 / ball_radius), np.array(across / ball_radius), modulus)
 
 
-def directions(angles: Array) -> Array:
+def contact_directions(angles: Array) -> Array:
     """Return unit vectors ``(..., 4, 2)`` in (x, y) from the ball's centre to its contacts, from contact angles [rad].
 
     Parameters
@@ -111,7 +111,7 @@ def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
     return np.asarray(constants.C_a * root), np.asarray(constants.C_b * root)
 
 
-def deviations(theta: Array, *, mated: bool = False) -> Array:
+def angle_deviations(theta: Array, *, mated: bool = False) -> Array:
     """Return deviations of the contact angles ``(..., 4)`` [rad] in Lin's case study: -theta, theta on the bottom groove.
 
     Parameters
@@ -190,7 +190,7 @@ def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
     side_ratio
         rho = N_x/N_y ``(N,)``.
     """
-    n, rho = directions(angles), np.asarray(side_ratio, dtype=float)
+    n, rho = contact_directions(angles), np.asarray(side_ratio, dtype=float)
     carriage = vertical * np.stack([rho, -np.ones_like(rho)], axis=-1)
     top = np.linalg.solve(np.swapaxes(n[:, 2:], 1, 2), -carriage[..., None])[..., 0]
     bottom = np.linalg.solve(np.swapaxes(n[:, :2], 1, 2), carriage[..., None])[..., 0]
@@ -218,13 +218,17 @@ def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_r
     ArithmeticError
         The search finds no balance.
     """
-    pairs = [_elastic(bearing, a, vertical, float(r)) for a, r in zip(angles, side_ratio, strict=True)]
+    pairs = [_elastic_loads_and_angles(bearing, a, vertical, float(r)) for a, r in zip(angles, side_ratio, strict=True)]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
-def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
+def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
     """Return loads and angles ``(4,)`` of one ball; the carriage, on contacts 2 and 3, is the inner body of the cell."""
-    n, slack, C = directions(angles), bearing.ball_radius * (2.0 * bearing.conformity - 1.0), float(bearing.hertz().C)
+    n, slack, C = (
+        contact_directions(angles),
+        bearing.ball_radius * (2.0 * bearing.conformity - 1.0),
+        float(bearing.hertz().C),
+    )
     pull, place = vertical * np.array([rho, -1.0]), np.array([rho, -1.0]) * C * vertical ** (2.0 / 3.0)
     cell = CellArrays(
         start=np.ascontiguousarray(slack * n[None, TOP_FIRST]),

@@ -30,12 +30,12 @@ from rollbench.lowfi.friction.linear.bearing import (
     MOVING,
     LinearBearing,
     Loads,
+    angle_deviations,
     balanced_loads,
     ball_force,
     ball_loss,
-    deviations,
+    contact_directions,
     diagonal_loads,
-    directions,
     elastic_loads,
     second_kind,
     semi_axes,
@@ -145,7 +145,7 @@ class Chain:
         return int(self.problem.contacts.shape[0])
 
 
-def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
+def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
     """Return a chain of N balls.
 
     Parameters
@@ -174,7 +174,7 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
     bounds = (bearing.mu or 1.0) * loads
     scale = float(bounds.sum(axis=1).max())
     sign = float(np.sign(bearing.speed))
-    n = directions(angles)
+    n = contact_directions(angles)
     a, _ = semi_axes(bearing, loads)
     contacts = np.empty((count, 4, 5))
     contacts[..., :2] = n
@@ -231,13 +231,13 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
     Lin (2019), 3.25 to 3.31, with exact Coulomb friction in place of the sigmoid 3.20. Tested for 2 to 200 balls at
     mu_balls 0 to 0.5, contacts without load included.
     """
-    point, work = _room(chain)
+    point, work = _work_arrays(chain)
     if start is not None:
         point.drift[:] = np.asarray(start, dtype=float) - chain.problem.nominal
     if chain.scale == 0.0 or chain.sign == 0.0:
-        return _result(chain, point, (0, 0.0), fast)
+        return _chain_result(chain, point, (0, 0.0), fast)
     done = kernels(LINEAR, compiled=fast).chain_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS)
-    return _result(chain, point, done, fast)
+    return _chain_result(chain, point, done, fast)
 
 
 def may_jam(chain: Chain) -> bool:
@@ -271,18 +271,18 @@ def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainRe
 
     def states() -> Iterator[ChainResult]:
         for start in range(engine.STARTS):
-            point, work = _room(chain)
+            point, work = _work_arrays(chain)
             done = engine.other_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
-            yield _result(chain, point, done, fast)
+            yield _chain_result(chain, point, done, fast)
         for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
-            point, work = _room(chain)
+            point, work = _work_arrays(chain)
             at = chain.problem._replace(mu=mu)
             done = engine.other_motion(at, point, work, CREEP, TOLERANCE, STEPS, 0)
             while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.z.max() > 0.0:
                 at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
                 done = engine.motion_from(at, point, work, CREEP, TOLERANCE)
             if at.mu == chain.bearing.mu_balls:
-                yield _result(chain, point, done, fast)
+                yield _chain_result(chain, point, done, fast)
 
     if not may_jam(chain):
         return None
@@ -291,14 +291,14 @@ def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainRe
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 
-def _room(chain: Chain) -> tuple[ChainPoint, Work]:
+def _work_arrays(chain: Chain) -> tuple[ChainPoint, Work]:
     """Return the nominal motion, no forces between balls, and work arrays for Newton's method."""
     count, n = chain.count, 4 * chain.count
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     return point, Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
 
 
-def _result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool) -> ChainResult:
+def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool) -> ChainResult:
     contacts, shape, _, mu_balls, _, nominal = chain.problem
     slips, pair, drift, push = point
     speed = abs(chain.bearing.speed)
@@ -388,7 +388,7 @@ def pair_state(
     loads
         How the loads are computed, see `solve_pair`.
     """
-    angles = bearing.contact_angle + deviations(np.array([theta, theta]), mated=mated)
+    angles = bearing.contact_angle + angle_deviations(np.array([theta, theta]), mated=mated)
     side = np.array([rho, -rho])
     if loads == "diagonal":
         return angles, diagonal_loads(vertical, side, bearing.contact_angle)
@@ -429,7 +429,7 @@ def solve_pair(
         Whether to use compiled kernels.
     """
     angles, force = pair_state(bearing, theta, rho, vertical, mated=mated, loads=loads)
-    apart, together = (prepare(bearing, angles, force, touching) for touching in (False, True))
+    apart, together = (prepare_chain(bearing, angles, force, touching) for touching in (False, True))
     return PairResult(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
 
 
@@ -465,7 +465,7 @@ class PairMaps:
     failures: int
 
 
-def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
+def force_maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
     """Return both models over theta and rho (Lin Figures 3.14, 3.15).
 
     Parameters
@@ -496,16 +496,16 @@ def pair_formulas(
 ) -> tuple[float, float, float]:
     """Return epsilon_1 - epsilon_2, force [N] and ratio of losses by Lin 3.43, 3.51, 3.53 at the loads before 3.54.
 
-    Arguments as for `maps`, for one theta and rho; mated: design (b).
+    Arguments as for `force_maps`, for one theta and rho; mated: design (b).
 
     Parameters
     ----------
     bearing
         The linear bearing.
     theta
-        Deviation of the contact angles, as for `maps`.
+        Deviation of the contact angles, as for `force_maps`.
     rho
-        Ratio of side force to vertical force, as for `maps`.
+        Ratio of side force to vertical force, as for `force_maps`.
     vertical
         Vertical force [N].
     k_f
@@ -514,7 +514,7 @@ def pair_formulas(
         Whether the balls are those of design (b).
     """
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
-    turn = deviations(np.array([theta, theta]), mated=mated)
+    turn = angle_deviations(np.array([theta, theta]), mated=mated)
     epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     difference = float(epsilon[0] - epsilon[1])
     force = ball_force(bearing, loads[:, :2], np.array(difference), k_f)

@@ -20,7 +20,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.lowfi.friction.contact.rings import Settled, cell_state
-from rollbench.lowfi.friction.screw.groove import Grooved, ScrewGroove, groove_arrays, nominal_speed, plain_array, units
+from rollbench.lowfi.friction.screw.groove import (
+    Grooved,
+    ScrewGroove,
+    groove_arrays,
+    nominal_speed,
+    plain_array,
+    speed_levers,
+)
 from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, JointSystem, Place
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
@@ -182,7 +189,7 @@ class ChainMotion:
         return sum(self.losses)
 
 
-def parts_of(count: int) -> BalanceParts:
+def residual_arrays(count: int) -> BalanceParts:
     """Return arrays for the residual of that many balls and its derivatives."""
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
@@ -202,7 +209,7 @@ class Search:
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = kernels(SCREW, compiled=fast)
-        self.units, self.speed, self.groove = units(g), nominal_speed(g), groove_arrays(g)
+        self.units, self.speed, self.groove = speed_levers(g), nominal_speed(g), groove_arrays(g)
         shape = rubs.shape
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
@@ -224,7 +231,7 @@ class Search:
             maps=plain_array(rubs.maps / self.units),
             drives=plain_array(rubs.drives / self.speed),
         )
-        self.parts = parts_of(self.count)
+        self.parts = residual_arrays(self.count)
 
     def without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
@@ -302,17 +309,17 @@ def solve_chain(
     if start is not None and (warm or np.any(start[1] > 0.0)):
         x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
-            return _result(s, x, f, total, True)
+            return _chain_result(s, x, f, total, True)
     alone = s.without_neighbours()
     x, f, good, steps = s.direct(alone, np.zeros(s.count))
     total += steps
     if not good:
         x, f, steps = s.by_stages(alone)
         total += steps
-    return _result(s, x, f, total)
+    return _chain_result(s, x, f, total)
 
 
-def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
+def _chain_result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Return forces and losses at the solution, in SI units."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
     good, bound = s.balanced(f), s.bound if s.rubbing else 0.0
@@ -423,7 +430,7 @@ def solve_joint(
     return Joint(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def system_of(cell: Cell, search: Search) -> JointSystem:
+def joint_kernel_arguments(cell: Cell, search: Search) -> JointSystem:
     """Return the arguments of the joint kernels for a cell and the scaled arrays of its chain."""
     pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
@@ -458,7 +465,7 @@ class _Path:
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
         self.search = Search(Chain(g, self.state.force, normals, self.slack), self.fast)
-        self.system = system_of(self.cell, self.search)
+        self.system = joint_kernel_arguments(self.cell, self.search)
 
     def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
         """Continue from one fraction of the friction and regularising speed to others; return whether it arrived."""
@@ -567,7 +574,7 @@ def coupled_chain(
     held = hold_screw(cell, bare) if coupling == "ball" else cell
     m = held.rows.shape[2]
     if guess is None:
-        guess = _guess(held, coupling, near)
+        guess = _start_values(held, coupling, near)
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
     place, mixer, count = (bare.ball, bare.inner[:m]), Mixer(), 0
     while True:
@@ -594,7 +601,7 @@ def coupled_chain(
         place, start = (load.ball, load.inner), (moved.q, moved.ball_force)
 
 
-def _guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
+def _start_values(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
     """Return forces and motion of a similar chain, or zeros."""
     n = cell.angle.shape[0]
     if near is None:

@@ -279,7 +279,7 @@ def contact_spacing(screw: HelicalMotion) -> float:
     return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
 
 
-def frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
+def section_frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
     """Return x3, y3, z3 in fixed axes as rows ``(..., 3, 3)`` for balls at azimuths ``(...)`` [rad] (Lin 3.62)."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
     rows = np.array([[c, s, 0.0 * c], [-ca * s, ca * c, sa + 0.0 * c], [sa * s, -sa * c, ca + 0.0 * c]])
@@ -294,7 +294,7 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
     Corrects Lin 3.73 to 3.75, which take a circle of radius L/2 pi.
     """
     spacing = contact_spacing(screw)
-    frames = [frame(screw, -0.5 * spacing), frame(screw, 0.5 * spacing)]
+    frames = [section_frame(screw, -0.5 * spacing), section_frame(screw, 0.5 * spacing)]
     centres = [
         screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])
         for f, s in zip(frames, (-1.0, 1.0), strict=True)
@@ -322,8 +322,8 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 
 @lru_cache(maxsize=64)
 def groove_arrays(groove: Grooved) -> GrooveArrays:
-    """Return the grooves as the kernels take them, motions scaled to surface speeds per nominal speed (see `units`)."""
-    unit, speed, pair, h = units(groove), nominal_speed(groove), groove.pair, groove.constants
+    """Return the grooves as the kernels take them, motions scaled to surface speeds per nominal speed."""
+    unit, speed, pair, h = speed_levers(groove), nominal_speed(groove), groove.pair, groove.constants
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     at = groove.maps(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
@@ -343,7 +343,7 @@ def plain_array(values: Array) -> Array:
     return np.ascontiguousarray(values, dtype=float)
 
 
-def units(groove: HelicalMotion) -> Array:
+def speed_levers(groove: HelicalMotion) -> Array:
     """Return levers ``(4,)`` [m] from omega_B, omega_x, omega_y, omega_z to surface speeds."""
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 

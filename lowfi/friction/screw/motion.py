@@ -16,10 +16,18 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Law, Sigmoid, contacts
+from rollbench.lowfi.friction.contact.laws import Contacts, Law, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, contact_axes, frame, plain_array
+from rollbench.lowfi.friction.screw.groove import (
+    ON_SCREW,
+    SIGN_X,
+    SIGN_Z,
+    ScrewGroove,
+    contact_axes,
+    plain_array,
+    section_frame,
+)
 from rollbench.lowfi.jit import SCREW, kernels
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array, Mask
@@ -116,7 +124,7 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw are letters of "xyzr", not "{free}"')
-    turn = frame(groove, azimuth)
+    turn = section_frame(groove, azimuth)
     out = np.zeros((*turn.shape[:2], len(free)))
     for j, letter in enumerate(free):
         out[..., j] = (1.0, 0.0, 0.0) if letter == "r" else turn[..., "xyz".index(letter)]
@@ -188,7 +196,7 @@ def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
     h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
     kernels(SCREW, compiled=True).semi_axes(four, plain_array(h.C_a), plain_array(h.C_b), a, b)
-    return contacts(a.ravel(), b.ravel(), four.ravel(), groove.mu)
+    return equal_contacts(a.ravel(), b.ravel(), four.ravel(), groove.mu)
 
 
 def ball_motion(

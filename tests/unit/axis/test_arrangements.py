@@ -10,7 +10,7 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_set
 from rollbench.compare.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
-from rollbench.lowfi.bearings.axis import PointRow, arrangement, equilibrium
+from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
 
@@ -44,7 +44,7 @@ def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
     """Against the equilibrium of point contacts with equal gaps."""
     rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
     one = PointRow(1e10)
-    loads = equilibrium(arrangement(one, rows, one.deflection(2150.0))).loads
+    loads = equilibrium(equal_rows(one, rows, one.deflection(2150.0))).loads
     assert preload_of_set(name, 2150.0) == pytest.approx(loads[np.array(rows) == 1].sum(), rel=1e-9)
 
 

@@ -9,11 +9,11 @@ from scipy.integrate import quad
 from rollbench.lowfi.bearings.angular_contact import (
     AngleRows,
     BallBearing,
+    axial_displacement,
     conformity_of_pair,
     contact_parameters,
-    curvatures,
-    displacement,
     of_angle,
+    relative_curvatures,
     state_under,
     thrust_state,
 )
@@ -36,7 +36,7 @@ def test_catalogue_angle_gives_back_itself_and_its_pitch(angle):
 def test_rigid_limit_keeps_the_angle():
     """A hard bearing does not turn: the load on a ball is F/(Z sin alpha_0), and u sin(alpha_0) its approach."""
     b = of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
-    s = thrust_state(b, displacement(b, 5e3))
+    s = thrust_state(b, axial_displacement(b, 5e3))
     assert s.angle == pytest.approx(np.radians(40.0), abs=1e-6)
     assert s.ball_load == pytest.approx(5e3 / (18 * np.sin(np.radians(40.0))), rel=1e-6)
     assert s.displacement * np.sin(np.radians(40.0)) == pytest.approx(float(s.approach), rel=1e-5)
@@ -56,7 +56,7 @@ def test_soft_limit_turns_to_a_right_angle():
 def test_right_angle_is_a_thrust_bearing():
     """Flat discs: the angle stays, F = Z (u/(C_i + C_o))^1.5 with both along-track curvatures those of the ball."""
     b = bearing(90.0)
-    (_, inner), (_, outer) = curvatures(b, np.array(b.free_angle))
+    (_, inner), (_, outer) = relative_curvatures(b, np.array(b.free_angle))
     assert inner == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
     assert outer == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
     u = np.array([1e-6, 1e-5])
@@ -88,7 +88,7 @@ def test_displacement_and_deflection_identities():
     """2.6 and 2.23 of Smith: approach A (cos a0/cos a - 1), displacement A sin(a - a0)/cos(a)."""
     b = bearing()
     for load in (1e-3, 10.0, 5e3, 2e4):
-        s = thrust_state(b, displacement(b, load))
+        s = thrust_state(b, axial_displacement(b, load))
         assert float(s.load) == pytest.approx(load, rel=1e-13)
         a, rest, angle = b.centre_distance, b.free_angle, float(s.angle)
         assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(angle) - 1.0), abs=1e-15)
@@ -144,9 +144,9 @@ def test_faulty_bearings_are_refused(change, words):
 
 def test_faulty_loads_are_refused():
     with pytest.raises(ValueError, match="negative"):
-        displacement(bearing(), -1.0)
+        axial_displacement(bearing(), -1.0)
     with pytest.raises(ValueError, match="beyond"):
-        displacement(bearing(), 1e12)
+        axial_displacement(bearing(), 1e12)
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
             contact_parameters(difference)
@@ -169,7 +169,7 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
     for k in range(3):
         size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
         alone = of_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
-        assert float(state.displacement[k]) == pytest.approx(displacement(alone, float(load[k])), rel=1e-9)
+        assert float(state.displacement[k]) == pytest.approx(axial_displacement(alone, float(load[k])), rel=1e-9)
     begin = replace(many, conformity=np.full(3, 0.54))
     assert conformity_of_pair(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
     with pytest.raises(ValueError, match=r"no conformity of 0\.503 to 0\.65"):

@@ -45,7 +45,7 @@ def test_rigid_supports_give_the_formulas_of_the_source_and_ends_of_the_travel()
     ea, x = SHAFT["young"] * SHAFT["area"], np.linspace(0.1, 1.2, 12)
     np.testing.assert_allclose(axis.shaft_stiffness(axis.Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13)
     np.testing.assert_allclose(axis.shaft_stiffness(axis.Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
-    left, right = axis.branches(AXIS, np.array([0.0, 1.3]))
+    left, right = axis.branch_stiffnesses(AXIS, np.array([0.0, 1.3]))
     np.testing.assert_allclose(left, [1.8e9, 1.0 / (1 / 1.8e9 + 1.3 / ea)], rtol=1e-13)
     np.testing.assert_allclose(right, [1.0 / (1 / 0.9e9 + 1.3 / ea), 0.9e9], rtol=1e-13)
     rigid = axis.Axis(**SHAFT)
@@ -54,20 +54,20 @@ def test_rigid_supports_give_the_formulas_of_the_source_and_ends_of_the_travel()
     np.testing.assert_allclose(axis.axis_stiffness(rigid, np.array([0.0, 1.3]), NUT), NUT)
     for x in (-1e-9, 1.3001):
         with pytest.raises(ValueError, match="position"):
-            axis.branches(AXIS, x)
+            axis.branch_stiffnesses(AXIS, x)
 
 
 def test_stretch_and_warming():
     """Between rigid ends F = E A (dL/L - alpha dT); springs share the stretch, and the same warming uses it up."""
     ea, a = SHAFT["young"] * SHAFT["area"], 11e-6
-    assert axis.tension(axis.Axis(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
-    assert axis.tension(axis.Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)
-    pulled = axis.tension(AXIS, 4e-5)
+    assert axis.shaft_tension(axis.Axis(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
+    assert axis.shaft_tension(axis.Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)
+    pulled = axis.shaft_tension(AXIS, 4e-5)
     assert pulled * (1.3 / ea + 1 / AXIS.left + 1 / AXIS.right) == pytest.approx(4e-5, rel=1e-12)
     limit = axis.unloading_warming(AXIS, 4e-5, a)
-    assert axis.tension(AXIS, 4e-5, a, limit) == pytest.approx(0.0, abs=1e-9 * pulled)
-    assert axis.tension(AXIS, 4e-5, a, 2.0 * limit) == pytest.approx(-pulled, rel=1e-9)
-    assert axis.tension(axis.Axis(**SHAFT, right=0.0), 4e-5) == 0.0
+    assert axis.shaft_tension(AXIS, 4e-5, a, limit) == pytest.approx(0.0, abs=1e-9 * pulled)
+    assert axis.shaft_tension(AXIS, 4e-5, a, 2.0 * limit) == pytest.approx(-pulled, rel=1e-9)
+    assert axis.shaft_tension(axis.Axis(**SHAFT, right=0.0), 4e-5) == 0.0
 
 
 def test_sum_in_series_is_softer_than_any_topology():

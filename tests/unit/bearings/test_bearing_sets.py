@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from rollbench.lowfi.bearings import angular_contact
-from rollbench.lowfi.bearings.axis import BearingSet, arrangement, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.bearings.axis import BearingSet, equal_rows, equilibrium, lift_off_force, preloaded_rows
 
 ROW = angular_contact.BallRow(angular_contact.of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
 OTHER = angular_contact.BallRow(angular_contact.of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))
@@ -40,7 +40,7 @@ def test_tandem_rows_are_n_times_one(n):
 
 def test_opposed_rows_double_the_stiffness_at_preload_and_are_second_order_straight():
     """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
-    pair = preloaded(ROW, (1, -1), 2e3)
+    pair = preloaded_rows(ROW, (1, -1), 2e3)
     s = equilibrium(pair)
     np.testing.assert_allclose(s.loads, 2e3, rtol=1e-11)
     assert s.displacement == pytest.approx(0.0, abs=1e-16)
@@ -68,7 +68,7 @@ def test_equilibrium_balances_and_minimises_the_energy(force):
 
 
 def test_stiffness_of_a_set_is_the_derivative():
-    rows = arrangement(ROW, TRIPLEX, 1.5e-5)
+    rows = equal_rows(ROW, TRIPLEX, 1.5e-5)
     for force in (-3e3, 0.0, 4e3):
         h = 1.0
         slope = (equilibrium(rows, force + h).displacement - equilibrium(rows, force - h).displacement) / (2.0 * h)
@@ -76,7 +76,7 @@ def test_stiffness_of_a_set_is_the_derivative():
 
 
 def test_unloaded_row_leaves_the_rest_alone():
-    pair = preloaded(ROW, (1, -1), 1e3)
+    pair = preloaded_rows(ROW, (1, -1), 1e3)
     limit = lift_off_force(pair)
     just, beyond = equilibrium(pair, 0.999 * limit), equilibrium(pair, 1.5 * limit)
     assert just.loads[1] > 0.0
@@ -87,23 +87,23 @@ def test_unloaded_row_leaves_the_rest_alone():
 
 @pytest.mark.parametrize("n", [1.0, 1.1, 1.5])
 def test_lift_off_of_a_power_law(n):
-    assert lift_off_force(preloaded(Power(n), (1, -1), 700.0)) == pytest.approx(2.0**n * 700.0, rel=1e-12)
+    assert lift_off_force(preloaded_rows(Power(n), (1, -1), 700.0)) == pytest.approx(2.0**n * 700.0, rel=1e-12)
 
 
 def test_triplex_preload_of_a_power_law():
     """Both gaps closed: (P/2)^(1/n) + P^(1/n) = 2 F_p^(1/n), so P/F_p = (2/(1 + 2^(-1/n)))^n; 1.359 for n = 1.5."""
     row = Power(1.5)
-    loads = equilibrium(arrangement(row, TRIPLEX, row.deflection(1500.0))).loads
+    loads = equilibrium(equal_rows(row, TRIPLEX, row.deflection(1500.0))).loads
     expected = 1500.0 * (2.0 / (1.0 + 2.0 ** (-2.0 / 3.0))) ** 1.5
     np.testing.assert_allclose(loads, [expected / 2.0, expected / 2.0, expected], rtol=1e-10)
 
 
 def test_gap_and_force_describe_one_set():
-    by_gap = equilibrium(arrangement(ROW, TRIPLEX, 1.5e-5))
-    by_force = preloaded(ROW, TRIPLEX, float(by_gap.loads[2]))
+    by_gap = equilibrium(equal_rows(ROW, TRIPLEX, 1.5e-5))
+    by_force = preloaded_rows(ROW, TRIPLEX, float(by_gap.loads[2]))
     np.testing.assert_allclose(equilibrium(by_force).loads, by_gap.loads, rtol=1e-10)
     assert sum(by_force.offsets[1:]) == pytest.approx(3e-5, rel=1e-10)
-    np.testing.assert_allclose(equilibrium(by_force, 2e3).loads, equilibrium(arrangement(ROW, TRIPLEX, 1.5e-5), 2e3).loads)
+    np.testing.assert_allclose(equilibrium(by_force, 2e3).loads, equilibrium(equal_rows(ROW, TRIPLEX, 1.5e-5), 2e3).loads)
 
 
 def test_a_set_facing_one_way_rests_loose():
@@ -115,7 +115,7 @@ REFUSED = [
     (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
     (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
     (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
-    (lambda: preloaded(ROW, (1, 1), 1e3), "both directions"),
+    (lambda: preloaded_rows(ROW, (1, 1), 1e3), "both directions"),
     (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
 ]
 

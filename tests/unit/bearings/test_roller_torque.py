@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.axes import ROLLERS
 
-from rollbench.lowfi.bearings.rib import mean_distance, rib_contact, rib_height, rib_of, turning
+from rollbench.lowfi.bearings.rib import mean_distance, rib_contact, rib_geometry, rib_height, roller_speed_ratios
 from rollbench.lowfi.bearings.roller_torque import HYSTERESIS, hysteresis_torque, roller_torque, rolling_force
 from rollbench.lowfi.rollers import tapered
 from rollbench.meshes.parts import Lubricant
@@ -17,7 +17,7 @@ OIL = Lubricant(50e-6)
 
 
 def test_a_sphere_about_the_apex_fits_its_rib():
-    near = rib_of(BEARING, APEX * (1.0 - 1e-9), rib_height(ROLLERS))
+    near = rib_geometry(BEARING, APEX * (1.0 - 1e-9), rib_height(ROLLERS))
     assert abs(near.curvatures[0] * APEX) < 1e-6
 
 
@@ -25,7 +25,7 @@ def test_pressure_is_that_of_hamrock_and_dowson_s_fits():
     """Their fits of the elliptic integrals (1977), within 3 per cent."""
     row = replace(ROLLERS, end_radius=0.7 * APEX)
     found = rib_contact(row, np.full(row.count, 1000.0))
-    along, across = rib_of(BEARING, row.end_radius, rib_height(row)).curvatures
+    along, across = rib_geometry(BEARING, row.end_radius, rib_height(row)).curvatures
     modulus = row.material.youngs_modulus / (1.0 - row.material.poissons_ratio**2)
     k, e = 1.0339 * (across / along) ** 0.636, 1.0003 + 0.5968 * along / across
     a = (6.0 * k**2 * e * found.load / (along + across) / np.pi / modulus) ** (1.0 / 3.0)
@@ -45,7 +45,7 @@ def test_load_of_the_rib_balances_the_roller_along_its_axis():
 def test_a_sphere_that_does_not_reach_the_rib_or_fits_it_is_refused(radius):
     wrong = {0.5: 0.5 * APEX * np.sin(BEARING.roller_angle), 1.1: 1.1 * APEX}[radius]
     with pytest.raises(ValueError, match="mm"):
-        rib_of(BEARING, wrong, rib_height(ROLLERS))
+        rib_geometry(BEARING, wrong, rib_height(ROLLERS))
 
 
 def test_mean_distance_of_a_round_contact_about_its_middle():
@@ -56,7 +56,7 @@ def test_mean_distance_of_a_round_contact_about_its_middle():
 
 def test_rollers_roll_without_sliding():
     """Speeds of a roller against cone and cup, from which both races move alike at their contact lines."""
-    on_cone, on_cup = turning(BEARING)
+    on_cone, on_cup = roller_speed_ratios(BEARING)
     assert on_cone * np.sin(BEARING.cone_angle) == pytest.approx(on_cup * np.sin(BEARING.cup_angle))
 
 
@@ -67,7 +67,7 @@ def test_torque_is_the_work_of_its_parts_and_grows_with_the_coefficient():
     assert one.torque == pytest.approx(one.rib + one.hysteresis)
     assert (one.film, one.low, roller_torque(ROLLERS, 0.0 * q, 100.0, None)) == (None, None, None)
     force = q.mean(axis=1) * ROLLERS.length
-    work = 0.05 * 2.0 * np.sin(BEARING.roller_angle) * force.sum() * rib_height(ROLLERS) * turning(BEARING)[0]
+    work = 0.05 * 2.0 * np.sin(BEARING.roller_angle) * force.sum() * rib_height(ROLLERS) * roller_speed_ratios(BEARING)[0]
     assert one.rib == pytest.approx(work, rel=1e-9)
     assert HYSTERESIS * 2e-3 < hysteresis_torque(BEARING, q) / (force.sum() * ROLLERS.diameter) < 1.0 * HYSTERESIS
 

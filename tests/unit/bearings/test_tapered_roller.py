@@ -8,8 +8,15 @@ from scipy.integrate import quad
 from scipy.special import beta, gamma
 
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.axis import equilibrium, preloaded
-from rollbench.lowfi.bearings.combined_load import azimuths, by_load_zone, combined, load_zone, state_at, zone_of_load
+from rollbench.lowfi.bearings.axis import equilibrium, preloaded_rows
+from rollbench.lowfi.bearings.combined_load import (
+    by_load_zone,
+    combined_equilibrium,
+    load_zone,
+    roller_azimuths,
+    state_at,
+    zone_of_load,
+)
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers import (
     SlicedRow,
@@ -132,7 +139,7 @@ def test_row_under_thrust():
 
 def test_direct_mounting_with_preload():
     """Two rows: nearly straight, so the stiffness doubles and stays within 2 % up to half the lift-off."""
-    pair = preloaded(TaperedRow(B), (1, -1), 6e3)
+    pair = preloaded_rows(TaperedRow(B), (1, -1), 6e3)
     k = [equilibrium(pair, f).stiffness for f in (0.0, 3e3, 6e3)]
     row = TaperedRow(B)
     assert k[0] == pytest.approx(2.0 * row.stiffness(row.deflection(6e3)), rel=1e-9)
@@ -144,12 +151,12 @@ def test_direct_mounting_with_preload():
 
 @pytest.mark.parametrize("radial", [0.0, 1.0, 4e3, 9e3, 14e3])
 def test_combined_load_balances(radial):
-    s = combined(B, THRUST, radial)
+    s = combined_equilibrium(B, THRUST, radial)
     assert s.converged
     assert s.loads.sum() * np.sin(B.cup_angle) == pytest.approx(THRUST, rel=1e-10)
-    total = (s.loads * np.cos(azimuths(B))).sum() * np.cos(B.cup_angle)
+    total = (s.loads * np.cos(roller_azimuths(B))).sum() * np.cos(B.cup_angle)
     assert total == pytest.approx(radial, abs=1e-9 * THRUST)
-    assert abs((s.loads * np.sin(azimuths(B))).sum()) < 1e-9 * THRUST
+    assert abs((s.loads * np.sin(roller_azimuths(B))).sum()) < 1e-9 * THRUST
 
 
 def test_combined_stiffness_and_force_are_derivatives():
@@ -164,7 +171,7 @@ def test_combined_stiffness_and_force_are_derivatives():
 
 
 def test_pure_thrust_is_the_row():
-    s = combined(B, THRUST, 0.0)
+    s = combined_equilibrium(B, THRUST, 0.0)
     assert s.axial == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-10)
     assert s.radial == pytest.approx(0.0, abs=1e-15)
     zone = by_load_zone(B, THRUST, 0.0)
@@ -176,7 +183,7 @@ def test_load_zone_integrals_meet_the_rollers(radial):
     """The source's route with exponent 1.1: greatest load within 1 %, deflections within 3 %, for many rollers too."""
     for rollers in (16, 64):
         b = replace(B, rollers=rollers)
-        s, z = combined(b, THRUST, radial), by_load_zone(b, THRUST, radial)
+        s, z = combined_equilibrium(b, THRUST, radial), by_load_zone(b, THRUST, radial)
         assert z.greatest == pytest.approx(s.loads.max(), rel=0.01)
         assert (z.axial, z.radial) == pytest.approx((s.axial, s.radial), rel=0.03)
 
@@ -185,13 +192,15 @@ def test_small_radial_load_by_first_order():
     """dF_r/d(delta_r) at pure thrust: sum over the rollers of k cos^2(alpha) cos^2(psi)."""
     row = TaperedRow(B)
     k = row.stiffness(row.deflection(THRUST)) / (B.rollers * np.sin(B.cup_angle) ** 2)
-    assert combined(B, THRUST, 1.0).radial == pytest.approx(2.0 / (B.rollers * k * np.cos(B.cup_angle) ** 2), rel=1e-5)
+    assert combined_equilibrium(B, THRUST, 1.0).radial == pytest.approx(
+        2.0 / (B.rollers * k * np.cos(B.cup_angle) ** 2), rel=1e-5
+    )
 
 
 def test_too_much_radial_load_is_refused():
     with pytest.raises(ValueError, match="stay together"):
-        combined(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
-    hard = combined(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
+        combined_equilibrium(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
+    hard = combined_equilibrium(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
     assert hard.converged
     assert 1 < np.count_nonzero(hard.loads) < 5
 
@@ -202,7 +211,7 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
     """One or two rollers carry nearly all and a direction is soft: whole Newton steps leave the law's range here."""
     b = replace(B, rollers=rollers, cup_angle=np.radians(10.0), roller_angle=np.radians(2.0))
     for thrust in (1.0, 1e5):
-        assert combined(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
+        assert combined_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
 
 
 # --- slices

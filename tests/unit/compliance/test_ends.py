@@ -10,7 +10,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.bodies import end_response, normal_rows, section_response, whole_body
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section, smooth_body
-from rollbench.lowfi.compliance.tube import clamped, motion_rows
+from rollbench.lowfi.compliance.tube import clamped_beam_compliance, motion_rows
 from rollbench.meshes.condensed import geometry_digest, load_condensed
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.section import tube_section
@@ -76,7 +76,7 @@ def test_contacts_lengthen_a_grooved_screw_as_in_3d():
     path = next(shipped_store().glob(f"bodies-{geometry_digest(CASE)[:16]}-level4-*.npz"))
     bodies, (x, axes) = load_condensed(path), contact_frames(CASE, LAYOUT, True)
     section, N = grooved_section(geometry_only(CASE), True), LAYOUT.z.size
-    beam = clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (bodies.base, 0.0), "low", section)
+    beam = clamped_beam_compliance(motion_rows(x, axes), np.repeat(x[:, 2], 2), (bodies.base, 0.0), "low", section)
     sides = [int(s) for s in bodies.sides if s < 2]
     rows, ball = normal_rows(CASE, N, sides), np.repeat(np.arange(N), len(sides))
     rigid = np.linalg.qr(rows @ motion_rows(x, axes, CASE.nut.position))[0]

@@ -9,14 +9,14 @@ from scipy.special import ive
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.beyond_hertz import (
     at_size,
-    expansion,
     half_space,
+    harmonic_expansion,
     legendre_compliance,
     own_compliance,
     own_slope,
 )
 from rollbench.lowfi.compliance.groove import equal_loads, normal_load, own_motion
-from rollbench.lowfi.compliance.parts import flank_of, geometry_only
+from rollbench.lowfi.compliance.parts import geometry_only, groove_of_body
 
 pytestmark = pytest.mark.xdist_group("flank")
 
@@ -27,7 +27,7 @@ ALPHA, BETA = 2 * (1 - NU) * (1 - 2 * NU), -(1 - 2 * NU) * (3 - 2 * NU)
 
 @pytest.fixture(scope="module")
 def flank():
-    return flank_of(geometry_only(catalogue.scene("lin-case1")), True)
+    return groove_of_body(geometry_only(catalogue.scene("lin-case1")), True)
 
 
 def test_curvature_terms_of_cylinder_and_sphere():
@@ -40,7 +40,7 @@ def test_curvature_terms_of_cylinder_and_sphere():
     for exact, trace, along_k in ((along, 1, 0), (around, 1, 1), (sphere, 2, 1)):
         remainder = (exact - A / x) * x**2
         assert remainder == pytest.approx(ALPHA * trace + BETA * along_k, abs=2e-2)
-    a, b = expansion(NU)
+    a, b = harmonic_expansion(NU)
     assert (a + 2 * b) / 2 == pytest.approx(2 * ALPHA + BETA, rel=1e-12)
 
 
@@ -86,6 +86,6 @@ def test_a_flat_material_has_no_curvature_terms():
     """Incompressible bodies: 1 - 2 nu = 0, and curvature changes nothing at this order."""
     scene = geometry_only(catalogue.scene("lin-case1"))
     soft = replace(scene, screw=replace(scene.screw, material=replace(scene.screw.material, poissons_ratio=0.4999999)))
-    flank = flank_of(soft, True)
-    usual = at_size(flank_of(scene, True), (4e-4, 1e-4))
+    flank = groove_of_body(soft, True)
+    usual = at_size(groove_of_body(scene, True), (4e-4, 1e-4))
     assert abs(at_size(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)

@@ -11,17 +11,17 @@ from tests.helpers import relative
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames, smooth_compliance
-from rollbench.lowfi.compliance.beyond_hertz import expansion, half_space
+from rollbench.lowfi.compliance.beyond_hertz import half_space, harmonic_expansion
 from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, smooth_body
 from rollbench.lowfi.compliance.tube import (
     Points,
     Tube,
-    clamped,
+    clamped_beam_compliance,
     contact_compliance,
     motion_rows,
     patch_weights,
-    points_of,
+    points_in_space,
     spring_compliance,
     tube_compliance,
 )
@@ -238,7 +238,7 @@ def own_compliance(width, harmonics=2.6, size=1.0):
 
 def test_half_space_limit():
     """Two widths take out the body; the logarithm of curvature is what is left beside the half space."""
-    a, b = expansion(NU)
+    a, b = harmonic_expansion(NU)
     widths = 1.5e-3, 3e-3
     found = own_compliance(widths[0]) - own_compliance(widths[1])
     space = half_space(widths[0], STEEL) - half_space(widths[1], STEEL)
@@ -277,7 +277,7 @@ def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converge
     x, axes = contact_frames(scene, ball_layout(scene), screw)
 
     def compliance(**changes):
-        return contact_compliance(smooth_compliance(geometry, screw, replace(REFINED, **changes)), points_of(x, axes))
+        return contact_compliance(smooth_compliance(geometry, screw, replace(REFINED, **changes)), points_in_space(x, axes))
 
     base = compliance()
     assert np.array_equal(base, base.T)
@@ -332,16 +332,18 @@ def far_apart(width, held):
     t = np.array([0.3, 0.3 + np.pi, -1.0])
     x = np.column_stack([15e-3 * np.cos(t), 15e-3 * np.sin(t), z])
     axes = axes_of(np.random.default_rng(8), 3)
-    found = contact_compliance(tube_compliance(shaft, (0.14, 0.26)), points_of(x, axes))
-    beam = clamped(motion_rows(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL))
+    found = contact_compliance(tube_compliance(shaft, (0.14, 0.26)), points_in_space(x, axes))
+    beam = clamped_beam_compliance(
+        motion_rows(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL)
+    )
     if held == "section":
         beam = beam + spring_compliance(shaft, x, axes)
     return found[:4, 4:], beam[:4, 4:]
 
 
 def test_shaft_is_a_beam_far_from_its_end():
-    """What `spring_compliance` and `clamped` stand for; a clamped face holds more than a beam's end does. The patch's width
-    does not touch the beam."""
+    """What `spring_compliance` and `clamped_beam_compliance` stand for; a clamped face holds more than a beam's end does.
+    The patch's width does not touch the beam."""
     on_springs = relative(*far_apart(0.5e-3, "section"))
     assert on_springs < 4e-3
     assert on_springs < relative(*far_apart(0.5e-3, "low")) < 0.02

@@ -10,8 +10,8 @@ from rollbench.hifi.shaft.section import helical_stiffness
 from rollbench.lowfi.compliance import tube
 from rollbench.lowfi.compliance.fourier import Body, tube_grid
 from rollbench.lowfi.compliance.groove import smooth_radius
-from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
-from rollbench.lowfi.compliance.tube import cell_grid, cell_section, groove_line, stiffness_of
+from rollbench.lowfi.compliance.parts import REFINED, geometry_only, groove_of_body, grooved_section, smooth_body
+from rollbench.lowfi.compliance.tube import cell_grid, cell_section, cell_stiffness, groove_line
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 
@@ -23,7 +23,7 @@ KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
 
 def constants(grid):
     body = Body(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
-    return np.array([stiffness_of(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
+    return np.array([cell_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
 
 
 def of_screw(m=MAP, land=LAND, bore=0.0):
@@ -47,7 +47,7 @@ def test_plain_cell_is_exact(bore):
 
 @pytest.mark.parametrize("screw", [True, False], ids=["screw", "nut"])
 def test_refinement(screw):
-    flank = flank_of(geometry_only(SCENE), screw)
+    flank = groove_of_body(geometry_only(SCENE), screw)
     meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
     found = [constants(cell_grid(flank.map, flank.land, flank.far, screw, mesh)) for mesh in meshes]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
@@ -69,13 +69,13 @@ def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
     assert ROOT < section.radii[0] < LAND
-    volume = smooth_radius(flank_of(geometry_only(SCENE), True), 2)
+    volume = smooth_radius(groove_of_body(geometry_only(SCENE), True), 2)
     assert all(ROOT < r < volume for r in section.radii)
     assert of_section(section.section)[0] < screw_section(SCENE).EA
     for name, radius in zip(("EA", "EI", "GJ"), section.radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
-    flank = flank_of(geometry_only(SCENE), False)
+    flank = groove_of_body(geometry_only(SCENE), False)
     section = cell_section(flank.map, flank.land, flank.far, False, STEEL)
     root = float(groove_line(flank.map, flank.land, False, 17)[0][0])
     between(section, (2 * flank.far, 2 * root), (2 * flank.far, 2 * flank.land))
@@ -137,5 +137,5 @@ def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
     beside, above = (f(angle) * (radius - scene.balls.radius) for f in (np.sin, np.cos))
     across = np.linspace(0.0, scene.nut.length / 2.0, 20_001) + beside
     arc = scene.track.pitch_radius - above + np.sqrt(np.maximum(radius**2 - across**2, 0.0))
-    bore = np.maximum(arc, flank_of(geometry_only(scene), False).land)
+    bore = np.maximum(arc, groove_of_body(geometry_only(scene), False).land)
     assert inner == pytest.approx(np.sqrt((bore**2).mean()), rel=1e-3)

@@ -12,10 +12,10 @@ from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space
-from rollbench.lowfi.compliance.bodies import forget
-from rollbench.lowfi.compliance.fourier import Body, Grid, solved
-from rollbench.lowfi.compliance.groove import equal_loads, harmonics_to, own_motion
-from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
+from rollbench.lowfi.compliance.bodies import clear_kept_bodies
+from rollbench.lowfi.compliance.fourier import Body, Grid, solve_harmonic
+from rollbench.lowfi.compliance.groove import equal_loads, own_motion, sampled_harmonics
+from rollbench.lowfi.compliance.parts import REFINED, geometry_only, groove_of_body, grooved_section, smooth_body
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.xdist_group("near face")
 def case():
     """Geometry of case 1, its nut's flank and smooth body."""
     parts = geometry_only(scene("lin-case1"))
-    return parts, flank_of(parts, False), smooth_body(parts, False, REFINED)
+    return parts, groove_of_body(parts, False), smooth_body(parts, False, REFINED)
 
 
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
@@ -34,18 +34,18 @@ def test_a_cut_is_a_body_of_its_own(name, held):
     """One factor of the longest body gives the motion of a shorter one, meshed and solved alone: harmonic 3, loads on the
     own groove and on that behind, along the normals and across them."""
     parts = geometry_only(scene(name))
-    flank, smooth = flank_of(parts, False), smooth_body(parts, False, REFINED)
+    flank, smooth = groove_of_body(parts, False), smooth_body(parts, False, REFINED)
     grid, cuts = faces.grooved_grid(flank, faces.FAR.mesh)
     k, n, width = 3, 3, NARROW * flank.map.ball
     loads = faces.true_loads(flank, grid, cuts, width, 2)
-    harmonics = harmonics_to(10.0)
+    harmonics = sampled_harmonics(10.0)
     found = faces.cut_motions(flank, grid, cuts, harmonics, (0.0, np.inf), smooth.held, loads, width)
     short = Grid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
     fixed = np.zeros((*short.shape, 3), dtype=bool)
     fixed[[0, -1] if held else 0] = True
     forces = loads[:, :, k, : cuts[k] + 1].reshape(2 * len(loads), -1)[:, ~fixed.ravel()].T
     body = Body(short, flank.material.youngs_modulus, flank.material.poissons_ratio)
-    alone = (forces[:, :4].T @ solved(body.bands(~fixed.ravel()), n, forces)).reshape(2, 2, -1, 2)
+    alone = (forces[:, :4].T @ solve_harmonic(body.bands(~fixed.ravel()), n, forces)).reshape(2, 2, -1, 2)
     share = np.exp(-((n * width / flank.contact()[0]) ** 2))
     assert found[int(held), n, ..., k] == pytest.approx(share * alone, rel=1e-8, abs=1e-8 * np.abs(alone).max())
 
@@ -53,7 +53,7 @@ def test_a_cut_is_a_body_of_its_own(name, held):
 def whole(parts):
     """Compliance ``(2, N, 2, N)`` [um/kN] of the nut between contacts of both flanks (left first) along their normals, but
     for what all contacts have in common."""
-    layout, flank = ball_layout(parts), flank_of(geometry_only(parts), False)
+    layout, flank = ball_layout(parts), groove_of_body(geometry_only(parts), False)
     G = kernel_part(parts, layout, False, REFINED) + nut_beam(parts, layout) + grooved_part(parts, layout, False, REFINED)
     normal = flank.map.signs[2:] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     count = layout.z.size
@@ -91,7 +91,7 @@ def test_both_faces_are_told_apart(name):
     """A nut turned end for end has the same compliance, its balls and flanks turned with it; a grooved body is its own
     mirror image."""
     parts = scene(name)
-    grid, cuts = faces.grooved_grid(flank_of(geometry_only(parts), False), faces.BESIDE_FACE.mesh)
+    grid, cuts = faces.grooved_grid(groove_of_body(geometry_only(parts), False), faces.BESIDE_FACE.mesh)
     assert cuts[-1] == len(grid.z) - 1
     assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
     assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
@@ -117,7 +117,7 @@ def test_short_lands_are_softer():
     """Grooves 1.57 ball radii from mid land to mid land: beyond the beam, 3D own compliance of a middle contact is
     0.96 um/kN above that of a cell of half a lead clamped at its end and outer surface."""
     parts = scene("unseen-40x10")
-    flank, middle = flank_of(geometry_only(parts), False), 28
+    flank, middle = groove_of_body(geometry_only(parts), False), 28
     width = NARROW * flank.map.ball
     cell = own_motion(flank, flank.grid(), equal_loads(flank, flank.grid(), width), width)
     beam = nut_beam(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[1, middle, :, 1, middle]
@@ -154,7 +154,7 @@ def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))
-    forget()
+    clear_kept_bodies()
     finer = own(parts, 0)
-    forget()
+    clear_kept_bodies()
     assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)

@@ -10,12 +10,12 @@ from scipy.special import eval_legendre
 
 from rollbench.lowfi.compliance.beyond_hertz import (
     MEAN_LOG,
-    expansion,
+    harmonic_expansion,
     legendre_compliance,
     own_compliance,
     sphere_compliance,
 )
-from rollbench.lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines
+from rollbench.lowfi.compliance.fourier import Body, Grid, quadratic_shape_functions, refine_lines
 from rollbench.meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
@@ -58,7 +58,7 @@ def test_share_of_every_wave():
 def test_small_angle_is_the_half_space():
     """(1 - nu^2)/(pi E d) at a distance d, and the logarithm of curvature beyond it."""
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
-    a, b = expansion(nu)
+    a, b = harmonic_expansion(nu)
     rest = []
     for angle in (1e-2, 1e-3, 1e-4):
         distance = 2.0 * RADIUS * np.sin(0.5 * angle)
@@ -93,7 +93,7 @@ def test_own_compliance_is_the_mean_over_the_contact(share):
     assert own_compliance((size, size), RADIUS, STEEL) == pytest.approx(disc_average(size), rel=0.02, abs=0.0)
     first = own_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
     assert first == pytest.approx(own_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
-    a, b = expansion(STEEL.poissons_ratio)
+    a, b = harmonic_expansion(STEEL.poissons_ratio)
     shift = own_compliance((size, size), RADIUS, STEEL) - own_compliance((2 * size, 2 * size), RADIUS, STEEL)
     assert UNIT * shift == pytest.approx((a + 2 * b) * np.log(2.0), rel=1e-12, abs=0.0)
     assert pytest.approx(11.0 / 12.0 - (2.0 + 2.0 / 3.0 - 2.0 * np.log(2.0))) == MEAN_LOG
@@ -113,7 +113,7 @@ def pressed_sphere(count, size):
     r[0] = r[-1] = 0.0
     body = Body(Grid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
     node, weight = np.polynomial.legendre.leggauss(40)
-    N = quadratic(node)[0]
+    N = quadratic_shape_functions(node)[0]
     area, loaded, wave, first = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t), 0.0
     for k in range(0, t.size - 2, 2):
         at, w = N @ t[k : k + 3], 0.5 * (t[k + 2] - t[k]) * weight

@@ -13,10 +13,10 @@ from rollbench.lowfi.friction.contact.laws import (
     Regularised,
     Sigmoid,
     about_point,
-    contacts,
     cubic_factor,
-    dissipation,
-    friction,
+    dissipated_power,
+    equal_contacts,
+    friction_forces,
     linear_error,
     linear_factor,
 )
@@ -76,7 +76,7 @@ def smooth_reference(b, c, d, h=0.0, n=400):
 
 def ours(b, c, d, speed=0.0):
     """(psi, psi_c, psi_d, moment integral) from the friction of a unit contact turning with 1 rad/s."""
-    e = dissipation(contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), speed)
+    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), speed)
     return np.array([e.value[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
 
 
@@ -102,7 +102,7 @@ def test_far_away_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize(("c", "d"), [(0.0, 0.0), (0.5, 0.3), (1.0, 0.0), (1.4, -0.3), (6.0, 3.0)])
 def test_regularised_against_a_product_rule(b, c, d):
     h = 0.35
-    e = dissipation(contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), h)
+    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), h)
     exact = smooth_reference(b, c, d, h)
     assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
     assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
@@ -112,13 +112,13 @@ def test_regularised_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize("speed", [0.0, 0.02])
 @pytest.mark.parametrize("motion", [(0.1, 0.2, 1.0), (0.0, 0.5, -0.3), (-2.0, 1.0, 0.7), (0.3, 0.0, 1e-3)])
 def test_derivatives_against_finite_differences(motion, speed):
-    at = contacts(1.3, 0.4, 7.0, 0.2)
+    at = equal_contacts(1.3, 0.4, 7.0, 0.2)
     m = np.array([motion])
-    e = dissipation(at, m, speed)
+    e = dissipated_power(at, m, speed)
     for j in range(3):
         step = np.zeros((1, 3))
         step[0, j] = 1e-5
-        up, down = dissipation(at, m + step, speed), dissipation(at, m - step, speed)
+        up, down = dissipated_power(at, m + step, speed), dissipated_power(at, m - step, speed)
         assert (up.value - down.value) / 2e-5 == pytest.approx(e.gradient[:, j], rel=1e-7, abs=1e-8)
         assert (up.gradient - down.gradient) / 2e-5 == pytest.approx(e.hessian[:, j], rel=1e-6, abs=1e-7)
 
@@ -126,52 +126,52 @@ def test_derivatives_against_finite_differences(motion, speed):
 def test_convex_and_of_degree_one():
     rng = np.random.default_rng(3)
     m = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, 3, size=(300, 3))
-    at = contacts(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
-    e = dissipation(at, m)
+    at = equal_contacts(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
+    e = dissipated_power(at, m)
     size = np.linalg.norm(e.hessian, axis=(1, 2))
     assert np.all(np.linalg.eigvalsh(e.hessian)[:, 0] >= -1e-12 * size)
     assert np.sum(e.gradient * m, axis=1) == pytest.approx(e.value, rel=1e-11)
-    assert dissipation(at, 5.0 * m).value == pytest.approx(5.0 * e.value, rel=1e-13)
-    between = dissipation(at, 0.5 * (m + m[::-1])).value
-    assert np.all(between <= 0.5 * (e.value + dissipation(at, m[::-1]).value) * (1.0 + 1e-13))
+    assert dissipated_power(at, 5.0 * m).value == pytest.approx(5.0 * e.value, rel=1e-13)
+    between = dissipated_power(at, 0.5 * (m + m[::-1])).value
+    assert np.all(between <= 0.5 * (e.value + dissipated_power(at, m[::-1]).value) * (1.0 + 1e-13))
 
 
 def test_regularised_lies_at_most_the_speed_above():
     rng = np.random.default_rng(4)
     m = rng.normal(size=(200, 3))
-    at = contacts(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
-    exact = dissipation(at, m).value
+    at = equal_contacts(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
+    exact = dissipated_power(at, m).value
     for speed in (1.0, 1e-2, 1e-5):
-        rise = dissipation(at, m, speed).value - exact
+        rise = dissipated_power(at, m, speed).value - exact
         assert np.all(rise >= -1e-14)
         assert np.all(rise <= at.strength * speed * (1.0 + 1e-12))
-    still = contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
-    assert not dissipation(*still).gradient.any()
-    assert dissipation(*still).value[0] == 0.0
-    assert dissipation(*still, 0.2).value[0] == pytest.approx(0.02, rel=1e-14)
+    still = equal_contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
+    assert not dissipated_power(*still).gradient.any()
+    assert dissipated_power(*still).value[0] == 0.0
+    assert dissipated_power(*still, 0.2).value[0] == pytest.approx(0.02, rel=1e-14)
 
 
 def test_limits_of_pure_spin_and_pure_sliding():
     """Lin 3.32 and 3.33; M -> mu F b^2 / (5 c) for a centre far along x, the second moment of the pressure."""
-    at = contacts(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
-    spin = friction(at, about_point(np.full(3, -3.0), 0.0, 0.0))
+    at = equal_contacts(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
+    spin = friction_forces(at, about_point(np.full(3, -3.0), 0.0, 0.0))
     assert spin.force == pytest.approx(0.0, abs=1e-15)
     assert spin.moment == pytest.approx(pure_spin_moment(at), rel=1e-13)
     assert pure_spin_moment(at)[1] == pytest.approx(0.375 * 10.0 * 2e-3 * ellipe(0.75), rel=1e-14)
     for c in (1e3, -1e9, np.inf):
         motion = about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
-        slide = friction(at, motion)
+        slide = friction_forces(at, motion)
         assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.strength, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
     for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
-        far_away = friction(contacts(1.0, 0.2, 1.0, 1.0), about_point(1.0, c, 0.0))
+        far_away = friction_forces(equal_contacts(1.0, 0.2, 1.0, 1.0), about_point(1.0, c, 0.0))
         assert -far_away.moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
 
 
 def test_mirror_and_reversed_motion():
-    at = contacts(1.0, 0.3, 2.0, 0.5)
+    at = equal_contacts(1.0, 0.3, 2.0, 0.5)
     m = np.array([[0.2, -0.4, 0.9]])
-    f, back, mirror = (friction(at, m * sense) for sense in (1.0, -1.0, [-1.0, 1.0, -1.0]))  # mirror: x to -x
+    f, back, mirror = (friction_forces(at, m * sense) for sense in (1.0, -1.0, [-1.0, 1.0, -1.0]))  # mirror: x to -x
     for other, sense in ((back, -1.0), (mirror, [-1.0, 1.0])):
         assert other.force == pytest.approx(f.force * sense, rel=1e-14)
         assert other.moment == pytest.approx(-f.moment, rel=1e-14)
@@ -183,9 +183,9 @@ def test_mirror_and_reversed_motion():
 def test_both_engines_agree():
     rng = np.random.default_rng(5)
     m = rng.normal(size=(40, 3)) * 10.0 ** rng.uniform(-2, 2, size=(40, 3))
-    at = contacts(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
+    at = equal_contacts(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
     for speed in (0.0, 0.1):
-        slow, quick = dissipation(at, m, speed), dissipation(at, m, speed, fast=True)
+        slow, quick = dissipated_power(at, m, speed), dissipated_power(at, m, speed, fast=True)
         assert quick.value == pytest.approx(slow.value, rel=1e-13)
         assert quick.hessian == pytest.approx(slow.hessian, rel=1e-9, abs=1e-12 * np.max(np.abs(slow.hessian)))
 
@@ -194,7 +194,9 @@ def test_both_engines_agree():
 def test_force_inside_is_a_cubic(b):
     """Source's linear law: exact slope, exact cubic term, and the error of any slope over any reach."""
     t = np.array([0.1, 0.4, 0.8, 1.0])
-    f = -friction(contacts(2.0, np.full(4, 2.0 * b), 1.0, 1.0), about_point(np.ones(4), 2.0 * t, 0.0)).force[:, 1]
+    f = -friction_forces(equal_contacts(2.0, np.full(4, 2.0 * b), 1.0, 1.0), about_point(np.ones(4), 2.0 * t, 0.0)).force[
+        :, 1
+    ]
     assert f == pytest.approx(linear_factor(b) * t - cubic_factor(b) * t**3, rel=1e-12)
     fine = np.linspace(1e-3, 0.5, 200)
     g = linear_factor(b) - cubic_factor(b) * fine**2
@@ -202,7 +204,7 @@ def test_force_inside_is_a_cubic(b):
 
 
 def test_sigmoid_as_printed_and_its_faults():
-    at = contacts(1.0, 0.2, 1.0, 0.1)
+    at = equal_contacts(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.0, 0.3, 0.02]])
     law, e = Sigmoid(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
     factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
@@ -216,7 +218,7 @@ def test_sigmoid_as_printed_and_its_faults():
 
 def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
-    at = contacts(1.0, 0.2, 1.0, 0.1)
+    at = equal_contacts(1.0, 0.2, 1.0, 0.1)
     exact = Coulomb().friction
     coarse = Sigmoid(1e9, 1.0, map_spacing=0.08)
     on = about_point(2.0, 0.16, 0.0)
@@ -234,7 +236,7 @@ def test_interpolated_maps():
 
 
 def test_regularised_law_tends_to_coulomb():
-    at = contacts(1.0, 0.2, 1.0, 0.1)
+    at = equal_contacts(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.1, 0.3, 0.9]])
     exact = Coulomb().friction(at, m)
     for speed, limit in ((1e-2, 1e-2), (1e-6, 1e-6)):
@@ -256,4 +258,4 @@ def test_regularised_law_tends_to_coulomb():
 )
 def test_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        contacts(*arguments)
+        equal_contacts(*arguments)

@@ -10,9 +10,9 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.studies.friction.solve import solve_friction
 from rollbench.compare.studies.friction.whole import Choices
 from rollbench.lowfi.friction.as_source.chain import linear_balls
-from rollbench.lowfi.friction.contact.laws import dissipation
+from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.linear.bearing import elastic_loads
-from rollbench.lowfi.friction.linear.chain import prepare, second_state, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import prepare_chain, second_state, solve_linear_chain
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)
@@ -41,13 +41,13 @@ def closing(bearing, angles, loads, force):
     push, rub = force * np.array([1.0, 0.0, 0.0, -1.0, 0.0, 0.0]), pair.mu * force
 
     def total(q):
-        d, s = dissipation(balls.at, drives + maps @ q, size), slide @ q
+        d, s = dissipated_power(balls.at, drives + maps @ q, size), slide @ q
         long = np.sqrt(s @ s + size**2)
         gradient = np.einsum("ir,irj->j", d.gradient, maps) + rub * slide.T @ s / long
         return d.value.sum() + push @ q + rub * long, gradient + push
 
     def bend(q):
-        d, s = dissipation(balls.at, drives + maps @ q, size), slide @ q
+        d, s = dissipated_power(balls.at, drives + maps @ q, size), slide @ q
         long = np.sqrt(s @ s + size**2)
         across = (np.eye(2) - np.outer(s, s) / long**2) / long
         return np.einsum("irj,irs,isk->jk", maps, d.hessian, maps) + rub * slide.T @ across @ slide
@@ -61,7 +61,7 @@ def closing(bearing, angles, loads, force):
 def test_jammed_state_is_found_where_friction_holds_what_makes_it_and_only_there(mu_balls):
     """The pair jams where the closing rate, negative without force, comes back to zero at a force: from 0.035 on."""
     pair = two_balls(mu_balls)
-    chain = prepare(*pair)
+    chain = prepare_chain(*pair)
     found = solve_linear_chain(chain, fast=False)
     assert found.status == "converged"
     assert found.ball_force[0] == 0.0

@@ -9,21 +9,21 @@ from scipy.special import ellipe
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.laws import contacts, dissipation
+from rollbench.lowfi.friction.contact.laws import dissipated_power, equal_contacts
 from rollbench.lowfi.friction.linear.bearing import (
+    angle_deviations,
     balanced_loads,
     ball_force,
     ball_loss,
-    deviations,
+    contact_directions,
     diagonal_loads,
-    directions,
     elastic_loads,
     mated_top,
     sliding_speed,
     spin_loss,
     velocity_deviation,
 )
-from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
 
 BEARING = source_cases.linear().bearing
@@ -35,7 +35,7 @@ def test_contact_law_against_the_closed_form(c, conformity):
     """The cubic inside the ellipse against confocal coordinates and Carlson integrals; c: point of no slip over a."""
     shape = contact_shape(replace(BEARING, conformity=conformity))
     for w in (1.0, -2.0):
-        d = dissipation(contacts(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
+        d = dissipated_power(equal_contacts(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
         f, m, *bend = kernel.slide_and_spin(c * w, w, shape)
         assert (c * w * f + w * m, f, m) == pytest.approx((d.value[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
         assert bend == pytest.approx(d.hessian[0, [1, 1, 2], [1, 2, 2]], rel=1e-6, abs=1e-9)
@@ -43,7 +43,7 @@ def test_contact_law_against_the_closed_form(c, conformity):
 
 def no_slip_matrix(gamma):
     """Rows (v, R omega_x, R omega_y) of the sliding at points gamma on the ball, right sides for v = 1 on top."""
-    n = directions(gamma)
+    n = contact_directions(gamma)
     return np.column_stack([np.ones(4), n[:, 1], -n[:, 0]]), np.array([0.0, 0.0, 1.0, 1.0])
 
 
@@ -83,7 +83,7 @@ def linear_balance(bearing, angles, loads, x, force, k_f):
     total, turn = -force, np.zeros(3)
     omega = np.array([x[1], x[2], 0.0]) / radius
     for i in range(4):
-        n = np.array([*directions(angles)[i], 0.0])
+        n = np.array([*contact_directions(angles)[i], 0.0])
         slide = x[0] + np.cross(omega, radius * n)[2] - (1.0 if i > 1 else 0.0)
         spin = omega @ n
         f = -bearing.mu * loads[i] * k_f * slide / (abs(spin) * a[i])
@@ -107,7 +107,7 @@ def test_velocity_formula_against_brute_force(nominal):
     assert velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
     assert mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
     rows, right = no_slip_matrix(angles)
-    sliding, spin = rows @ x - right, directions(angles) @ x[1:]
+    sliding, spin = rows @ x - right, contact_directions(angles) @ x[1:]
     # Delta eta = s_i c_i / R (3.34); the source's spin is about the inward normal, so c_i = -sliding / spin
     np.testing.assert_allclose([1.0, -1.0, 1.0, -1.0] * sliding / spin, shift, rtol=1e-2, atol=1e-7)
 
@@ -157,17 +157,17 @@ def test_rubbing_speed_and_loss():
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
     loads = diagonal_loads(100.0, np.array([0.2]))
-    numerical = solve_linear_chain(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
+    numerical = solve_linear_chain(prepare_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
     assert spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 
 def forces_on_ball(angles, loads):
-    return np.einsum("...i,...ij->...j", loads, directions(angles))
+    return np.einsum("...i,...ij->...j", loads, contact_directions(angles))
 
 
 def test_loads_are_in_equilibrium():
     rho = np.array([-0.6, 0.0, 0.3])
-    angles = BEARING.contact_angle + deviations(np.radians([2.0, -3.0, 5.0]))
+    angles = BEARING.contact_angle + angle_deviations(np.radians([2.0, -3.0, 5.0]))
     carriage = 100.0 * np.column_stack([rho, -np.ones(3)])
     for loads, turned in [(balanced_loads(angles, 100.0, rho), angles), elastic_loads(BEARING, angles, 100.0, rho)]:
         np.testing.assert_allclose(forces_on_ball(turned, loads), 0.0, atol=1e-9)
@@ -187,7 +187,7 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     turn = np.concatenate([bottom, mated_top(bottom)], axis=1)
     up, down = rng.uniform(1.0, 100.0, (2, 20))
     np.testing.assert_allclose(velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
-    np.testing.assert_array_equal(deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
+    np.testing.assert_array_equal(angle_deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
     assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
 

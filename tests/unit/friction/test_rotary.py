@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.bearing import (
     motion_problem,
     solve_ball,
 )
-from rollbench.lowfi.friction.contact.laws import contacts, dissipation
+from rollbench.lowfi.friction.contact.laws import dissipated_power, equal_contacts
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.screw.motion import source_law
 
@@ -32,7 +32,7 @@ def problem_of(forces, bearing=BEARING, angles=ANGLES, free_z=False):
     h, f = bearing.constants, np.asarray(forces, dtype=float)
     cube = np.cbrt(np.maximum(f, 1e-6))
     (maps, drives), n = contact_maps(bearing, angles), 4 if free_z else 3
-    return Problem(contacts(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps[..., :n], drives, np.zeros(n))
+    return Problem(equal_contacts(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps[..., :n], drives, np.zeros(n))
 
 
 TWO, THREE = (140.0, 0.0, 140.0, 0.0), (150.0, 20.0, 160.0, 0.0)
@@ -110,7 +110,7 @@ def test_least_dissipation_is_least(forces):
     loss = m.loss
 
     def total(q):
-        return float(np.sum(dissipation(p.at, p.motion_at(q), fast=True).value))
+        return float(np.sum(dissipated_power(p.at, p.motion_at(q), fast=True).value))
 
     assert total(m.q) == pytest.approx(loss, rel=1e-9)
     rng = np.random.default_rng(6)
@@ -204,7 +204,7 @@ def test_no_motion_without_drive_and_no_loss_without_friction():
 def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
     maps = np.eye(3)[None]
-    base = Problem(contacts(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
+    base = Problem(equal_contacts(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
     held = least_dissipation(replace(base, push=np.array([0.0, 6.0, 1e-3])))
     assert held.status == "exact"
     assert held.rest[0]

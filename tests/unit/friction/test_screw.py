@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_state
 from rollbench.lowfi.friction.linear.chain import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_frame
 from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, load_arrays, settle_load, source_law
 
 SCREW = table_3_6()
@@ -44,8 +44,8 @@ def material_velocity(screw, q, offset, azimuth, h=1e-6):
     """Velocity of a material point of the ball at ``offset`` (x3, y3, z3) from its centre, by central differences."""
     places = []
     for t in (-h, h):
-        turn = frame(screw, azimuth + q[0] * t).T @ rotation(q[1:] * t)
-        centre = helical(screw, frame(screw, azimuth)[0] * screw.pitch_radius, q[0] * t)
+        turn = section_frame(screw, azimuth + q[0] * t).T @ rotation(q[1:] * t)
+        centre = helical(screw, section_frame(screw, azimuth)[0] * screw.pitch_radius, q[0] * t)
         places.append(centre + turn @ offset)
     return (places[1] - places[0]) / (2.0 * h)
 
@@ -57,7 +57,7 @@ def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
     normals = screw.normals(angle)
     maps, drives = screw.maps(normals)
     seen = drives + maps @ q
-    turn = frame(screw, 0.3)
+    turn = section_frame(screw, 0.3)
     for i in range(4):
         y = -normals[i]
         x, z = np.cross(y, [0.0, 1.0, 0.0]), np.array([0.0, 1.0, 0.0])
@@ -80,7 +80,7 @@ def test_pair_geometry_against_finite_differences() -> None:
     line = ends[1] - ends[0]
     assert np.linalg.norm(line) == pytest.approx(2.0 * SCREW.ball_radius, rel=1e-13)
     line /= np.linalg.norm(line)
-    frames = [frame(SCREW, s * 0.5 * pair.spacing) for s in (-1, 1)]
+    frames = [section_frame(SCREW, s * 0.5 * pair.spacing) for s in (-1, 1)]
     q = [np.array([2.0, -3.0, 0.7, 8.0]), np.array([1.5, 1.0, -2.0, 7.0])]
     v = [
         material_velocity(SCREW, q[k], frames[k] @ (s * SCREW.ball_radius * line), s * -0.5 * pair.spacing)

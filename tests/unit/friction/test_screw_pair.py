@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
-from rollbench.lowfi.friction.contact.laws import dissipation
+from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts, settle_load
@@ -110,10 +110,10 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
         return (drives + np.einsum("kirj,kj->kir", maps, q)).reshape(-1, 3)
 
     def loss(x):
-        return float(np.sum(dissipation(at, seen(x), fast=True).value)) / r.loss
+        return float(np.sum(dissipated_power(at, seen(x), fast=True).value)) / r.loss
 
     def slope(x):
-        d = dissipation(at, seen(x), fast=True).gradient.reshape(3, 4, 3)
+        d = dissipated_power(at, seen(x), fast=True).gradient.reshape(3, 4, 3)
         return (np.einsum("kir,kirj->kj", d, maps) * s.speed / s.units).ravel() / r.loss
 
     order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]

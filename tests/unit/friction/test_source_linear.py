@@ -13,8 +13,8 @@ from rollbench.lowfi.friction.as_source.chain import (
     solve_by_root,
     solve_linear_by_root,
 )
-from rollbench.lowfi.friction.linear.bearing import balanced_loads, deviations
-from rollbench.lowfi.friction.linear.chain import pair_state, prepare, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.linear.bearing import angle_deviations, balanced_loads
+from rollbench.lowfi.friction.linear.chain import pair_state, prepare_chain, solve_linear_chain, solve_pair
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
@@ -22,7 +22,7 @@ CASE = (np.radians(2.0), -0.6, 100.0)
 
 def state(theta, rho):
     """Contact angles and loads of balls with the given deviations [deg] and side force ratios."""
-    angles = BEARING.contact_angle + deviations(np.radians(theta))
+    angles = BEARING.contact_angle + angle_deviations(np.radians(theta))
     return angles, balanced_loads(angles, 100.0, np.asarray(rho))
 
 
@@ -51,7 +51,7 @@ def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
 def test_chain_is_ours_where_the_rule_for_contact_holds():
     """Each ball faster than the next: all touch."""
     angles, loads = state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5])
-    ours, found = solve_linear_chain(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    ours, found = solve_linear_chain(prepare_chain(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
     assert found.status == "exact"
     assert np.all(ours.ball_force > 0.0)
     np.testing.assert_allclose(found.ball_force, ours.ball_force, rtol=1e-8)
@@ -73,7 +73,7 @@ def test_balls_that_part_or_are_out_of_reach_stay_apart():
 def test_rule_for_contact_lets_balls_overlap():
     """The first is slower than the second, but not than the second held up by the third: 3.31 does not see that."""
     angles, loads = state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6])
-    ours, found = solve_linear_chain(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    ours, found = solve_linear_chain(prepare_chain(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
     assert found.free[0, 0] < found.free[1, 0]
     assert found.q[0, 0] > found.q[1, 0] * (1.0 + 1e-4)
     assert found.status == "overlapping"

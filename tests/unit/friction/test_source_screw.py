@@ -12,7 +12,7 @@ from rollbench.lowfi.friction.as_source.screw import (
     loads_by_root,
     screw_pair_by_root,
     simulate_by_root,
-    state_of,
+    start_from_result,
 )
 from rollbench.lowfi.friction.screw.motion import settle_load, source_law
 from rollbench.lowfi.friction.screw.run import Run, equal_steps, solve_pair
@@ -71,7 +71,7 @@ def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
     pair = case_as_printed(np.radians(theta))
     ours = solve_pair(pair)
-    found = screw_pair_by_root(pair, None, state_of(ours, False), state_of(ours, True))
+    found = screw_pair_by_root(pair, None, start_from_result(ours, False), start_from_result(ours, True))
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
     np.testing.assert_allclose(found.force, ours.touching.load.force, atol=1e-6)

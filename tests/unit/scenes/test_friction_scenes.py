@@ -9,7 +9,7 @@ from rollbench.compare.studies.friction.answer import left_out_of_kind
 from rollbench.compare.studies.friction.kinds import solve_kind
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball, solve_ball_as_printed
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain, solve_pair
 from rollbench.lowfi.friction.screw.motion import source_law
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
@@ -55,7 +55,7 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
     found = solve_kind(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
-    one = solve_linear_chain(prepare(LINEAR, scene.angles, loads))
+    one = solve_linear_chain(prepare_chain(LINEAR, scene.angles, loads))
     assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
     assert np.all(one.ball_force > 0.0)
     cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data

@@ -7,7 +7,14 @@ import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
+from rollbench.lowfi.as_source import (
+    System,
+    beam_matrix,
+    equations_and_jacobian,
+    initial_state,
+    solve_source,
+    solve_source_result,
+)
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.problem import build
 from rollbench.meshes.errors import specimen
@@ -41,12 +48,12 @@ def test_jacobian(kinematics, partition, errors):
     )
     x = initial_state(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
     load = rng.normal(0.0, 10.0, size - 36)
-    _, jacobian, forces = equations(system, x, load)
+    _, jacobian, forces = equations_and_jacobian(system, x, load)
     assert (forces > 0.0).sum() >= 3 * count
     for k in range(size):
         step = np.zeros(size)
         step[k] = 1e-4 * unit[k]
-        high, low = (equations(system, x + sign * step, load, jacobian=False)[0] for sign in (1, -1))
+        high, low = (equations_and_jacobian(system, x + sign * step, load, jacobian=False)[0] for sign in (1, -1))
         found, expected = jacobian[:, k] * unit[k], (high - low) / 2e-4
         for rows in (slice(0, 12), slice(12, 36), slice(36, None)):  # balls, contact conditions, screw
             scale = np.abs(jacobian[rows] * unit).max()

@@ -17,7 +17,7 @@ from rollbench.compare.printed import entry, load_table, value_of
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.bearing import Loads, velocity_deviation
-from rollbench.lowfi.friction.linear.chain import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction.linear.chain import PairMaps, PairResult, force_maps, pair_formulas, pair_state, solve_pair
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -70,7 +70,7 @@ def pair(theta: float = THETA, loads: Loads = "balanced", mated: bool = False, m
 @cache
 def claim_maps() -> PairMaps:
     """Return the coarse maps with which the claims are tested: theta from -3 to 3 deg, rho from -0.6 to 0.6."""
-    return maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
+    return force_maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
 
 # --- values of the printed entries

@@ -40,7 +40,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.sections.curves import numbers
 from rollbench.lowfi.friction.bearing import SIDES, Solution, TorqueCurve, sweep
-from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, maps
+from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, force_maps
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, deviation, summarise
 from rollbench.lowfi.friction.screw.travel import History
@@ -175,7 +175,7 @@ def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
 
 def map_figures() -> tuple[Figure, Figure]:
     """Draw Figures 3.14 and 3.15 as families of curves."""
-    m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
+    m = force_maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
     short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
         "friction-difference",

@@ -26,14 +26,14 @@ from rollbench.lowfi.bearings.axis import (
     TorqueBudget,
     acceleration_torque,
     angular_speed,
-    arrangement,
     axis_stiffness,
+    equal_rows,
     equilibrium,
     lift_off_force,
     shaft_inertia,
     shaft_stiffness,
+    shaft_tension,
     support_loads,
-    tension,
     unloading_warming,
 )
 from rollbench.meshes.axis import Assembly
@@ -59,7 +59,7 @@ class Layout:
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
             return bearings.bearing_set(self.kind, end)
-        return arrangement(BallRow(bearings.ball_bearing()), directions, 0.0)
+        return equal_rows(BallRow(bearings.ball_bearing()), directions, 0.0)
 
 
 TRIPLEX = Layout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
@@ -165,7 +165,7 @@ KINDS = ("ball", "taper")
 
 def pull() -> float:
     """Return the tension [N] of the stretched screw between rigid supports: the load of either end."""
-    return tension(bearings.axis(), bearings.STRETCH)
+    return shaft_tension(bearings.axis(), bearings.STRETCH)
 
 
 @cache
@@ -211,7 +211,7 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
         }
     )
     stiff = {kind: end_state(kind, "left", "stretch").stiffness for kind in KINDS}
-    elastic = [tension(bearings.axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
+    elastic = [shaft_tension(bearings.axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
     e.number("F", pull() / bearings.POUND, words)
     e.number("F_end", pull() / bearings.POUND, as_printed=0.5 * round(pull() / bearings.POUND, -1))

@@ -21,13 +21,13 @@ from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
     BallRow,
     ThrustState,
+    axial_displacement,
     contact_parameters,
-    curvatures,
-    displacement,
+    relative_curvatures,
     thrust_state,
 )
-from rollbench.lowfi.bearings.axis import Axis, BearingSet, arrangement, equilibrium, preloaded
-from rollbench.lowfi.bearings.combined_load import CombinedState, combined, load_zone, zone_of_load
+from rollbench.lowfi.bearings.axis import Axis, BearingSet, equal_rows, equilibrium, preloaded_rows
+from rollbench.lowfi.bearings.combined_load import CombinedState, combined_equilibrium, load_zone, zone_of_load
 from rollbench.lowfi.bearings.torque import (
     KILOGRAM_FORCE,
     LEAST_FILM,
@@ -117,8 +117,8 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
         row = BallRow(ball_bearing())
-        return arrangement(row, directions, row.deflection(preload))
-    return preloaded(TaperedRow(taper_bearing()), directions, preload)
+        return equal_rows(row, directions, row.deflection(preload))
+    return preloaded_rows(TaperedRow(taper_bearing()), directions, preload)
 
 
 def axis(left: float = np.inf, right: float = np.inf) -> Axis:
@@ -142,7 +142,7 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 @cache
 def state(load: float) -> ThrustState:
     """Return the correct state of the ball bearing under a thrust [N]."""
-    return thrust_state(ball_bearing(), displacement(ball_bearing(), load))
+    return thrust_state(ball_bearing(), axial_displacement(ball_bearing(), load))
 
 
 @cache
@@ -150,7 +150,7 @@ def sheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_prin
     """Return the spreadsheet of Figure 2-10, recomputed as printed at a thrust [lbf]."""
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
-    return as_printed.spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
+    return as_printed.compute_spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
 
 def sheet_tangent(pounds: float) -> float:
@@ -200,7 +200,7 @@ def _cells(e: Findings) -> None:
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
     e.number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
     e.number("Q_N", q, as_printed=source.ball_load)
-    pairs = curvatures(ball_bearing(), s.angle)
+    pairs = relative_curvatures(ball_bearing(), s.angle)
     for i, (name, pair, h) in enumerate(zip("io", pairs, (s.inner, s.outer), strict=True)):
         across, along = (1e-3 * float(k) for k in pair)
         difference = (along - across) / (along + across)
@@ -249,7 +249,9 @@ def fit_range() -> tuple[float, float, float]:
     """Return the range of F(p) around 0.9 where fit 2.18 is within 2 %, and its error [%] at F(p) = 0.5."""
 
     def off(difference: float) -> float:
-        return abs(float(error_percent(as_printed.fitted(difference, "approach"), contact_parameters(difference)[0])))
+        return abs(
+            float(error_percent(as_printed.fitted_parameter(difference, "approach"), contact_parameters(difference)[0]))
+        )
 
     low = high = 0.9
     while off(low - 1e-3) <= 2.0:
@@ -267,7 +269,7 @@ def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     low, high, worst = fit_range()
     e.claim("fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5")
     f = sheet(2040.0).differences[0]
-    minor, exact = as_printed.fitted(f, "minor"), contact_parameters(f)[2]
+    minor, exact = as_printed.fitted_parameter(f, "minor"), contact_parameters(f)[2]
     percent = float(error_percent(minor, exact))
     e.claim("fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}")
 
@@ -304,7 +306,7 @@ def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     product = 1e6 * VISCOSITY * SPEED / RPM
     e.claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
     s = state(BALL_TORQUE_LOAD)
-    (across, along), _ = curvatures(b, s.angle)
+    (across, along), _ = relative_curvatures(b, s.angle)
     rating = static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
     loaded = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
     whole = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
@@ -357,7 +359,7 @@ CROWN, SLICES = 2.0, 101
 @cache
 def rollers_of_figure_3_6() -> CombinedState:
     """Return the bearing of figure 3-6 by line contacts, solved roller by roller."""
-    return combined(taper_bearing(), SHEET_LOAD, RADIAL)
+    return combined_equilibrium(taper_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache

@@ -57,9 +57,9 @@ def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
 @pytest.mark.parametrize("difference", [0.70, 0.80, 0.90, 0.96])
 def test_fits(difference: float) -> None:
     delta, a, b = contact_parameters(difference)
-    assert as_printed.fitted(difference, "approach") == pytest.approx(delta, rel=0.02)
-    assert as_printed.fitted(difference, "major") == pytest.approx(a, rel=0.02)
-    assert as_printed.fitted(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
+    assert as_printed.fitted_parameter(difference, "approach") == pytest.approx(delta, rel=0.02)
+    assert as_printed.fitted_parameter(difference, "major") == pytest.approx(a, rel=0.02)
+    assert as_printed.fitted_parameter(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
     rows = bearings.DIFFERENCES[:-1]
     assert np.interp(difference, rows, [contact_parameters(f)[0] for f in rows]) == pytest.approx(delta, rel=0.01)
 
