@@ -149,11 +149,11 @@ def _programs() -> Iterator[Check]:
 
 
 def _folders(store: Path) -> Iterator[Check]:
-    from rollbench.lowfi.jit import cached, code_folder
+    from rollbench.lowfi.jit import code_folder, is_machine_code_cached
     from rollbench.meshes.cache import default_root
 
     folder, slow = code_folder(), "compiles for some 20 s"
-    kept = f"kept in {folder and folder.parent}" + ("" if cached() else f"; the first use {slow}")
+    kept = f"kept in {folder and folder.parent}" + ("" if is_machine_code_cached() else f"; the first use {slow}")
     lack = "" if folder else "not kept"
     yield _looked("compiled kernels", kept, lack, f"every process {slow}", "see ROLLBENCH_CACHE")
     root = default_root()

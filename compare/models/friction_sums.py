@@ -9,7 +9,7 @@ from typing import Any
 from rollbench.compare.models.registry import Options
 from rollbench.compare.quantities import number
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, ScrewTorque, will_compile
-from rollbench.lowfi.jit import CONTACT, cached
+from rollbench.lowfi.jit import CONTACT, is_machine_code_cached
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
@@ -54,7 +54,7 @@ def _kept_torque(scene: Scene, result: StaticResult, friction: Friction, drive: 
 
     Raises ValueError as that function does, and if a kernel would have to be compiled first.
     """
-    if will_compile(scene, friction) and not cached(CONTACT):
+    if will_compile(scene, friction) and not is_machine_code_cached(CONTACT):
         raise ValueError("kernels are not compiled yet; rollbench friction SCENE does it, once")
     from rollbench.lowfi.friction.whole.state import friction_state
 

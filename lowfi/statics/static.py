@@ -72,8 +72,8 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
         Whether flanks deviate from circular arcs, with which a contact costs an iteration.
     """
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
-    many = balls > most and (uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS))
-    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or many))
+    many = balls > most and (uneven or balls > COMPILE_ALONE or jit.is_machine_code_cached(jit.STATICS))
+    fast = engine == "compiled" or (engine == "auto" and (jit.is_copy_loaded(jit.STATICS) or many))
     return jit.kernels(jit.STATICS, compiled=fast)
 
 

@@ -39,7 +39,7 @@ from rollbench.compare.studies.members.ensemble import (
     with_seed,
     without_random_errors,
 )
-from rollbench.lowfi.jit import STATICS, cached
+from rollbench.lowfi.jit import STATICS, is_machine_code_cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -179,7 +179,9 @@ def run_members(
     """
     _check(scene, model, count)
     start, model = perf_counter(), model or default_model(scene)
-    kernels = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
+    kernels = (
+        "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS)) else "interpreted"
+    )
     bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
     nominal = contact_loads(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:

@@ -12,7 +12,7 @@ from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of,
 from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, seats_of, second_states
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, from_motions
 from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_up, will_compile
-from rollbench.lowfi.jit import CONTACT, afterwards, cached, loaded
+from rollbench.lowfi.jit import CONTACT, is_copy_loaded, is_machine_code_cached, register_compile_job
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
@@ -158,11 +158,19 @@ def friction_state(
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)
     pushed = friction.neighbours
-    first = fast is None and not cached(CONTACT) and not loaded(CONTACT) and not pushed and scene.ball_count <= UNCOMPILED
+    first = (
+        fast is None
+        and not is_machine_code_cached(CONTACT)
+        and not is_copy_loaded(CONTACT)
+        and not pushed
+        and scene.ball_count <= UNCOMPILED
+    )
     if first and will_compile(scene, friction):
-        afterwards(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
+        register_compile_job(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
     if fast is None:
-        fast = not first and (will_compile(scene, friction) or loaded(CONTACT) or (coupled and cached(CONTACT)))
+        fast = not first and (
+            will_compile(scene, friction) or is_copy_loaded(CONTACT) or (coupled and is_machine_code_cached(CONTACT))
+        )
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()

@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import driver_of, is_compiled, kernel
+from rollbench.lowfi.jit import is_compiled, kernel, load_driver
 from rollbench.lowfi.statics.kernel_types import (
     Array,
     AxisArrays,
@@ -318,7 +318,7 @@ def reach_of(given: AxisSystem, workspace: RowWorkspace) -> float:
     return sqrt(largest)
 
 
-minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 
 @kernel

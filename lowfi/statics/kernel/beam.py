@@ -15,7 +15,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import driver_of, kernel
+from rollbench.lowfi.jit import kernel, load_driver
 from rollbench.lowfi.statics.kernel_types import (
     Array,
     AxisArrays,
@@ -392,7 +392,7 @@ def unbalanced(state: RowState, scale: float) -> float:
     return ball_mismatch(state.contact, scale)
 
 
-minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 
 @kernel

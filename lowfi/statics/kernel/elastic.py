@@ -18,7 +18,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import driver_of, kernel
+from rollbench.lowfi.jit import kernel, load_driver
 from rollbench.lowfi.statics.kernel_types import (
     Array,
     BallContacts,
@@ -442,7 +442,7 @@ def furthest(given: BodySystem, state: BodyState) -> float:
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
-minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 
 @kernel

@@ -38,22 +38,26 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
     folder = jit.code_folder()
     assert folder == tmp_path / "kernels" / jit.digest()
     assert sorted(f.name for f in folder.parent.iterdir()) == sorted([jit.digest(), "old3", "old4", "old5"])
-    assert not jit.cached()
+    assert not jit.is_machine_code_cached()
     (folder / jit.CONTACT / "kernel_1").mkdir(parents=True)
     (folder / jit.CONTACT / "kernel_1" / "f.nbi").write_text("machine code")
-    assert (jit.cached(), jit.cached(jit.CONTACT), jit.cached(jit.STATICS)) == (True, True, False)
+    assert (
+        jit.is_machine_code_cached(),
+        jit.is_machine_code_cached(jit.CONTACT),
+        jit.is_machine_code_cached(jit.STATICS),
+    ) == (True, True, False)
 
 
 def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypatch, capsys):
-    jit._announce.cache_clear()
+    jit._announce_compilation.cache_clear()
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    jit._announce()
-    jit._announce()
+    jit._announce_compilation()
+    jit._announce_compilation()
     assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1
     done = []
     monkeypatch.setattr(jit, "_afterwards", {})
     for number in range(2):
-        jit.afterwards(jit.CONTACT, lambda number=number: done.append(number))
+        jit.register_compile_job(jit.CONTACT, lambda number=number: done.append(number))
     jit.compile_afterwards()
     jit.compile_afterwards()
     assert done == [1]
@@ -80,8 +84,8 @@ def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
     blocked.write_text("no folder")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
     assert jit.code_folder() is None
-    assert not jit.cached()
-    assert "compiled kernels are not kept" in capfd.readouterr().err
+    assert not jit.is_machine_code_cached()
+    assert "compiled kernels are not stored" in capfd.readouterr().err
     jit.code_folder.cache_clear()
     monkeypatch.delenv("NUMBA_CACHE_DIR")
     monkeypatch.setenv("ROLLBENCH_CACHE", "off")
