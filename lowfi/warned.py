@@ -59,7 +59,7 @@ class Warned(str):
         return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 
 
-def above(warnings: Iterable[Warned]) -> str:
+def warning_line(warnings: Iterable[Warned]) -> str:
     """Return the line of warnings that is printed above the results; empty if no warning has a short form.
 
     Parameters

@@ -144,9 +144,9 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
     """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning; else 0."""
-    from rollbench.lowfi.warned import above
+    from rollbench.lowfi.warned import warning_line
 
-    return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
+    return int(any(one.answers is None or (choices.strict and warning_line(one.result.warnings)) for one in solved))
 
 
 def _checked(choices: Choices) -> tuple[str, float]:
@@ -319,7 +319,7 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.text.solved import side_by_side_lines
-    from rollbench.lowfi.warned import above
+    from rollbench.lowfi.warned import warning_line
 
     described = [catalogue.any_scene(name) for name in names]
     model, station = _checked(choices)
@@ -328,7 +328,7 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
     at = station if choices.stiffness_at else None
     with watched(f"{len(names)} scenes, model {one_line(model)}", checked(choices.time_limit)):
         found = side_by_side_described(described, names, model, choices.member, at)
-    warned = choices.strict and any(above(one.warnings) for one in found.scenes)
+    warned = choices.strict and any(warning_line(one.warnings) for one in found.scenes)
     return Answer(found.to_dict, side_by_side_lines(found), int(not found.converged or warned), folded=True)
 
 

@@ -19,7 +19,7 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import best_start
+from rollbench.lowfi.as_source import solve_with_fallback_start
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.contacts import drawn_hertz, error_free_hertz
 from rollbench.lowfi.statics.static import solve_static
@@ -282,7 +282,7 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
         passed, label = result.converged and percent <= limit, f"{name}: balance of the screw"
         rows.append(GateRow(label, "balance", worst, 0.0, percent, limit, passed, result.status))
     for name in ("lin-case1", "lin-case3-offset"):
-        by_source = best_start(study.scene(name), "arc")
+        by_source = solve_with_fallback_start(study.scene(name), "arc")
         e2 = load_error(study.solve(name).load, by_source.load)
         passed, label = (
             by_source.converged and e2.max_percent <= limit,

@@ -17,7 +17,7 @@ from rollbench.compare.models.registry import Options, default_model, run_model
 from rollbench.compare.quantities import as_json
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
-from rollbench.lowfi.warned import Warned, above
+from rollbench.lowfi.warned import Warned, warning_line
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
@@ -185,7 +185,7 @@ class LoadCurve(Record):
     @property
     def above(self) -> str:
         """Text of the warnings that are shown above the answers; empty without such warnings."""
-        return above(self.warnings)
+        return warning_line(self.warnings)
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the JSON that ``rollbench solve --curve --json`` prints.

@@ -20,7 +20,7 @@ from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
-from rollbench.lowfi.warned import above
+from rollbench.lowfi.warned import warning_line
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.errors import specimen
@@ -439,7 +439,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         "model_form": as_json(one.expected),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
-        "warning": above(result.warnings) or None,
+        "warning": warning_line(result.warnings) or None,
         "warnings": list(result.warnings),
     }
 

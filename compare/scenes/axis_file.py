@@ -273,11 +273,11 @@ def _end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
         yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
     elif r.end_radius is not None:
         from rollbench.lowfi.bearings.rib import rib_geometry, rib_height
-        from rollbench.lowfi.rollers import tapered
+        from rollbench.lowfi.rollers import tapered_bearing
 
         row = _row(r, Material(2e11, 0.3))  # whose moduli the geometry does not need
         try:
-            rib_geometry(tapered(row), r.end_radius, rib_height(row))
+            rib_geometry(tapered_bearing(row), r.end_radius, rib_height(row))
         except ValueError as error:
             yield Fault((f"{at}.end_radius",), str(error), "makers take 0.8 to 0.95 of the distance from the apex")
 

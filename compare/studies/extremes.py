@@ -28,7 +28,7 @@ from rollbench.compare.scenes.catalogue import scene as shipped
 from rollbench.compare.studies.extreme_cases import CONVERGED, Case, cases
 from rollbench.lowfi.as_source import Start, solve_source
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.rollers import middles, tapered
+from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -238,8 +238,11 @@ def slice_fault(row: SetResult, result: AxisResult) -> float:
     parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
         return 0.0
-    bearing, sign, angle = tapered(parts), 1.0 if row.of.thrust == "+z" else -1.0, parts.cup_angle
-    azimuth, along = parts.phase + 2.0 * np.pi * np.arange(parts.count) / parts.count, middles(parts.length, parts.slices)
+    bearing, sign, angle = tapered_bearing(parts), 1.0 if row.of.thrust == "+z" else -1.0, parts.cup_angle
+    azimuth, along = (
+        parts.phase + 2.0 * np.pi * np.arange(parts.count) / parts.count,
+        slice_middles(parts.length, parts.slices),
+    )
     out = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(parts.count)], axis=1)[:, None, :]
     axis, reach = np.array([0.0, 0.0, sign]), bearing.apex_distance * np.sin(angle) + along[:, None] * np.sin(angle)
     at = reach * out - along[:, None] * np.cos(angle) * axis

@@ -22,7 +22,15 @@ from rollbench.compare.reference.convergence import Convergence, observe
 from rollbench.compare.reference.store import measuring_conditions, sealed, shipped_store, unsealed, versions
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi.hertz import contact_modulus
-from rollbench.lowfi.rollers import approach_of, circular_crown, half_width, pressure, slice_state, sliced, tapered
+from rollbench.lowfi.rollers import (
+    approach_under_force,
+    circular_crown,
+    half_width,
+    pressure,
+    slice_roller,
+    slice_state,
+    tapered_bearing,
+)
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.canonical import digest
 
@@ -198,15 +206,15 @@ class LowOrder:
 
 def low_order(row: RollerRow, load: float) -> LowOrder:
     """Return approach and stiffness by low-order laws of a roller that its races press with a load [N]."""
-    roller = sliced(tapered(row), row.slices, circular_crown(row.crown))
-    approach = approach_of(roller, load)
+    roller = slice_roller(tapered_bearing(row), row.slices, circular_crown(row.crown))
+    approach = approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
     return LowOrder(approach, slice_state(roller, approach).stiffness, norm, load / (0.9 * norm))
 
 
 def line_contact(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
     """Return Hertz's largest pressure [Pa] in mid-roller at outer and inner contact, from loads per length [N/m]."""
-    bearing = tapered(row)
+    bearing = tapered_bearing(row)
     roller, cone, cup = (float(r) for r in bearing.radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     curved = (1.0 / roller - 1.0 / cup, 1.0 / roller + 1.0 / cone)

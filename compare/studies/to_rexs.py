@@ -26,7 +26,7 @@ from rollbench.lowfi.rating.contacts import race_pressures
 from rollbench.lowfi.rating.life import is_thrust
 from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.roller_life import is_thrust as is_thrust_row
-from rollbench.lowfi.rollers import middles, tapered
+from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.one_arc import clearance_of
@@ -229,7 +229,7 @@ def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, li
         "number_of_rolling_elements": parts.count,
         "axial_force_absorption_of_row": TAKES[row.thrust],
         "pressure_angle": degrees(parts.cup_angle),
-        "reference_diameter": 1e3 * tapered(parts).pitch_diameter,
+        "reference_diameter": 1e3 * tapered_bearing(parts).pitch_diameter,
     }
     k = writer.part(bearing, "rolling_bearing_row", row.name, 1, **of_row)
     crown = None if np.isinf(parts.crown) else 1e3 * parts.crown
@@ -384,7 +384,7 @@ def _of_rollers(contacts: list[list[int]], s: SetResult, row: RollerRow) -> Case
     """Return force, loads of the laminae and largest pressure of each contact."""
     assert s.line_loads is not None
     assert s.roller_load is not None
-    places = tuple(1e3 * middles(row.length, row.slices))
+    places = tuple(1e3 * slice_middles(row.length, row.slices))
     pressure, width = 1e-6 * race_pressures(row, s.line_loads), row.length / row.slices
     return {
         k: {

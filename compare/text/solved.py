@@ -23,7 +23,7 @@ from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
 from rollbench.lowfi.statics.tangent import Tangent
-from rollbench.lowfi.warned import above
+from rollbench.lowfi.warned import warning_line
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
@@ -56,7 +56,7 @@ def case_table(
     effects (always where there are no answers).
     """
     result, title = one.result, []
-    above_all, measured = above(result.warnings), ""
+    above_all, measured = warning_line(result.warnings), ""
     behind = [] if result.equilibrium is None else _balance(result.equilibrium, several=isinstance(one, SolvedAxis))
     details = details or one.answers is None
     if isinstance(one, SolvedAxis):
@@ -151,7 +151,7 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
         rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
     if any(one.shortest for one in found.scenes):
         rows.append(["shortest set", *(one.shortest or "–" for one in found.scenes)])
-    warned = [(one.scene, above(one.warnings)) for one in found.scenes]
+    warned = [(one.scene, warning_line(one.warnings)) for one in found.scenes]
     unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
     return [
         *(f"{name}: {line}" for name, line in warned if line),

@@ -94,7 +94,7 @@ class BallBearing:
         return float(np.arccos(min(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0)))
 
 
-def of_angle(
+def bearing_of_contact_angle(
     balls: int,
     ball_diameter: float,
     pitch_diameter: float,
@@ -249,7 +249,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
     Examples
     --------
-    >>> b = of_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
+    >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
     >>> round(float(thrust_state(b, 36e-6).load))
     17727
     """
@@ -266,13 +266,13 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     q = contact_force(approach, c)
     sin, cos = np.sin(angle), np.cos(angle)
     # dQ/du: by the approach, sin(alpha) per u, and by the angle, cos(alpha)/s per u
-    by_angle = _compliance_by_angle(bearing, angle, inner, outer)
+    by_angle = _compliance_derivative(bearing, angle, inner, outer)
     slope = contact_slope(approach, c) * (sin - approach * by_angle / c * cos / s)
     load, stiffness = bearing.balls * q * sin, bearing.balls * (slope * sin + q * cos**2 / s)
     return ThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 
 
-def _compliance_by_angle(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
+def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
     """d(C_i + C_o)/d(alpha): only the curvature along the track depends on the angle."""
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)
@@ -352,7 +352,7 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
 
     Examples
     --------
-    >>> b = of_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
+    >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
     >>> round(axial_displacement(b, 17727.0) * 1e6, 3)
     36.0
     """
@@ -372,7 +372,7 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
     return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))
 
 
-def state_under(bearings: BallRows, load: Array) -> ThrustState:
+def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
     """Return contact angle, loads and stiffness of many bearings under given thrusts.
 
     Newton's method on F^(2/3), which is nearly linear in u.
@@ -427,7 +427,7 @@ def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> 
     low, high = np.log(np.array(CONFORMITIES) - 0.5)
 
     def excess(x: Array) -> Array:
-        state = state_under(replace(bearings, conformity=0.5 + np.exp(x)), preload)
+        state = thrust_state_under_load(replace(bearings, conformity=0.5 + np.exp(x)), preload)
         return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 
     old = np.log(bearings.conformity - 0.5)

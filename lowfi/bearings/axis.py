@@ -430,7 +430,7 @@ class SetState:
         return float(self.row_stiffness.sum())
 
 
-def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
+def _evaluate_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
     """Return load [N] or stiffness [N/m] of each row at a displacement [m]; equal rows of a set are evaluated once."""
     known, values = dict[tuple[int, float], float](), []
     for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
@@ -443,12 +443,12 @@ def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, floa
 
 def _thrust_of_rows(bearings: BearingSet, displacement: float) -> Array:
     """Return the thrust of each row [N]."""
-    return _of_rows(bearings, displacement, lambda row, d: row.thrust(d))
+    return _evaluate_rows(bearings, displacement, lambda row, d: row.thrust(d))
 
 
-def state_at(bearings: BearingSet, displacement: float) -> SetState:
+def bearing_set_state(bearings: BearingSet, displacement: float) -> SetState:
     """Return loads and stiffness of a set at an axial displacement of the inner rings [m]."""
-    stiffness = _of_rows(bearings, displacement, lambda row, d: row.stiffness(d))
+    stiffness = _evaluate_rows(bearings, displacement, lambda row, d: row.stiffness(d))
     return SetState(displacement, _thrust_of_rows(bearings, displacement), stiffness)
 
 
@@ -481,7 +481,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
     if force != 0.0 and not np.any(s == np.sign(force)):
         raise ValueError("no row of the set takes thrust in the direction of the force")
     if force == 0.0 and np.unique(s).size == 1:
-        return state_at(bearings, -s[0] * max(bearings.offsets))
+        return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
 
     def excess(u: float) -> float:
         return float(s @ _thrust_of_rows(bearings, u)) - force
@@ -493,7 +493,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
         low *= 2.0
     while excess(high) < 0.0:
         high *= 2.0
-    return state_at(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
+    return bearing_set_state(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
 
 
 def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
@@ -555,5 +555,5 @@ def lift_off_force(bearings: BearingSet) -> float:
     others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:
         raise ValueError("no row faces the other way")
-    state = state_at(bearings, max(others))
+    state = bearing_set_state(bearings, max(others))
     return float(np.array(bearings.directions) @ state.loads)

@@ -4,8 +4,8 @@ The ring's displacement (axial, radial) compresses the roller at azimuth psi by
 
     delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi);                                                           (1)
 
-equilibrium is the minimum of a convex energy in the two displacements. ``by_load_zone`` is Smith's method (1994, 3.1-3.21)
-by load-zone integrals and a power law, for comparison.
+equilibrium is the minimum of a convex energy in the two displacements. ``solve_by_load_zone`` is Smith's method (1994,
+3.1-3.21) by load-zone integrals and a power law, for comparison.
 
 Sjovall's integrals and their inverse: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2
 eps)], with the load zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries the
@@ -86,7 +86,7 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
     return LoadZone(eps, end / np.pi + float(weights @ change), even + float(weights @ (change * np.cos(psi))), end)
 
 
-def zone_of_load(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
+def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
     """Return the load zone of a row under thrust and radial load, J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
 
     Parameters
@@ -143,7 +143,7 @@ def roller_azimuths(bearing: TaperedBearing) -> Array:
     return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
 
 
-def state_at(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
+def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
     """Return the loads of the rollers at a displacement of the inner ring.
 
     Parameters
@@ -182,10 +182,10 @@ def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -
     ValueError
         F_a <= F_r tan(alpha), with which the row separates, or a negative radial load.
     """
-    start = by_load_zone(bearing, axial, radial)
+    start = solve_by_load_zone(bearing, axial, radial)
     force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
     for _ in range(100):
-        energy, inner, slope, loads = state_at(bearing, x)
+        energy, inner, slope, loads = energy_and_derivatives(bearing, x)
         off = inner - force
         if np.abs(off).max() <= 1e-12 * axial:
             break
@@ -210,7 +210,7 @@ def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, f
 def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
     """Energy [J], infinite where a trial step leaves the range of the line contact."""
     try:
-        return state_at(bearing, x)[0]
+        return energy_and_derivatives(bearing, x)[0]
     except ValueError:
         return np.inf
 
@@ -229,7 +229,7 @@ class ZoneState:
     zone: LoadZone
 
 
-def by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
+def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
     """Return displacements and largest load by Smith's load-zone method, with exact integrals and exact line contact.
 
     A power law distributes the load, the line contact of the most loaded roller gives its compression: exact for pure
@@ -240,7 +240,7 @@ def by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneSt
     ----------
     Smith (1994), 3.14 to 3.21.
     """
-    zone = zone_of_load(axial, radial, bearing.cup_angle, EXPONENT)
+    zone = load_zone_of_forces(axial, radial, bearing.cup_angle, EXPONENT)
     greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.axial)
     normal = float(bearing.law().approach(greatest / bearing.length))
     w = 0.5 / zone.eps

@@ -35,7 +35,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.rollers import TaperedBearing, tapered
+from rollbench.lowfi.rollers import TaperedBearing, tapered_bearing
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.quantity import quantity, record
@@ -156,7 +156,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     """
     if not (loads > 0.0).any():
         return None
-    bearing, height = tapered(row), rib_height(row)
+    bearing, height = tapered_bearing(row), rib_height(row)
     worst = int(loads.argmax())
     load = 2.0 * float(loads[worst] * np.sin(bearing.roller_angle))
     words = [] if row.rib_height is not None else [f"rib_height is assumed, {USUAL_HEIGHT:g} of the roller's diameter"]
@@ -195,7 +195,7 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
     if row.end_radius is None:
         return 0.0 * root, 0.0 * root
     E, nu = row.material.youngs_modulus, row.material.poissons_ratio
-    along, across = rib_geometry(tapered(row), row.end_radius, rib_height(row)).curvatures
+    along, across = rib_geometry(tapered_bearing(row), row.end_radius, rib_height(row)).curvatures
     h = hertz_constants(np.array(along), np.array(across), contact_modulus(E, nu, E, nu))
     return np.asarray(h.C_a * root), np.asarray(h.C_b * root)
 

@@ -29,7 +29,7 @@ import numpy as np
 
 from rollbench.lowfi.bearings.rib import mean_distance, rib_contact_ellipse, rib_height, roller_speed_ratios
 from rollbench.lowfi.bearings.torque import taper_torque
-from rollbench.lowfi.rollers import TaperedBearing, middles, slice_contacts, tapered
+from rollbench.lowfi.rollers import TaperedBearing, slice_contacts, slice_middles, tapered_bearing
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
@@ -128,7 +128,7 @@ def roller_torque(
     """
     if not (line_loads > 0.0).any():
         return None
-    bearing, speed = tapered(row), abs(speed or 0.0)
+    bearing, speed = tapered_bearing(row), abs(speed or 0.0)
     loads = line_loads.mean(axis=1) * row.length
     cone, _ = roller_speed_ratios(bearing)
     rib = 2.0 * np.sin(bearing.roller_angle) * loads
@@ -177,7 +177,7 @@ def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
 
 def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
     """Return the torque of the films of both races [N m] by (1), slice by slice; arguments as for `roller_torque`."""
-    x = middles(bearing.length, line_loads.shape[-1])
+    x = slice_middles(bearing.length, line_loads.shape[-1])
     roller, cone, cup = bearing.radii(x)
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
     lost = 0.0

@@ -24,7 +24,7 @@ import numpy as np
 
 from rollbench.lowfi.rating.life import is_thrust, rating, standard_of
 from rollbench.lowfi.rating.rigidity import slope_of
-from rollbench.lowfi.rollers import middles, roller_contacts, slice_contacts, tapered
+from rollbench.lowfi.rollers import roller_contacts, slice_contacts, slice_middles, tapered_bearing
 from rollbench.lowfi.statics.contacts import curvature_changes, error_free_hertz, nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
@@ -312,7 +312,7 @@ def race_pressures(row: RollerRow, line_loads: Array) -> Array:
     line_loads
         Loads per length ``(count, slices)`` [N/m].
     """
-    return np.asarray(slice_contacts(tapered(row), line_loads)[1].max(axis=1))
+    return np.asarray(slice_contacts(tapered_bearing(row), line_loads)[1].max(axis=1))
 
 
 def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
@@ -333,7 +333,7 @@ def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
     RollerContact | None
         The contact; None without load.
     """
-    bearing = tapered(row)
+    bearing = tapered_bearing(row)
     half_width, pressure = slice_contacts(bearing, line_loads)
     if not (pressure > 0.0).any():
         return None
@@ -343,7 +343,7 @@ def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
         roller=i + 1,
         race=RACES[race],
         force=force,
-        place=float(middles(row.length, row.slices)[k]),
+        place=float(slice_middles(row.length, row.slices)[k]),
         line_load=float(line_loads[i, k]),
         half_width=float(half_width[i, k, race]),
         pressure=float(pressure[i, k, race]),

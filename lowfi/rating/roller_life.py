@@ -43,7 +43,7 @@ import numpy as np
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rating.contacts import RACES, STRIBECK, Ratings
 from rollbench.lowfi.rating.life import RADIAL_UP_TO, EquivalentLife, Life
-from rollbench.lowfi.rollers import tapered
+from rollbench.lowfi.rollers import tapered_bearing
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -67,7 +67,7 @@ def is_thrust(row: RollerRow) -> bool:
 def race_capacities(row: RollerRow) -> Array:
     """Return the basic dynamic capacity Q_c of a roller's contact with inner and outer race by (1), ``(2,)`` [N]."""
     alpha, D, length = row.cup_angle, 1e3 * row.diameter, 1e3 * row.length
-    gamma = row.diameter * cos(alpha) / tapered(row).pitch_diameter
+    gamma = row.diameter * cos(alpha) / tapered_bearing(row).pitch_diameter
     reduced = THRUST * (1.0 - 0.15 * sin(alpha)) if is_thrust(row) else RADIAL
     sign = np.array([-1.0, 1.0])
     curve = (1.0 + sign * gamma) ** (29.0 / 27.0) / (1.0 - sign * gamma) ** 0.25
@@ -97,13 +97,13 @@ def dynamic_rating(row: RollerRow) -> float:
     >>> from math import radians
     >>> from rollbench.meshes.parts import Material
     >>> row = RollerRow(16, 12e-3, 16e-3, radians(15.0), radians(2.5), 8e-3, Material(206e9, 0.3))
-    >>> round(tapered(row).pitch_diameter * 1e3, 2), round(dynamic_rating(row)), round(static_rating(row))
+    >>> round(tapered_bearing(row).pitch_diameter * 1e3, 2), round(dynamic_rating(row)), round(static_rating(row))
     (59.49, 94723, 105724)
     """
     inner, outer = (float(Q) for Q in race_capacities(row))
     if is_thrust(row):
         return row.count * sin(row.cup_angle) * float((inner**-4.5 + outer**-4.5) ** (-2.0 / 9.0))
-    gamma = row.diameter * cos(row.cup_angle) / tapered(row).pitch_diameter
+    gamma = row.diameter * cos(row.cup_angle) / tapered_bearing(row).pitch_diameter
     both = 1.0 + (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)) ** 4.5
     return 0.377 * row.count * cos(row.cup_angle) * inner * float(both ** (-2.0 / 9.0))
 
@@ -119,7 +119,7 @@ def static_rating(row: RollerRow) -> float:
     float
         C_0 [N]: radial for a cup's angle up to 45 deg, axial above it.
     """
-    bearing, E, nu = tapered(row), row.material.youngs_modulus, row.material.poissons_ratio
+    bearing, E, nu = tapered_bearing(row), row.material.youngs_modulus, row.material.poissons_ratio
     roller, cone, _ = bearing.radii()
     curvature = float(1.0 / roller + 1.0 / cone)
     line = pi * ROLLER_DENT_PRESSURE**2 / (contact_modulus(E, nu, E, nu) * curvature)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, bearing_of_contact_angle
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
 from rollbench.lowfi.bearings.combined_load import combined_equilibrium
 from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
@@ -15,7 +15,7 @@ SEEDS = range(12)
 
 def ball(rng: np.random.Generator, scale: float = 1.0) -> BallBearing:
     d = scale * rng.uniform(2e-3, 30e-3)
-    return of_angle(
+    return bearing_of_contact_angle(
         int(rng.integers(6, 40)),
         d,
         d * rng.uniform(4.0, 12.0),

@@ -25,7 +25,13 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, relative_curvatures, thrust_state
+from rollbench.lowfi.bearings.angular_contact import (
+    BallBearing,
+    BallRow,
+    bearing_of_contact_angle,
+    relative_curvatures,
+    thrust_state,
+)
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded_rows
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -153,7 +159,7 @@ def _spindle(case: str, row: Sequence[float], conformity: float) -> BallBearing:
     d_m, d_w, balls = row[:3]
     angle, young = input_in_SI(case, "contact_angle", "angle"), input_in_SI(case, "youngs_modulus", "pressure")
     poisson = float(inputs()[case]["poissons_ratio"])
-    return of_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
+    return bearing_of_contact_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
 
 
 def _pair(bearing: BallBearing, preload: float) -> BearingSet:
@@ -306,7 +312,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
-    bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
+    bearing = bearing_of_contact_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
     angle = np.arccos(inputs()["nsk"]["cosine"])
     findings.number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from rollbench.compare.cases.makers.outside import Band, Outside, of_row
 from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, state_under
+from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, thrust_state_under_load
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import rating
@@ -173,7 +173,7 @@ def ball_bearings() -> Iterator[Outside]:
         conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
         balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
         each = AngleRows(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
-        state = state_under(each, np.column_stack([forces, load[:, -1]]))
+        state = thrust_state_under_load(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
     for i, rows in enumerate(bearings):
@@ -236,7 +236,7 @@ def frozen_pairs() -> Iterator[Outside]:
     pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(column("angle_deg"))
     usual = np.full(pitch.size, CONFORMITY)
     rows = AngleRows(column("balls"), column("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
-    stiff = 2e-7 * state_under(rows, column("preload_daN", 10.0)).stiffness
+    stiff = 2e-7 * thrust_state_under_load(rows, column("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"

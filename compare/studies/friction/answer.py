@@ -20,7 +20,7 @@ from rollbench.lowfi.friction.whole.torque import ScrewTorque
 from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
-from rollbench.lowfi.warned import Warned, above
+from rollbench.lowfi.warned import Warned, warning_line
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
@@ -152,7 +152,7 @@ class FrictionAnswer:
     @property
     def warning(self) -> str:
         """Warning above the answers; may be empty."""
-        return above(self.data.get("warnings", ()))
+        return warning_line(self.data.get("warnings", ()))
 
 
 def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:

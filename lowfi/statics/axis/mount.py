@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.rollers import tapered
+from rollbench.lowfi.rollers import tapered_bearing
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
@@ -153,7 +153,7 @@ def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], 
 def closing(rolling: RollingSet) -> float:
     """Return the shift [m] that closes a row to its preload, with everything else rigid."""
     if isinstance(rolling.parts, RollerRow):
-        bearing = tapered(rolling.parts)
+        bearing = tapered_bearing(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))
         return float(bearing.law().approach(rolling.preload / (bearing.rollers * bearing.length * sin))) / sin
     sin, C = float(np.sin(rolling.parts.track.contact_angle)), error_free_hertz(rolling.parts).C

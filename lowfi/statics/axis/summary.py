@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.rollers import slice_contacts, tapered
+from rollbench.lowfi.rollers import slice_contacts, tapered_bearing
 from rollbench.lowfi.statics.axis.held import APEX, reversed_status
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState
@@ -257,7 +257,7 @@ def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]
     """
     if not isinstance(s.of.parts, RollerRow) or s.line_loads is None:
         return ()
-    bearing = tapered(s.of.parts)
+    bearing = tapered_bearing(s.of.parts)
     half_width, pressure = slice_contacts(bearing, s.line_loads)
     approach = float(bearing.law().approach(s.line_loads).max(initial=0.0))
     rx, ry = (float(np.interp(s.of.position, z, motion[:, k])) for k in (3, 4))

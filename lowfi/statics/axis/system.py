@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_force
-from rollbench.lowfi.rollers import middles, tapered
+from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
@@ -168,7 +168,9 @@ def build(
     for rolling, row in rows:
         rollers.append(_roller_set(rolling, row, structure, first))
         first = rollers[-1].slices.stop
-    arm = max([b.problem.scene.track.pitch_radius for b in balls] + [tapered(r.row).pitch_diameter / 2.0 for r in rollers])
+    arm = max(
+        [b.problem.scene.track.pitch_radius for b in balls] + [tapered_bearing(r.row).pitch_diameter / 2.0 for r in rollers]
+    )
     contacts, slices = _all_balls(balls), _all_rollers(rollers)
     return System(assembly, structure, balls, rollers, arm, _axis(structure, contacts, slices), contacts, slices)
 
@@ -311,12 +313,12 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
 
     Race and rib together give the cone the same line of action (`lowfi.rollers`).
     """
-    n, bearing = structure.nodes.size, tapered(row)
+    n, bearing = structure.nodes.size, tapered_bearing(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
     outer = -1 if rolling.housing is None else structure.row[rolling.housing]
     sign = 1.0 if rolling.thrust == "+z" else -1.0
     sin, cos = np.sin(row.cup_angle), np.cos(row.cup_angle)
-    place = middles(row.length, row.slices)
+    place = slice_middles(row.length, row.slices)
     azimuths = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     c, s, one_each = np.cos(azimuths), np.sin(azimuths), np.ones(row.count)
     normal = np.stack([cos * c, cos * s, sign * sin * one_each], axis=1)[:, None, :]
@@ -487,7 +489,7 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
         a, n = r.arrays, r.row.slices
         mine = slice(first, first + r.row.count)
         first = mine.stop
-        x = middles(r.row.length, n) / r.row.length
+        x = slice_middles(r.row.length, n) / r.row.length
         rows = a.B.reshape(r.row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin takes the approach, this motions
         base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
         B[mine] = np.einsum("ak,ikej->ieaj", base, rows)

@@ -9,7 +9,7 @@ from rollbench.compare.results.scene_json import torque_by_palmgren
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_set
 from rollbench.compare.scenes.template import template
-from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
+from rollbench.lowfi.bearings.angular_contact import BallRow, bearing_of_contact_angle
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -36,7 +36,7 @@ def row_of(found: Assembly) -> BallRow:
     assert isinstance(parts, Scene)
     ball, steel = 2.0 * parts.balls.radius, parts.nut.material
     size = (ball, 2.0 * parts.track.pitch_radius, (parts.nut.groove_radius / ball,) * 2, parts.track.contact_angle)
-    return BallRow(of_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio))
+    return BallRow(bearing_of_contact_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio))
 
 
 @pytest.mark.parametrize("name", [name for name in ARRANGEMENTS if name != "DT"])

@@ -10,19 +10,19 @@ from rollbench.lowfi.bearings.angular_contact import (
     AngleRows,
     BallBearing,
     axial_displacement,
+    bearing_of_contact_angle,
     conformity_of_pair,
     contact_parameters,
-    of_angle,
     relative_curvatures,
-    state_under,
     thrust_state,
+    thrust_state_under_load,
 )
 
 STEEL = (207e9, 0.3)
 
 
 def bearing(angle: float = 57.0, conformity: tuple[float, float] = (0.52, 0.53)) -> BallBearing:
-    return of_angle(18, 8.73e-3, 55e-3, conformity, np.radians(angle), *STEEL)
+    return bearing_of_contact_angle(18, 8.73e-3, 55e-3, conformity, np.radians(angle), *STEEL)
 
 
 @pytest.mark.parametrize("angle", [0.0, 15.0, 25.0, 40.0, 60.0, 90.0])
@@ -35,7 +35,7 @@ def test_catalogue_angle_gives_back_itself_and_its_pitch(angle):
 
 def test_rigid_limit_keeps_the_angle():
     """A hard bearing does not turn: the load on a ball is F/(Z sin alpha_0), and u sin(alpha_0) its approach."""
-    b = of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
+    b = bearing_of_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
     s = thrust_state(b, axial_displacement(b, 5e3))
     assert s.angle == pytest.approx(np.radians(40.0), abs=1e-6)
     assert s.ball_load == pytest.approx(5e3 / (18 * np.sin(np.radians(40.0))), rel=1e-6)
@@ -164,15 +164,15 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
         *STEEL,
     )
     load = np.array([50.0, 300.0, 5000.0])
-    state = state_under(many, load)
+    state = thrust_state_under_load(many, load)
     assert state.load == pytest.approx(load, rel=1e-9)
     for k in range(3):
         size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
-        alone = of_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
+        alone = bearing_of_contact_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
         assert float(state.displacement[k]) == pytest.approx(axial_displacement(alone, float(load[k])), rel=1e-9)
     begin = replace(many, conformity=np.full(3, 0.54))
     assert conformity_of_pair(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
     with pytest.raises(ValueError, match=r"no conformity of 0\.503 to 0\.65"):
         conformity_of_pair(begin, load, 20.0 * state.stiffness)
     with pytest.raises(ValueError, match="beyond what Hertz contact describes"):
-        state_under(many, 1e9 * load)
+        thrust_state_under_load(many, 1e9 * load)

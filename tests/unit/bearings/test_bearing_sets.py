@@ -8,8 +8,12 @@ from scipy.optimize import minimize_scalar
 from rollbench.lowfi.bearings import angular_contact
 from rollbench.lowfi.bearings.axis import BearingSet, equal_rows, equilibrium, lift_off_force, preloaded_rows
 
-ROW = angular_contact.BallRow(angular_contact.of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
-OTHER = angular_contact.BallRow(angular_contact.of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))
+ROW = angular_contact.BallRow(
+    angular_contact.bearing_of_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3)
+)
+OTHER = angular_contact.BallRow(
+    angular_contact.bearing_of_contact_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3)
+)
 TRIPLEX = (1, 1, -1)
 
 

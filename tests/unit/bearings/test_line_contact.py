@@ -5,11 +5,11 @@ import pytest
 from scipy.integrate import quad
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.rollers import LineLaw, between_races, half_width, pressure
+from rollbench.lowfi.rollers import LineLaw, approach_law_of_races, half_width, pressure
 
 YOUNG, POISSON = 207e9, 0.3
 MODULUS = contact_modulus(YOUNG, POISSON, YOUNG, POISSON)
-LAW = between_races(4e-3, (1.0 / 20e-3, -1.0 / 28e-3), (5e-3, 5e-3), YOUNG, POISSON)
+LAW = approach_law_of_races(4e-3, (1.0 / 20e-3, -1.0 / 28e-3), (5e-3, 5e-3), YOUNG, POISSON)
 
 
 def test_half_width_is_the_limit_of_long_ellipses():
@@ -82,7 +82,7 @@ def test_approach_is_the_integral_of_the_strains(q):
 def test_coefficient_is_the_one_of_the_source():
     """8.89e-8 in 3.19 is S ln 10 for 30e6 psi and 0.3: two line contacts, four bodies."""
     inch, pound = 0.0254, 4.4482216152605
-    law = between_races(4e-3, (0.0, 0.0), (5e-3, 5e-3), 30e6 * pound / inch**2, 0.3)
+    law = approach_law_of_races(4e-3, (0.0, 0.0), (5e-3, 5e-3), 30e6 * pound / inch**2, 0.3)
     assert law.s * np.log(10.0) * pound / inch**2 == pytest.approx(8.89e-8, rel=1e-3)
 
 
@@ -115,6 +115,6 @@ def test_local_exponent_is_near_the_usual_ones():
 
 def test_similar_bodies_are_similar():
     """Twice the size under the same pressure, twice the approach: what 3.19 of the source is not."""
-    twice = between_races(8e-3, (1.0 / 40e-3, -1.0 / 56e-3), (10e-3, 10e-3), YOUNG, POISSON)
+    twice = approach_law_of_races(8e-3, (1.0 / 40e-3, -1.0 / 56e-3), (10e-3, 10e-3), YOUNG, POISSON)
     assert float(twice.approach(2e5)) == pytest.approx(2.0 * float(LAW.approach(1e5)), rel=1e-13)
     assert isinstance(twice, LineLaw)

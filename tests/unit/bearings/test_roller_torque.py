@@ -8,10 +8,10 @@ from tests.axes import ROLLERS
 
 from rollbench.lowfi.bearings.rib import mean_distance, rib_contact, rib_geometry, rib_height, roller_speed_ratios
 from rollbench.lowfi.bearings.roller_torque import HYSTERESIS, hysteresis_torque, roller_torque, rolling_force
-from rollbench.lowfi.rollers import tapered
+from rollbench.lowfi.rollers import tapered_bearing
 from rollbench.meshes.parts import Lubricant
 
-BEARING = tapered(ROLLERS)
+BEARING = tapered_bearing(ROLLERS)
 APEX = BEARING.apex_distance + 0.5 * ROLLERS.length
 OIL = Lubricant(50e-6)
 

@@ -10,23 +10,23 @@ from scipy.special import beta, gamma
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import equilibrium, preloaded_rows
 from rollbench.lowfi.bearings.combined_load import (
-    by_load_zone,
     combined_equilibrium,
+    energy_and_derivatives,
     load_zone,
+    load_zone_of_forces,
     roller_azimuths,
-    state_at,
-    zone_of_load,
+    solve_by_load_zone,
 )
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers import (
     SlicedRow,
     TaperedBearing,
     TaperedRow,
-    approach_of,
+    approach_under_force,
     circular_crown,
     roller_contacts,
+    slice_roller,
     slice_state,
-    sliced,
 )
 
 B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
@@ -76,7 +76,7 @@ def test_pure_thrust_and_nearly():
 def test_zone_of_a_load_inverts(eps):
     z = load_zone(eps, 1.1)
     angle = 0.4
-    back = zone_of_load(1e3, 1e3 * z.radial / z.axial / np.tan(angle), angle, 1.1)
+    back = load_zone_of_forces(1e3, 1e3 * z.radial / z.axial / np.tan(angle), angle, 1.1)
     assert back.eps == pytest.approx(eps, rel=1e-8)
 
 
@@ -85,7 +85,7 @@ def test_zone_refusals():
         load_zone(0.0, 1.1)
     for axial, radial in ((1.0, 2.0), (0.0, 1.0), (1.0, -0.1)):
         with pytest.raises(ValueError, match="stay together"):
-            zone_of_load(axial, radial, np.pi / 4.0, 1.1)
+            load_zone_of_forces(axial, radial, np.pi / 4.0, 1.1)
 
 
 # --- one roller
@@ -161,11 +161,11 @@ def test_combined_load_balances(radial):
 
 def test_combined_stiffness_and_force_are_derivatives():
     x = np.array([9e-6, 6e-6])
-    _, force, stiffness, _ = state_at(B, x)
+    _, force, stiffness, _ = energy_and_derivatives(B, x)
     for i in range(2):
         h = np.zeros(2)
         h[i] = 1e-10
-        up, down = state_at(B, x + h), state_at(B, x - h)
+        up, down = energy_and_derivatives(B, x + h), energy_and_derivatives(B, x - h)
         assert force[i] == pytest.approx((up[0] - down[0]) / 2e-10, rel=1e-6)
         np.testing.assert_allclose(stiffness[i], (up[1] - down[1]) / 2e-10, rtol=1e-6)
 
@@ -174,7 +174,7 @@ def test_pure_thrust_is_the_row():
     s = combined_equilibrium(B, THRUST, 0.0)
     assert s.axial == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-10)
     assert s.radial == pytest.approx(0.0, abs=1e-15)
-    zone = by_load_zone(B, THRUST, 0.0)
+    zone = solve_by_load_zone(B, THRUST, 0.0)
     assert zone.axial == pytest.approx(s.axial, rel=1e-12)
 
 
@@ -183,7 +183,7 @@ def test_load_zone_integrals_meet_the_rollers(radial):
     """The source's route with exponent 1.1: greatest load within 1 %, deflections within 3 %, for many rollers too."""
     for rollers in (16, 64):
         b = replace(B, rollers=rollers)
-        s, z = combined_equilibrium(b, THRUST, radial), by_load_zone(b, THRUST, radial)
+        s, z = combined_equilibrium(b, THRUST, radial), solve_by_load_zone(b, THRUST, radial)
         assert z.greatest == pytest.approx(s.loads.max(), rel=0.01)
         assert (z.axial, z.radial) == pytest.approx((s.axial, s.radial), rel=0.03)
 
@@ -219,11 +219,11 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
 
 @pytest.mark.parametrize("slices", [1, 2, 7, 40])
 def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
-    r = sliced(B, slices)
+    r = slice_roller(B, slices)
     d = float(B.law().approach(1100.0 / B.length))
     s = slice_state(r, d)
     assert s.force == pytest.approx(1100.0, rel=1e-12)
-    assert approach_of(r, 1100.0) == pytest.approx(d, rel=1e-12)
+    assert approach_under_force(r, 1100.0) == pytest.approx(d, rel=1e-12)
     row = SlicedRow(B, slices)
     assert row.deflection(THRUST) == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-12)
     assert row.stiffness(1e-5) == pytest.approx(TaperedRow(B).stiffness(1e-5), rel=1e-12)
@@ -239,20 +239,20 @@ def test_a_roller_on_one_apex_is_loaded_evenly():
 def test_slices_converge_with_second_order():
     """Fully loaded crowned roller: the midpoint rule of a smooth load, so halving the slices cuts the error by four."""
     exact = quad(lambda x: float(B.law().line_load(2e-5 - x**2 / 20.0)), -0.5 * B.length, 0.5 * B.length, epsrel=1e-12)[0]
-    off = [slice_state(sliced(B, n, circular_crown(20.0)), 2e-5).force - exact for n in (10, 20, 40)]
+    off = [slice_state(slice_roller(B, n, circular_crown(20.0)), 2e-5).force - exact for n in (10, 20, 40)]
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
     assert off[1] / off[2] == pytest.approx(4.0, rel=0.01)
     assert abs(off[2]) < 1e-4 * exact
 
 
 def test_strong_crown_leaves_the_ends_unloaded():
-    r = sliced(B, 400, circular_crown(0.5))
-    d = approach_of(r, 1100.0)
+    r = slice_roller(B, 400, circular_crown(0.5))
+    d = approach_under_force(r, 1100.0)
     s = slice_state(r, d)
     assert s.force == pytest.approx(1100.0, rel=1e-9)
     loaded = r.places[s.line_loads > 0.0]
     assert loaded.max() == pytest.approx(np.sqrt(0.5 * d), abs=B.length / 400)
-    assert d > approach_of(sliced(B, 400), 1100.0)
+    assert d > approach_under_force(slice_roller(B, 400), 1100.0)
     assert SlicedRow(B, 101, circular_crown(0.5)).stiffness(2e-5) < TaperedRow(B).stiffness(2e-5)
 
 

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from tests.axes import ROLLERS
 
 from rollbench.lowfi.rating import roller_life
-from rollbench.lowfi.rollers import tapered
+from rollbench.lowfi.rollers import tapered_bearing
 
 #: f_c of ISO 281 (radial roller bearings) by gamma = D cos(alpha)/D_pw.
 FACTORS = {0.10: 84.2, 0.14: 87.7, 0.20: 88.7, 0.26: 86.4, 0.30: 83.8}
@@ -20,7 +20,7 @@ def test_rating_is_b_m_f_c_of_the_standard(gamma):
         return replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=angle)
 
     def gamma_of(row):
-        return row.diameter * np.cos(row.cup_angle) / tapered(row).pitch_diameter
+        return row.diameter * np.cos(row.cup_angle) / tapered_bearing(row).pitch_diameter
 
     row = row_of(brentq(lambda angle: gamma_of(row_of(angle)) - gamma, 1e-3, 0.12))
     assert gamma_of(row) == pytest.approx(gamma)

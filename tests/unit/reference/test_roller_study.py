@@ -10,7 +10,7 @@ from rollbench.compare.errors import Refusal
 from rollbench.compare.reference.store import sealed, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import roller
-from rollbench.lowfi.rollers import SlicedRow, TaperedRow, circular_crown, tapered
+from rollbench.lowfi.rollers import SlicedRow, TaperedRow, circular_crown, tapered_bearing
 
 TAPER = "smith-axis-taper"
 
@@ -35,7 +35,7 @@ def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
 
 def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
-    bearing = tapered(kind.row)
+    bearing = tapered_bearing(kind.row)
     row, low = TaperedRow(bearing), roller.low_order(kind.row, kind.load)
     thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
     assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)

@@ -144,8 +144,8 @@ def test_one_solve_compiles_nothing_from_an_empty_home(tmp_path):
 
 def test_a_small_solve_does_not_look_for_machine_code(monkeypatch):
     asked = []
-    monkeypatch.setattr(jit, "cached", lambda package: bool(asked.append(package)))
-    monkeypatch.setattr(jit, "loaded", lambda _: False)
+    monkeypatch.setattr(jit, "is_machine_code_cached", lambda package: bool(asked.append(package)))
+    monkeypatch.setattr(jit, "is_copy_loaded", lambda _: False)
     plain = jit.kernels(jit.STATICS, compiled=False)
     assert pick_engine("auto", 32) is plain
     assert asked == []

@@ -26,7 +26,7 @@ from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.results.view import view_of
 from rollbench.compare.sections.curves import lateral, load_panel, loads
 from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
-from rollbench.lowfi.as_source import best_start
+from rollbench.lowfi.as_source import solve_with_fallback_start
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
@@ -469,7 +469,7 @@ def agreement(study: Study, name: str) -> Row:
         ("source", "source's own kinematics", "g3", "iterations"),
     )
     for kinematics, heading, form, counted in kinds:
-        by_source = best_start(scene, kinematics)
+        by_source = solve_with_fallback_start(scene, kinematics)
         off = load_error(by_energy.load, by_source.load).max_percent if by_source.converged else None
         row[Quantity(kinematics, heading, "% of mean", form)] = off
         row[Quantity(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations

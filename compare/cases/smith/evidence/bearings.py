@@ -27,7 +27,7 @@ from rollbench.lowfi.bearings.angular_contact import (
     thrust_state,
 )
 from rollbench.lowfi.bearings.axis import Axis, BearingSet, equal_rows, equilibrium, preloaded_rows
-from rollbench.lowfi.bearings.combined_load import CombinedState, combined_equilibrium, load_zone, zone_of_load
+from rollbench.lowfi.bearings.combined_load import CombinedState, combined_equilibrium, load_zone, load_zone_of_forces
 from rollbench.lowfi.bearings.torque import (
     KILOGRAM_FORCE,
     LEAST_FILM,
@@ -425,7 +425,7 @@ def _sheet(e: Findings) -> None:
             "Z": float(np.tan(b.cup_angle)) * RADIAL / SHEET_LOAD,
         }
     )
-    zone = zone_of_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
+    zone = load_zone_of_forces(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
     exact = load_zone(e.printed("eps"), EXPONENT)
     ratio = e.printed("J_r") / e.printed("J_a")
     words = f"printed J_r/J_a = {ratio:.6g}, Z = {e.printed('Z'):.6g}; "

@@ -13,7 +13,7 @@ from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.studies.friction.whole import coefficients
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, axial_displacement, of_angle
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, axial_displacement, bearing_of_contact_angle
 from rollbench.lowfi.bearings.axis import equilibrium, lift_off_force, preloaded_rows
 from rollbench.lowfi.rating.life import rating
 from rollbench.meshes.parts import Friction
@@ -75,7 +75,7 @@ def test_gmn_series_by_one_inferred_number() -> None:
 
 def test_snfa_catalogue_has_frozen_its_angles() -> None:
     """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
-    rigid = of_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
+    rigid = bearing_of_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
     light, heavy = (preloaded_rows(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
     assert equilibrium(heavy).stiffness / equilibrium(light).stiffness == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
