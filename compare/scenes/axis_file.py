@@ -499,10 +499,10 @@ def conformity(parts: Scene, preload: float, rigidity: float) -> float:
     ValueError
         If no conformity gives it.
     """
-    from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
+    from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair
 
     steel, track = parts.nut.material, parts.track
-    rows = AngleRows(
+    rows = CatalogueBearings(
         balls=np.array([float(parts.ball_count)]),
         ball_diameter=np.array([2.0 * parts.balls.radius]),
         pitch_diameter=np.array([2.0 * track.pitch_radius]),

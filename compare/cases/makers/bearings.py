@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from rollbench.compare.cases.makers.outside import Band, Outside, of_row
 from rollbench.compare.cases.makers.tables import Table, half_step, read_table, tables
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair, thrust_state_under_load
+from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair, thrust_state_under_load
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import rating
@@ -165,14 +165,14 @@ def ball_bearings() -> Iterator[Outside]:
     pitch, angle = np.array([_middle(rows[0]) for rows in bearings]), np.radians(column("angle_deg")[:, 0])
     dynamic, static = (1e3 * column(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     count, ball = np.array([balls_of(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
-    begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
+    begin = CatalogueBearings(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
     forces, rigid, load = column("preload_N"), column("rigidity_N_per_um"), column("measuring_load_N")
     step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
         conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
         balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
-        each = AngleRows(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
+        each = CatalogueBearings(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
         state = thrust_state_under_load(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
@@ -235,7 +235,7 @@ def frozen_pairs() -> Iterator[Outside]:
 
     pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(column("angle_deg"))
     usual = np.full(pitch.size, CONFORMITY)
-    rows = AngleRows(column("balls"), column("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
+    rows = CatalogueBearings(column("balls"), column("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
     stiff = 2e-7 * thrust_state_under_load(rows, column("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"

@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import quad
 
 from rollbench.lowfi.bearings.angular_contact import (
-    AngleRows,
     BallBearing,
+    CatalogueBearings,
     axial_displacement,
     bearing_of_contact_angle,
     conformity_of_pair,
@@ -145,7 +145,7 @@ def test_faulty_bearings_are_refused(change, words):
 def test_faulty_loads_are_refused():
     with pytest.raises(ValueError, match="negative"):
         axial_displacement(bearing(), -1.0)
-    with pytest.raises(ValueError, match="beyond"):
+    with pytest.raises(ValueError, match="too large for Hertz"):
         axial_displacement(bearing(), 1e12)
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
@@ -155,7 +155,7 @@ def test_faulty_loads_are_refused():
 def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
     """Arrays of bearings are single ones, a state under a load is that of its displacement, the conformity comes back."""
     angle = np.radians([15.0, 25.0, 40.0])
-    many = AngleRows(
+    many = CatalogueBearings(
         np.array([12.0, 15.0, 16.0]),
         np.array([4.8e-3, 8e-3, 22.23e-3]),
         np.array([24e-3, 54e-3, 125e-3]),
@@ -172,7 +172,7 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
         assert float(state.displacement[k]) == pytest.approx(axial_displacement(alone, float(load[k])), rel=1e-9)
     begin = replace(many, conformity=np.full(3, 0.54))
     assert conformity_of_pair(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
-    with pytest.raises(ValueError, match=r"no conformity of 0\.503 to 0\.65"):
+    with pytest.raises(ValueError, match=r"no conformity between 0\.503 and 0\.65"):
         conformity_of_pair(begin, load, 20.0 * state.stiffness)
-    with pytest.raises(ValueError, match="beyond what Hertz contact describes"):
+    with pytest.raises(ValueError, match="too large for Hertz contact"):
         thrust_state_under_load(many, 1e9 * load)

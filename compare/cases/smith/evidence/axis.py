@@ -22,7 +22,7 @@ from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import BallRow
 from rollbench.lowfi.bearings.axis import (
     BearingSet,
-    SetState,
+    BearingSetState,
     TorqueBudget,
     acceleration_torque,
     angular_speed,
@@ -169,7 +169,7 @@ def pull() -> float:
 
 
 @cache
-def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> SetState:
+def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
     """Return the equilibrium of the bearings of an end under "preload", "stretch", or with the load "applied"."""
     rows = bearings.bearing_set(kind, end, preload)
     if state == "preload":
