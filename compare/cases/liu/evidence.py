@@ -23,13 +23,13 @@ from rollbench.lowfi.random_errors.chain import (
     ChainState,
     Ensemble,
     Law,
-    Percentile,
+    PercentileRank,
     Quantity,
-    calibrated,
+    calibrate_compliance,
     draw_errors,
     end_ratio,
     first_carrying_load,
-    percentile,
+    percentile_rank,
     solve_chain,
     solve_ensemble,
 )
@@ -88,7 +88,7 @@ def calibration_load() -> float:
 @cache
 def screw(law: Law = "implicit") -> Chain:
     """Return the calibrated chain under one interpretation of the contact angle; the source uses "implicit"."""
-    return calibrated(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
+    return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
@@ -121,9 +121,9 @@ def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
     return drawn_ensemble(half_range_um).values_at(quantity, load)
 
 
-def place_in(values: Array, printed: float, half_digit: float) -> tuple[Percentile, str]:
+def place_in(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
     """Return the percentile of a printed number in a sample, and the sentence that states it."""
-    p = percentile(values, printed, half_digit)
+    p = percentile_rank(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = f"percentile {p.middle:.1f} ± {p.error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
     words += f"central 99 % {low:.4g} to {high:.4g}; as far out: probability {p.tail:.4f}"

@@ -86,7 +86,9 @@ def test_conditions_of_the_minimum(law, load):
     chain, e = replace(LONG, law=law), long_errors()
     s = chains.solve_chain(chain, e, load)
     k = kernels(RANDOM_ERRORS, compiled=False)
-    force = np.array([k.ball(u, x, chains.LAWS.index(law), chain.parameters)[1] for u, x in zip(s.motion, e, strict=True)])
+    force = np.array(
+        [k.ball_force(u, x, chains.LAWS.index(law), chain.parameters)[1] for u, x in zip(s.motion, e, strict=True)]
+    )
     tail = np.cumsum(force[::-1])[::-1]
     assert tail[0] == pytest.approx(load, rel=1e-9)
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-8, abs=1e-18)
@@ -155,7 +157,7 @@ def test_motion_grows_and_falls_back_on_energy(law):
 
     def stored(u, x):
         at = np.linspace(min(chains.free_motion(chain, x), u), u, 101)
-        return np.trapezoid([k.ball(a, x, chains.LAWS.index(law), chain.parameters)[1] for a in at], at)
+        return np.trapezoid([k.ball_force(a, x, chains.LAWS.index(law), chain.parameters)[1] for a in at], at)
 
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve
@@ -219,12 +221,12 @@ def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
 
 
 def test_calibration():
-    chain = chains.calibrated(LONG, 0.862, 5000.0)
+    chain = chains.calibrate_compliance(LONG, 0.862, 5000.0)
     assert chains.end_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
-    assert chains.calibrated(LONG, 0.2, 5000.0).compliance > chain.compliance
+    assert chains.calibrate_compliance(LONG, 0.2, 5000.0).compliance > chain.compliance
     for ratio in (0.0, 1.0, 1.2):
         with pytest.raises(ValueError, match="ratio"):
-            chains.calibrated(LONG, ratio, 5000.0)
+            chains.calibrate_compliance(LONG, ratio, 5000.0)
 
 
 def test_no_chain_and_bad_input_are_refused():

@@ -10,7 +10,7 @@ from rollbench.lowfi.random_errors.chain import (
     QUANTITIES,
     Chain,
     draw_errors,
-    percentile,
+    percentile_rank,
     solve_chain,
     solve_ensemble,
     solve_errors,
@@ -61,15 +61,19 @@ def test_moments_to_first_order():
 
 def test_percentiles_have_the_sampling_error_of_repeated_samples():
     sample = np.arange(1000.0)
-    inside, beyond, repeated = percentile(sample, 249.5), percentile(sample, 5000.0), percentile(np.zeros(100), 0.0)
+    inside, beyond, repeated = (
+        percentile_rank(sample, 249.5),
+        percentile_rank(sample, 5000.0),
+        percentile_rank(np.zeros(100), 0.0),
+    )
     assert [(p.middle, p.tail) for p in (inside, beyond, repeated)] == [(25.0, 0.25), (100.0, 0.0), (50.0, 1.0)]
     assert inside.error == pytest.approx(100 * np.sqrt(0.25 * 0.75 / 1000), rel=1e-2)
     assert beyond.error > 0.0
     assert beyond.tail_bound == pytest.approx(2.7 / 1000, rel=0.01)
-    assert percentile(sample, 10.0, 0.5).tail == 0.011
+    assert percentile_rank(sample, 10.0, 0.5).tail == 0.011
     rng = np.random.default_rng(0)
-    places = [percentile(rng.random(400), 0.9).middle for _ in range(400)]
-    assert np.std(places) == pytest.approx(percentile(rng.random(400), 0.9).error, rel=0.2)
+    places = [percentile_rank(rng.random(400), 0.9).middle for _ in range(400)]
+    assert np.std(places) == pytest.approx(percentile_rank(rng.random(400), 0.9).error, rel=0.2)
 
 
 def test_bad_input_is_refused():

@@ -10,7 +10,13 @@ from tests.sources.entries import check, keys, of_source
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.printed import load_table
-from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, percentile, solve_chain, solve_ensemble
+from rollbench.lowfi.random_errors.chain import (
+    calibrate_compliance,
+    end_ratio,
+    percentile_rank,
+    solve_chain,
+    solve_ensemble,
+)
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -38,7 +44,7 @@ def test_entry(key: str) -> None:
 
 def place(row):
     half = 0.0 if "loaded" in row.key else row.tolerance
-    return percentile(liu.sample_of(row.key), row.value, half)
+    return percentile_rank(liu.sample_of(row.key), row.value, half)
 
 
 @pytest.mark.parametrize("row", RANDOM, ids=lambda r: r.key)
@@ -74,7 +80,7 @@ def test_other_draws_give_the_same_percentiles() -> None:
     other = solve_ensemble(liu.screw(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
-        a, b = place(row), percentile(other.values_at("largest", load), row.value, row.tolerance)
+        a, b = place(row), percentile_rank(other.values_at("largest", load), row.value, row.tolerance)
         assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
     for half_range in liu.LOADS:
         ensemble = liu.drawn_ensemble(half_range)
@@ -131,7 +137,7 @@ def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
     stiffer = replace(liu.screw(), stiffness=1.034 * liu.screw().stiffness)
-    stiffer = calibrated(stiffer, liu.printed_ratio(), liu.calibration_load())
+    stiffer = calibrate_compliance(stiffer, liu.printed_ratio(), liu.calibration_load())
     assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert solve_chain(stiffer, liu.one_error(-2e-6), 5000.0).load[32] < 43.55 * 0.99
     assert liu.secant(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
