@@ -10,9 +10,9 @@ and the sum of the axial forces is F (18). Each round solves these equations by 
 odd in the approach; the paper does not say so), and removes all balls with a negative approach.
 
 The last round has the active set of the complementarity problem in `lowfi.random_errors.chain`. With tension allowed, the
-sum of forces H(u) is nowhere larger, so the solution of a round lies above the true one in every component. A ball that is
-loose there is therefore loose in the true solution, and no ball is removed in error. The last round, in which no ball
-carries tension, solves the problem.
+sum of forces H(u) is nowhere larger than without, and removing balls lowers H further. The solution of a round therefore
+lies above the true one in every component. A ball that is loose there is therefore loose in the true solution, and no ball
+is removed in error. The last round, in which no ball carries tension, solves the problem.
 """
 
 from __future__ import annotations
