@@ -27,7 +27,13 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.lowfi.compliance.between import contact_frames
-from rollbench.lowfi.compliance.beyond_hertz import at_size, own_compliance, own_slope, size_slope, sphere_compliance
+from rollbench.lowfi.compliance.beyond_hertz import (
+    flank_size_correction,
+    flank_size_slope,
+    sphere_compliance,
+    sphere_self_compliance,
+    sphere_self_compliance_slope,
+)
 from rollbench.lowfi.compliance.parts import (
     BOTH,
     REFINED,
@@ -35,11 +41,11 @@ from rollbench.lowfi.compliance.parts import (
     fixed_surface,
     geometry_only,
     groove_of_body,
+    grooved_body_section,
     grooved_section,
     is_ring,
-    of_flanks,
-    section_of,
-    with_balls,
+    parts_with_balls,
+    select_flanks,
 )
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, motion_rows
 from rollbench.meshes.arrays import Array
@@ -130,18 +136,18 @@ def body_compliance(
         from rollbench.lowfi.compliance.between import nut_beam
 
         return BodyCompliance(nut_beam(scene, layout, flanks), 0.0, 0.0, ())
-    refuse_flat(geometry, screw, backend)
-    e = _own_flank(geometry, screw, backend)
+    refuse_flat_contact_angle(geometry, screw, backend)
+    e = _cached_flank_compliance(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
-        e += at_size(groove_of_body(geometry, screw), semi_axes)
-        slope = size_slope(groove_of_body(geometry, screw))
+        e += flank_size_correction(groove_of_body(geometry, screw), semi_axes)
+        slope = flank_size_slope(groove_of_body(geometry, screw))
     parts = dimensions(geometry)
     assumed = tuple(line for line in parts.assumed if line not in parts.mesh_only)
     return BodyCompliance((whole or whole_body)(scene, layout, screw, backend, flanks), e, slope, assumed)
 
 
-def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
+def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> None:
     """Raise ValueError where the nominal contact angle is so flat that the contact patch crosses the groove's apex.
 
     The flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead.
@@ -170,9 +176,9 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     """
     if fixed_surface(geometry_only(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
-    geometry, azimuths = with_balls(scene)
+    geometry, azimuths = parts_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return of_flanks(_whole_body(geometry, screw, backend).G, flanks)
+        return select_flanks(_cached_whole_body(geometry, screw, backend).G, flanks)
     from rollbench.lowfi.compliance.between import body_between_contacts
 
     return body_between_contacts(geometry, layout, screw, backend, flanks)
@@ -184,7 +190,7 @@ WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 
 @lru_cache(maxsize=8)
 @kept(Coupling)
-def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
+def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
     from rollbench.lowfi.compliance.between import body_between_contacts
 
     return Coupling(body_between_contacts(scene, ball_layout(scene), screw, backend))
@@ -192,10 +198,10 @@ def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
 
 @lru_cache(maxsize=64)
 @kept(float)
-def _own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
-    from rollbench.lowfi.compliance.between import own_flank
+def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
+    from rollbench.lowfi.compliance.between import flank_self_compliance
 
-    return own_flank(geometry, screw, backend)
+    return flank_self_compliance(geometry, screw, backend)
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
@@ -203,12 +209,14 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
-    alone = own_compliance(semi_axes, radius, material)
+    alone = sphere_self_compliance(semi_axes, radius, material)
     opposite = sphere_compliance(-1.0, radius, material)
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
     across = 0.5 * (sphere_compliance(cosine, radius, material) + sphere_compliance(-cosine, radius, material))
     alone += opposite - 2.0 * abs(across)
-    return BallCompliance(alone, own_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across)))
+    return BallCompliance(
+        alone, sphere_self_compliance_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across))
+    )
 
 
 @dataclass(frozen=True)
@@ -232,9 +240,9 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
     """
     if backend.screw != "kernel" or fixed_surface(geometry_only(scene), True) != "section":
         return None
-    parts, azimuths = with_balls(scene)
+    parts, azimuths = parts_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _known_bodies(parts, backend)
+        return _cached_end_response(parts, backend)
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(parts, layout, backend))
@@ -242,7 +250,7 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
 
 @lru_cache(maxsize=8)
 @kept(EndResponse)
-def _known_bodies(scene: Scene, backend: Backend) -> EndResponse:
+def _cached_end_response(scene: Scene, backend: Backend) -> EndResponse:
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
@@ -253,9 +261,9 @@ def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: flo
 
     at: its station [m], inside the stretch of a screw that has an `end_response`. Cached as that one.
     """
-    parts, azimuths = with_balls(scene)
+    parts, azimuths = parts_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _by_section(parts, backend, at).G
+        return _cached_section_response(parts, backend, at).G
     from rollbench.lowfi.compliance.between import motions_by_section
 
     return motions_by_section(parts, layout, backend, at)
@@ -263,7 +271,7 @@ def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: flo
 
 @lru_cache(maxsize=8)
 @kept(Coupling)
-def _by_section(scene: Scene, backend: Backend, at: float) -> Coupling:
+def _cached_section_response(scene: Scene, backend: Backend, at: float) -> Coupling:
     from rollbench.lowfi.compliance.between import motions_by_section
 
     return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
@@ -272,31 +280,31 @@ def _by_section(scene: Scene, backend: Backend, at: float) -> Coupling:
 def clear_kept_bodies() -> None:
     """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
     from rollbench.lowfi.compliance.between import (
-        kept_near_face,
-        of_sections,
-        of_tube,
-        section_of_tube,
+        cached_near_face,
+        cached_section_motions,
+        cached_tube_compliance,
+        grooved_ring_compliance,
+        near_face_of_body,
         smooth_compliance,
-        whole_ring,
     )
 
     for memory in (
         geometry_only,
-        with_balls,
+        parts_with_balls,
         groove_of_body,
         fixed_surface,
         grooved_section,
-        section_of,
+        grooved_body_section,
         smooth_compliance,
-        of_tube,
-        section_of_tube,
-        of_sections,
-        whole_ring,
-        _own_flank,
-        kept_near_face,
-        _whole_body,
-        _known_bodies,
-        _by_section,
+        cached_tube_compliance,
+        cached_section_motions,
+        cached_near_face,
+        grooved_ring_compliance,
+        _cached_flank_compliance,
+        near_face_of_body,
+        _cached_whole_body,
+        _cached_end_response,
+        _cached_section_response,
     ):
         memory.cache_clear()
 
@@ -369,7 +377,7 @@ class Condensed:
         if not common:
             return total
         pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in common], axis=1).ravel()
-        along, across = directions(scene, N, sides, common)
+        along, across = normal_and_tangent_rows(scene, N, sides, common)
         A, B = along @ total @ along.T, along @ total @ across.T
         follow = np.linalg.solve(A, B)
         spread = along + follow @ across
@@ -410,7 +418,7 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
     return out
 
 
-def directions(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
+def normal_and_tangent_rows(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
     """Return rows along the nominal normals of the ``known`` flanks, and the complement across them.
 
     On arrays that go ball after ball and flank after flank, ``(N known, 2 N sides)`` and the rest.

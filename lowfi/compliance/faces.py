@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space_compliance
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
 from rollbench.lowfi.compliance.groove import (
     cubic_spline,
-    every_harmonic,
     flank_normals,
     flank_weights,
     groove_strains,
+    interpolate_harmonics,
     patch_shares,
     sampled_harmonics,
     unresolved_motion,
@@ -83,7 +83,8 @@ class NearFace:
     beside: float
     #: Compliance between contacts far from any face ``(n, 2, f)`` [m/N].
     far: Array
-    #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
+    #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch
+    #: (`flank_size_correction`) [m/N].
     alone: float
     #: `groove_strains` ``(2, 2)`` of a body that is a beam, too; in none of the others.
     strains: Array
@@ -93,7 +94,7 @@ class NearFace:
         """Number of grooves whose contacts are coupled: one, or two with the groove behind it."""
         return int(self.far.shape[2]) // 2
 
-    def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
+    def face_compliance(self, held: bool, angle: Array, distance: Array) -> Array:
         """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that a face adds between contacts; axes as those of ``gain``.
 
         Parameters
@@ -110,7 +111,7 @@ class NearFace:
         share = cubic_spline(known, np.eye(known.size))(place)
         return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
-    def between(self, angle: Array) -> Array:
+    def compliance_between(self, angle: Array) -> Array:
         """Return the compliance ``(m, 2, f)`` [m/N] between different contacts beyond a smooth body's.
 
         At angles ``(m,)`` [rad].
@@ -127,7 +128,7 @@ def sum_of_harmonics(waves: Array, angle: Array) -> Array:
     return np.asarray(cubic_spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
-def near_face(
+def near_face_compliance(
     flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
 ) -> NearFace:
     """Return the compliance that grooves and a face add to the body that ``smooth`` represents.
@@ -162,20 +163,22 @@ def near_face(
         """
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
-        gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)
+        gain = motions_beyond_smooth_body(flank, smooth, grid, cuts, radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
-            beams = [less_smooth_beam(flank, smooth, section, strains, (float(z[0]), float(z[cut]))) for cut in cuts]
+            beams = [
+                motions_beyond_smooth_beam(flank, smooth, section, strains, (float(z[0]), float(z[cut]))) for cut in cuts
+            ]
             gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
     gain, grid, distance = gains(FAR, slice(-1, None), 1, WHOLE)
-    far = both_ways(gain[1, :, :, 0, :, 0, -1])
-    alone = float(far[:, 0, 0].sum()) + unresolved_motion(flank, half_lead(flank, grid), len(far) - 1)
-    alone -= half_space(NARROW * flank.map.ball, flank.material)
+    far = average_mirror_images(gain[1, :, :, 0, :, 0, -1])
+    alone = float(far[:, 0, 0].sum()) + unresolved_motion(flank, half_lead_grid(flank, grid), len(far) - 1)
+    alone -= half_space_compliance(NARROW * flank.map.ball, flank.material)
     if near:
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
-    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), alone, strains)
+    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], append_high_harmonics(flank, far), alone, strains)
 
 
 def _check_land(flank: Flank) -> None:
@@ -189,7 +192,7 @@ def _check_land(flank: Flank) -> None:
     )
 
 
-def both_ways(waves: Array) -> Array:
+def average_mirror_images(waves: Array) -> Array:
     """Return the motions ``(n, 2, f)`` far from any face as the mean with their mirror image.
 
     Flank a moves by a load on flank b of the groove behind as, seen from the other end, the flank opposite b does by a load
@@ -200,7 +203,7 @@ def both_ways(waves: Array) -> Array:
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
-def with_tail(flank: Flank, waves: Array) -> Array:
+def append_high_harmonics(flank: Flank, waves: Array) -> Array:
     """Return harmonics ``(n, ...)`` of the motions on narrow patches, with the higher ones, where a flank is a half space.
 
     Two Gaussian patches of deviation s on a half space respond to a wave k along it by
@@ -226,7 +229,9 @@ def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
     return np.stack([none, none, stretch, s * bend, -c * bend, none], axis=-1).reshape(-1, 6)
 
 
-def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]) -> Array:
+def motions_beyond_smooth_beam(
+    flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
+) -> Array:
     """Return the motions ``(2, 2, f)`` [m/N] of both flanks on a beam, less those on the smooth body's: harmonics 0 and 1.
 
     section: of the beam, clamped at both ends [m]; strains: of its grooves (`groove_strains`).
@@ -246,22 +251,22 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, strains: 
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
-def less_smooth(
+def motions_beyond_smooth_body(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
     """Return the motions of the true flanks minus those of the smooth body under one patch each, as `cut_motions`."""
     width = finer.width * flank.map.ball
-    true = true_loads(flank, grid, cuts, width, kinds)
+    true = flank_patch_loads(flank, grid, cuts, width, kinds)
     r_ends, line = radial_ends(smooth)
     plain = tube_grid(r_ends, grid.z[::2, 0])
-    loads = smooth_loads(flank, plain, line, cuts, smooth.width, kinds)
+    loads = smooth_patch_loads(flank, plain, line, cuts, smooth.width, kinds)
     n = sampled_harmonics(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
     return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
         flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer
     )
 
 
-def half_lead(flank: Flank, grid: Grid) -> Grid:
+def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
     """Return the part of a grooved body from mid groove to mid land."""
     z = grid.z[:, 0]
     half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
@@ -317,7 +322,7 @@ def quarter_turn(along: Array) -> Array:
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
-def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
+def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
     """Return unit loads on the flanks of `pressed_points`, of patches of ``width`` [m].
 
     Along the nominal load, and (``kinds`` 2) across it, by the pressure that a shift of the patch adds and takes away.
@@ -342,8 +347,8 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kind
     return out
 
 
-def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return unit loads on line r = ``line`` of the smooth body, as `true_loads`."""
+def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
+    """Return unit loads on line r = ``line`` of the smooth body, as `flank_patch_loads`."""
     places, directions = pressed_points(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
@@ -395,7 +400,7 @@ def cut_motions(
     fixing
         See `Tube`; ``"bore"`` and ``"outer"`` fix that surface too.
     loads
-        See `true_loads`.
+        See `flank_patch_loads`.
     width
         Of the patches [m].
     layer
@@ -441,7 +446,7 @@ def cut_motions(
             work = solution[:first, :watched].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :watched].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    motions = every_harmonic(n, sampled)
+    motions = interpolate_harmonics(n, sampled)
     shares = patch_shares(np.arange(float(len(motions))), width, flank.contact()[0])
     motions *= shares[:, None, None, None, None]
     return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(cuts))

@@ -191,7 +191,7 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
 
-def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
+def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
     """Condense harmonic n to the ``last`` freedoms of `Body.bands`.
 
     Returns
@@ -389,7 +389,9 @@ def line_compliance(
     most = max(1, AT_ONCE // size**2)
     beams, waves = n[n < 2], n[n > 1]  # a wave dies out along the body, a beam's motion does not
     groups = [beams[:1], beams[1:], *(waves[i : i + most] for i in range(0, waves.size, most))]
-    return [S for group in groups if group.size for S in _by_stretches(body, group, held, line, rows, springs)]
+    return [
+        S for group in groups if group.size for S in _line_compliance_by_stretches(body, group, held, line, rows, springs)
+    ]
 
 
 @dataclass(frozen=True)
@@ -424,10 +426,10 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
     forces[:, : low + m, :before], forces[:, low:, after:] = a.forces, b.forces
     forces[:, low : low + m, before:after] = loads
     motion = *a.motion, *((after + first, block) for first, block in b.motion)
-    return without_line(Stretch(K, forces, motion), slice(low, low + m))
+    return eliminate_freedoms(Stretch(K, forces, motion), slice(low, low + m))
 
 
-def without_line(stretch: Stretch, line: slice) -> Stretch:
+def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
     """Return a stretch without some of its remaining freedoms."""
     K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
@@ -452,7 +454,7 @@ def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
     return join_stretches(twice, stretch, loads) if count % 2 else twice
 
 
-def _by_stretches(
+def _line_compliance_by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[BlockSum]:
     """Return `line_compliance` of harmonics n (0 or 1 only), by joining rows of elements, equal ones by doubling."""
@@ -471,7 +473,7 @@ def _by_stretches(
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
         middle = loads(2 * k + 1)
         forces = np.pad(middle, ((0, 0), (width, width), (0, 0)))
-        return without_line(Stretch(K, forces), slice(width, 2 * width))
+        return eliminate_freedoms(Stretch(K, forces), slice(width, 2 * width))
 
     def end(springs: Array | float) -> Stretch:
         return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)))

@@ -331,7 +331,7 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     return np.concatenate([a - beyond(a - low)[::-1], middle, b + beyond(high - b)])
 
 
-def with_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
+def add_flange_ends(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
     """Return element ends in r and z with those of the tube's flange and of where it may be fixed."""
     if tube.flange is None:
         return r_ends, z_ends
@@ -345,7 +345,7 @@ def with_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]
     return r_ends, z_ends[np.diff(z_ends, prepend=-np.inf) > SAME]
 
 
-def held_nodes(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
+def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
     """Return which freedoms ``(3 nodes,)`` of a grid are fixed, with those of nodes beyond the tube."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.cells()[tube.solid(grid)].ravel()] = False
@@ -370,13 +370,13 @@ def held_nodes(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     """Return compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that contains every contact."""
     r_ends, line = radial_ends(tube)
-    grid = tube_grid(*with_flange(tube, r_ends, axial_ends(tube, zone)))
+    grid = tube_grid(*add_flange_ends(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
     inside = np.flatnonzero((z >= zone[0] - 1e-9) & (z <= zone[1] + 1e-9))
     first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
     rows = (first, last + 1)
     body = tube.body(grid)
-    held = held_nodes(tube, grid)
+    held = fixed_freedoms(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
     by_harmonic = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
@@ -385,7 +385,7 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
 
 
-def by_section(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
+def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
     """Return the motion ``(2, 3, k)`` (`TubeCompliance.ends`) of the loaded line of a shaft by loads on a section.
 
     The shaft is fixed by its low section; the loads act on the mean rigid motions, by least squares, of the material in a
@@ -494,7 +494,7 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
     return np.asarray(0.5 * (square + square.T))
 
 
-def on_line(tube: Tube, x: Array) -> Array:
+def project_on_surface(tube: Tube, x: Array) -> Array:
     """Return the points ``(c, 3)`` [m] at which a tube takes the loads of contacts at x.
 
     They lie on its surface where the contacts lie outside it.

@@ -22,7 +22,7 @@ from rollbench.lowfi.compliance.bodies import (
     whole_body,
 )
 from rollbench.lowfi.compliance.bodies import clear_kept_bodies as forget_bodies
-from rollbench.lowfi.compliance.parts import Backend, with_balls
+from rollbench.lowfi.compliance.parts import Backend, parts_with_balls
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
 from rollbench.lowfi.statics.kernel_types import Bodies
@@ -245,7 +245,7 @@ def response_of(
         return _response(problem, layout, backend, condensed, whole)
     layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
     flanks = problem.use, problem.node, problem.B, problem.fixed, np.any(problem.load, axis=1)
-    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend
+    parts = parts_with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend
     key = *parts, one_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
     return kept_response(_Asked(key, problem, layout, backend))
 

@@ -8,20 +8,20 @@ from scipy.special import ive
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.beyond_hertz import (
-    at_size,
-    half_space,
+    flank_size_correction,
+    half_space_compliance,
     harmonic_expansion,
     legendre_compliance,
-    own_compliance,
-    own_slope,
+    sphere_self_compliance,
+    sphere_self_compliance_slope,
 )
-from rollbench.lowfi.compliance.groove import equal_loads, normal_load, own_motion
+from rollbench.lowfi.compliance.groove import equal_patch_loads, normal_load, self_motion
 from rollbench.lowfi.compliance.parts import geometry_only, groove_of_body
 
 pytestmark = pytest.mark.xdist_group("flank")
 
 NU = 0.28
-#: alpha and beta of `at_size`.
+#: alpha and beta of `flank_size_correction`.
 ALPHA, BETA = 2 * (1 - NU) * (1 - 2 * NU), -(1 - 2 * NU) * (3 - 2 * NU)
 
 
@@ -57,8 +57,8 @@ def test_mean_direction_in_an_ellipse(ratio):
 
 def test_own_slope_of_a_ball():
     material = catalogue.scene("lin-case1").balls.material
-    one, other = (own_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
-    assert other - one == pytest.approx(own_slope(3e-3, material) * np.log(2.0), rel=1e-9)
+    one, other = (sphere_self_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
+    assert other - one == pytest.approx(sphere_self_compliance_slope(3e-3, material) * np.log(2.0), rel=1e-9)
 
 
 def nominal_of(flank):
@@ -75,11 +75,11 @@ def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     load = normal_load(flank, grid, width, flank.contact()[1])
     fixed = np.zeros((*grid.shape, 3))
     fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal_of(flank)
-    change = own_motion(flank, grid, equal_loads(flank, grid, width), width)
-    change -= own_motion(flank, grid, (fixed, fixed), width)
+    change = self_motion(flank, grid, equal_patch_loads(flank, grid, width), width)
+    change -= self_motion(flank, grid, (fixed, fixed), width)
     expected = -(1 - 2 * NU) / (8 * np.pi * flank.material.shear_modulus * 3.254e-3)
     assert 0.9 < change / expected < 1.5
-    assert abs(change) < 0.05 * half_space(width, flank.material)
+    assert abs(change) < 0.05 * half_space_compliance(width, flank.material)
 
 
 def test_a_flat_material_has_no_curvature_terms():
@@ -87,5 +87,5 @@ def test_a_flat_material_has_no_curvature_terms():
     scene = geometry_only(catalogue.scene("lin-case1"))
     soft = replace(scene, screw=replace(scene.screw, material=replace(scene.screw.material, poissons_ratio=0.4999999)))
     flank = groove_of_body(soft, True)
-    usual = at_size(groove_of_body(scene, True), (4e-4, 1e-4))
-    assert abs(at_size(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)
+    usual = flank_size_correction(groove_of_body(scene, True), (4e-4, 1e-4))
+    assert abs(flank_size_correction(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)

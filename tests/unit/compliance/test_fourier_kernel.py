@@ -11,7 +11,7 @@ from tests.helpers import relative
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.between import contact_frames, smooth_compliance
-from rollbench.lowfi.compliance.beyond_hertz import half_space, harmonic_expansion
+from rollbench.lowfi.compliance.beyond_hertz import half_space_compliance, harmonic_expansion
 from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, smooth_body
 from rollbench.lowfi.compliance.tube import (
@@ -241,13 +241,15 @@ def test_half_space_limit():
     a, b = harmonic_expansion(NU)
     widths = 1.5e-3, 3e-3
     found = own_compliance(widths[0]) - own_compliance(widths[1])
-    space = half_space(widths[0], STEEL) - half_space(widths[1], STEEL)
+    space = half_space_compliance(widths[0], STEEL) - half_space_compliance(widths[1], STEEL)
     curved = (a + 2 * b) / (16 * np.pi * G * BIG) * np.log(widths[0] / widths[1])
     assert found == pytest.approx(space, rel=5e-3, abs=0.0)
     # harmonic 1 keeps the patch's whole resultant: (width / radius)^2 of its own share
     assert found == pytest.approx(space - curved, rel=1e-3, abs=0.0)
-    assert own_compliance(widths[1]) == pytest.approx(half_space(widths[1], STEEL), rel=0.15, abs=0.0)
-    assert half_space(1e-3, STEEL) == pytest.approx((1 - NU**2) / (2 * np.sqrt(np.pi) * E * 1e-3), rel=1e-12, abs=0.0)
+    assert own_compliance(widths[1]) == pytest.approx(half_space_compliance(widths[1], STEEL), rel=0.15, abs=0.0)
+    assert half_space_compliance(1e-3, STEEL) == pytest.approx(
+        (1 - NU**2) / (2 * np.sqrt(np.pi) * E * 1e-3), rel=1e-12, abs=0.0
+    )
 
 
 def test_patch_converges_with_mesh_and_harmonics():

@@ -10,11 +10,16 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.lowfi.compliance import faces
-from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space
+from rollbench.lowfi.compliance.between import (
+    groove_and_face_correction,
+    near_face_of_body,
+    nut_beam,
+    smooth_body_correction,
+)
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.bodies import clear_kept_bodies
 from rollbench.lowfi.compliance.fourier import Body, Grid, solve_harmonic
-from rollbench.lowfi.compliance.groove import equal_loads, own_motion, sampled_harmonics
+from rollbench.lowfi.compliance.groove import equal_patch_loads, sampled_harmonics, self_motion
 from rollbench.lowfi.compliance.parts import REFINED, geometry_only, groove_of_body, grooved_section, smooth_body
 from rollbench.meshes.helix import ball_layout
 
@@ -37,7 +42,7 @@ def test_a_cut_is_a_body_of_its_own(name, held):
     flank, smooth = groove_of_body(parts, False), smooth_body(parts, False, REFINED)
     grid, cuts = faces.grooved_grid(flank, faces.FAR.mesh)
     k, n, width = 3, 3, NARROW * flank.map.ball
-    loads = faces.true_loads(flank, grid, cuts, width, 2)
+    loads = faces.flank_patch_loads(flank, grid, cuts, width, 2)
     harmonics = sampled_harmonics(10.0)
     found = faces.cut_motions(flank, grid, cuts, harmonics, (0.0, np.inf), smooth.held, loads, width)
     short = Grid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
@@ -54,7 +59,11 @@ def whole(parts):
     """Compliance ``(2, N, 2, N)`` [um/kN] of the nut between contacts of both flanks (left first) along their normals, but
     for what all contacts have in common."""
     layout, flank = ball_layout(parts), groove_of_body(geometry_only(parts), False)
-    G = kernel_part(parts, layout, False, REFINED) + nut_beam(parts, layout) + grooved_part(parts, layout, False, REFINED)
+    G = (
+        smooth_body_correction(parts, layout, False, REFINED)
+        + nut_beam(parts, layout)
+        + groove_and_face_correction(parts, layout, False, REFINED)
+    )
     normal = flank.map.signs[2:] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     count = layout.z.size
     return 1e9 * np.einsum("sa,siatjb,tb->sitj", normal, G.reshape(2, count, 2, 2, count, 2), normal)
@@ -71,10 +80,10 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     parts, flank, _ = case
     compliance = own(scene("lin-case1"), 1)
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
-    found = kept_near_face(parts, False, REFINED)
+    found = near_face_of_body(parts, False, REFINED)
     distance = np.array([2.05, 2.50]) * flank.map.ball + found.beside
-    assert (found.by_face(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
-    assert found.by_face(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
+    assert (found.face_compliance(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
+    assert found.face_compliance(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
 
 
 def test_a_lip_tilts_and_the_contact_leaves_it():
@@ -95,9 +104,9 @@ def test_both_faces_are_told_apart(name):
     assert cuts[-1] == len(grid.z) - 1
     assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
     assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
-    here = grooved_part(parts, ball_layout(parts), False, REFINED)
+    here = groove_and_face_correction(parts, ball_layout(parts), False, REFINED)
     other = replace(parts, solid=replace(parts.solid, nut_held="right face"))
-    turned = grooved_part(other, ball_layout(other), False, REFINED)
+    turned = groove_and_face_correction(other, ball_layout(other), False, REFINED)
     shape, sign = (2, ball_layout(parts).z.size, 2), np.array([1.0, -1.0])
     back = turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1] * sign * sign[:, None, None, None]
     assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
@@ -107,7 +116,9 @@ def test_the_free_face_is_the_other_one():
     """The nut of case 1 is held at its left face: beyond the smooth body its last right contact gains, its first left one
     loses."""
     layout = ball_layout(scene("lin-case1"))
-    G = grooved_part(scene("lin-case1"), layout, False, REFINED).reshape(2, layout.z.size, 2, 2, layout.z.size, 2)
+    G = groove_and_face_correction(scene("lin-case1"), layout, False, REFINED).reshape(
+        2, layout.z.size, 2, 2, layout.z.size, 2
+    )
     left, right = (np.einsum("iaia->i", G[side, :, :, side]) for side in (0, 1))
     assert right[np.argmax(layout.z)] > 0.0
     assert left[np.argmin(layout.z)] < 0.0
@@ -119,10 +130,12 @@ def test_short_lands_are_softer():
     parts = scene("unseen-40x10")
     flank, middle = groove_of_body(geometry_only(parts), False), 28
     width = NARROW * flank.map.ball
-    cell = own_motion(flank, flank.grid(), equal_loads(flank, flank.grid(), width), width)
+    cell = self_motion(flank, flank.grid(), equal_patch_loads(flank, flank.grid(), width), width)
     beam = nut_beam(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[1, middle, :, 1, middle]
     normal = flank.map.signs[3] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
-    softer = kept_near_face(geometry_only(parts), False, REFINED).alone + half_space(width, flank.material) - cell
+    softer = (
+        near_face_of_body(geometry_only(parts), False, REFINED).alone + half_space_compliance(width, flank.material) - cell
+    )
     beyond = whole(parts)[1, middle, 1, middle] - 1e9 * normal @ beam @ normal
     assert beyond + softer * 1e9 == pytest.approx(0.96, abs=0.04)
 
@@ -140,11 +153,11 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
     parts, flank, smooth = case
     section, angle = grooved_section(parts, False), np.array([0.0, 0.1, 0.4])
     whole_face, annulus = (
-        faces.near_face(flank, smooth, section, radii, near=False)
+        faces.near_face_compliance(flank, smooth, section, radii, near=False)
         for radii in ((0.0, np.inf), (1.1 * smooth.outer, 1.5 * smooth.outer))
     )
     assert annulus.alone == whole_face.alone
-    assert np.array_equal(annulus.between(angle), whole_face.between(angle))
+    assert np.array_equal(annulus.compliance_between(angle), whole_face.compliance_between(angle))
 
 
 def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):

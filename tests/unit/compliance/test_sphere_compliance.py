@@ -12,8 +12,8 @@ from rollbench.lowfi.compliance.beyond_hertz import (
     MEAN_LOG,
     harmonic_expansion,
     legendre_compliance,
-    own_compliance,
     sphere_compliance,
+    sphere_self_compliance,
 )
 from rollbench.lowfi.compliance.fourier import Body, Grid, quadratic_shape_functions, refine_lines
 from rollbench.meshes.parts import Material
@@ -90,11 +90,13 @@ def disc_average(radius, count=24):
 @pytest.mark.parametrize("share", [0.05, 0.1])
 def test_own_compliance_is_the_mean_over_the_contact(share):
     size = share * RADIUS
-    assert own_compliance((size, size), RADIUS, STEEL) == pytest.approx(disc_average(size), rel=0.02, abs=0.0)
-    first = own_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
-    assert first == pytest.approx(own_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
+    assert sphere_self_compliance((size, size), RADIUS, STEEL) == pytest.approx(disc_average(size), rel=0.02, abs=0.0)
+    first = sphere_self_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
+    assert first == pytest.approx(sphere_self_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
     a, b = harmonic_expansion(STEEL.poissons_ratio)
-    shift = own_compliance((size, size), RADIUS, STEEL) - own_compliance((2 * size, 2 * size), RADIUS, STEEL)
+    shift = sphere_self_compliance((size, size), RADIUS, STEEL) - sphere_self_compliance(
+        (2 * size, 2 * size), RADIUS, STEEL
+    )
     assert UNIT * shift == pytest.approx((a + 2 * b) * np.log(2.0), rel=1e-12, abs=0.0)
     assert pytest.approx(11.0 / 12.0 - (2.0 + 2.0 / 3.0 - 2.0 * np.log(2.0))) == MEAN_LOG
 
@@ -155,4 +157,4 @@ def test_own_compliance_by_finite_elements(share):
     space = 0.6 * (1 - STEEL.poissons_ratio**2) / (STEEL.youngs_modulus * size)
     beyond = pressed_sphere(32, size)[2] - space
     assert beyond < -0.04 * space
-    assert beyond == pytest.approx(own_compliance((size, size), RADIUS, STEEL), abs=3e-3 * space)
+    assert beyond == pytest.approx(sphere_self_compliance((size, size), RADIUS, STEEL), abs=3e-3 * space)
