@@ -44,7 +44,7 @@ from rollbench.lowfi.rating.contacts import (
     worst_contact,
     worst_roller,
 )
-from rollbench.lowfi.rating.life import Life, life, rating
+from rollbench.lowfi.rating.life import Life, dynamic_rating, life
 from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
 from rollbench.lowfi.rating.shaft import ShaftLimits, shaft_limits
@@ -242,7 +242,7 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
     safety = None if worst is None else static_safety(scene, drawn, worst)
-    modified, basic = modified_life(scene, rated_life), reference.of_balls(scene, rated_life)
+    modified, basic = modified_life(scene, rated_life), reference.ball_reference_life(scene, rated_life)
     return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
 
 
@@ -489,7 +489,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
         roller_life.life(row, line_loads),
         roller_life.ratings(row),
         roller_torque(row, line_loads, speed, lubricant),
-        reference.of_rollers(row, line_loads),
+        reference.roller_reference_life(row, line_loads),
     )
 
 
@@ -529,7 +529,7 @@ def outside(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preloa
     if isinstance(parts, RollerRow):
         return
     try:
-        C = rating(parts)
+        C = dynamic_rating(parts)
     except ValueError:  # said with the answers
         return
     if preload > C:

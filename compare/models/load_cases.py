@@ -29,9 +29,9 @@ from rollbench.lowfi.rating.life import (
     EquivalentLife,
     Life,
     SystemLife,
+    equivalent_contact_loads,
     equivalent_life,
     life,
-    over_cases,
     system_life,
 )
 from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
@@ -339,9 +339,9 @@ def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tu
         known = [np.zeros((1, 4)) if load is None else load for load in loads]
         parts = cycle.sets[name]
         if isinstance(parts, RollerRow):
-            rated = roller_life.life(parts, roller_life.over_cases(known, cycle.shares))
+            rated = roller_life.life(parts, roller_life.equivalent_line_loads(known, cycle.shares))
         else:
-            rated = life(parts, over_cases(known, cycle.shares))
+            rated = life(parts, equivalent_contact_loads(known, cycle.shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
@@ -375,9 +375,9 @@ def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     row = cycle.sets[name]
     if isinstance(row, RollerRow):
-        basic = reference.of_rollers(row, roller_life.over_cases([s.load for s, _ in used], shares))
+        basic = reference.roller_reference_life(row, roller_life.equivalent_line_loads([s.load for s, _ in used], shares))
         return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name, None, basic)
-    modified, basic = modified_life(row, rated), reference.of_balls(row, rated)
+    modified, basic = modified_life(row, rated), reference.ball_reference_life(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
         standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))

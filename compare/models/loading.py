@@ -9,7 +9,7 @@ from typing import TypeVar, overload
 import numpy as np
 
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.lowfi.rating.rigidity import axial_force, slope_of
+from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.lowfi.statics.summary import about_origin
@@ -160,7 +160,7 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
 
 def axial_preload(scene: Scene, bare: StaticResult) -> float:
     """Return the internal axial force `Preload.axial` [N] from the result without loads."""
-    return min(float(bare.load[:, s].sum()) for s in (0, 1)) * slope_of(scene)
+    return min(float(bare.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
 
 def axial_of(held: Preload | None) -> float:

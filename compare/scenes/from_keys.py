@@ -221,9 +221,9 @@ def force_of(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, s
     """Return the preload [N], and a text on its share of the load rating (empty if given as a force)."""
     if not isinstance(given, ShareOfRating):
         return given, ""
-    from rollbench.lowfi.rating.life import rating
+    from rollbench.lowfi.rating.life import dynamic_rating
 
-    C = rating(scene)
+    C = dynamic_rating(scene)
     percent = float(error_percent(given.share * C, 0.0, C))
     return given.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
 

@@ -104,7 +104,7 @@ class Layer:
     tilt: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
-        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m], in the order of `elasticity_matrix`."""
+        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m]; see `elasticity_matrix`."""
         f = np.interp(radius, self.radii, self.shares)
         S = np.zeros((*np.shape(f), 6, 6))
         S[..., :3, :3] = -poisson

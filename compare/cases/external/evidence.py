@@ -36,7 +36,15 @@ from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_forc
 from rollbench.lowfi.bearings.combined_load import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from rollbench.lowfi.rating.life import PARTING, equivalent_life, factors, halves, life, mean_force, rating
+from rollbench.lowfi.rating.life import (
+    PARTING,
+    dynamic_rating,
+    equivalent_life,
+    forces_on_halves,
+    life,
+    mean_force,
+    radial_and_axial_factors,
+)
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -276,7 +284,7 @@ def loads(findings: Findings, study: Study) -> None:
     findings.number("speed_rexroth", mean_speed("rexroth"))
     findings.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
-    loaded, other = halves(force, 1.0)
+    loaded, other = forces_on_halves(force, 1.0)
     lower = error_percent((1.0 + force / ROUNDED) ** 1.5, loaded)
     words = (
         f"with 3 the loaded half's force is {-float(lower.min()):.1f} % lower where the halves part, and no higher anywhere"
@@ -287,12 +295,12 @@ def loads(findings: Findings, study: Study) -> None:
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
     found = equivalent_life([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
     assert found is not None
-    lives = (rating(nut) / np.array(found.loads)) ** 3
+    lives = (dynamic_rating(nut) / np.array(found.loads)) ** 3
     printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
     findings.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
     for name, angle in (row.key.split("_") for row in load_table(findings.table) if row.key[0] in "eXY"):
-        findings.number(f"{name}_{angle}", factors(float(np.radians(float(angle))))["eXY".index(name)])
+        findings.number(f"{name}_{angle}", radial_and_axial_factors(float(np.radians(float(angle))))["eXY".index(name)])
 
 
 #: Cells of CONTACT's grid along each axis, and its width over the contact's.

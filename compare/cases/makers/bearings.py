@@ -17,7 +17,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair, thrust_state_under_load
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import ARRANGEMENTS
 from rollbench.meshes.parts import Scene
@@ -118,7 +118,7 @@ def factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
     """Return C over Z^(2/3) D^1.8 and C_0 over Z D^2 [N, m] by ISO 281 and ISO 76, over D/d_m."""
     rings = [ring(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
-    dynamic = [rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
+    dynamic = [dynamic_rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
     static = [static_rating(one) for one in rings] / (FEW * balls**2)
     return CubicSpline(RELATIVE, dynamic), CubicSpline(RELATIVE, static)
 

@@ -20,8 +20,8 @@ from rollbench.compare.scenes.from_keys import oversize_for, touching_angle
 from rollbench.compare.scenes.template import BEYOND, STOCK, WALL
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.life import rating
-from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
+from rollbench.lowfi.rating.life import dynamic_rating
+from rollbench.lowfi.rating.rigidity import PRACTICE, approach_per_displacement, body_compliance
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
@@ -89,13 +89,13 @@ def of_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, floa
     """Return C and C_0 [N] by ISO 3408-5: computed for one turn, scaled to the nut's balls and turns."""
     one = one_turn(nut, conformity)
     share = filling * nut.touching / one.ball_count
-    return rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
+    return dynamic_rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
 
 def displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
     """Return the axial displacement of a nut without preload [m]: equal balls, nut and screw as thick tubes."""
     one = one_turn(nut, conformity)
-    constants, slope = error_free_hertz(one).C, slope_of(one)
+    constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
     each = load / (filling * nut.touching * nut.turns * slope)
     tubes = (body_compliance(one) or 0.0) / nut.turns if bodies else 0.0
     return float((constants[0] + constants[3]) * np.cbrt(each) ** 2 / slope + tubes * load)

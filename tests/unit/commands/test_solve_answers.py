@@ -23,7 +23,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.results.compared import compared
 from rollbench.compare.results.scene_json import answers_json
 from rollbench.compare.scenes import catalogue, template
-from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics import elastic, settle
 from rollbench.meshes.parts import BallErrors, Errors
 
@@ -57,7 +57,7 @@ def test_preload_is_what_the_flanks_press_without_load(solved) -> None:
     bare = solve_scaled(scene, 0.0, "lin", QUIET)
     held = preload(scene, bare)
     assert (held, held.loaded) == (found.preload, 4 * scene.ball_count)
-    assert held.axial == pytest.approx(slope_of(scene) * bare.load[:, 0].sum(), rel=0.02)
+    assert held.axial == pytest.approx(approach_per_displacement(scene) * bare.load[:, 0].sum(), rel=0.02)
 
 
 def test_the_first_contact_is_lost_where_lift_off_says(solved) -> None:

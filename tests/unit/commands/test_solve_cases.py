@@ -15,7 +15,7 @@ from rollbench.compare.report.verify import _stable, read
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.run import Sweep
 from rollbench.compare.studies.sweep.sample import solve_sample
-from rollbench.lowfi.rating.life import equivalent_life, life, over_cases
+from rollbench.lowfi.rating.life import equivalent_contact_loads, equivalent_life, life
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
 OPEN = """
@@ -46,7 +46,9 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
     assert whole["largest_pressure_MPa"] == max(one["summary"]["worst_contact"]["pressure_MPa"] for one in cases)
     loads = [load_cases.solve_one(SHIPPED, "lin", registry.Options()).result.load]
     loads.append(np.array([list(ball["load_N"].values()) for ball in cases[1]["balls"]]))
-    assert whole["life"]["L10_million_revolutions"] == life(SHIPPED, over_cases(loads, [0.75, 0.25])).revolutions
+    assert (
+        whole["life"]["L10_million_revolutions"] == life(SHIPPED, equivalent_contact_loads(loads, [0.75, 0.25])).revolutions
+    )
     assert whole["standard_life"] is None
     assert "preload" in whole["standard_life_words"]
     rows = list(csv.DictReader((tmp_path / "loads.csv").read_text().splitlines()))

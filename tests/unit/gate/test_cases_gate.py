@@ -13,7 +13,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.store import load_run, save
 from rollbench.compare.reference.tasks import groups, plain, settings_of
 from rollbench.compare.scenes import scene_file
-from rollbench.lowfi.rating.life import life, over_cases
+from rollbench.lowfi.rating.life import equivalent_contact_loads, life
 
 #: No case has a shipped run: the balls are larger by 0.1 um than those of the shipped scene.
 TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize = "5 um"', 'oversize = "5.1 um"')
@@ -82,7 +82,7 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     assert {(one["scene"], one["case"]): one["share"] for one in found["cases"]} == shares
     (whole,) = found["summary"]
     assert whole["largest_error_case"] == "push"
-    by_reference = life(SHIPPED, over_cases([loads["rest"], loads["push"]], [0.75, 0.25]))
+    by_reference = life(SHIPPED, equivalent_contact_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}

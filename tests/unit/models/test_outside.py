@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.compare.models.answers import outside
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.rating.life import dynamic_rating
 
 SCENE = small_screw()
 
@@ -19,11 +19,11 @@ def said(safety, preload):
 
 @pytest.mark.parametrize("safety", [None, 1.0, 5.0])
 def test_nothing_is_said_up_to_the_lines(safety):
-    assert said(safety, 0.0) == said(safety, rating(SCENE)) == []
+    assert said(safety, 0.0) == said(safety, dynamic_rating(SCENE)) == []
 
 
 def test_each_line_is_said_just_beyond_it():
-    C = rating(SCENE)
+    C = dynamic_rating(SCENE)
     below, above = np.nextafter(1.0, 0.0), np.nextafter(C, np.inf)
     (dent,), (heavy,) = said(below, C), said(1.0, above)
     assert dent[0] == "safety"

@@ -8,7 +8,7 @@ import pytest
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.template import scene_like
-from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
+from rollbench.lowfi.rating.life import contact_capacity, dynamic_rating, filled_turns, life
 from rollbench.lowfi.rating.rigidity import body_compliance
 from rollbench.meshes.parts import Scene
 
@@ -65,8 +65,8 @@ def test_the_same_filled_turns_have_the_same_rating_and_life(balls: str) -> None
     scene, whole = screw(balls), screw(WHOLE)
     load = np.full((96, 4), 60.0)
     assert filled_turns(scene) == pytest.approx(4.0, rel=1e-12)
-    assert rating(scene) == pytest.approx(rating(whole), rel=1e-9)
-    assert rating(scene) == pytest.approx(15127.0, rel=1e-4)  # by hand, exponents of the standard rounded
+    assert dynamic_rating(scene) == pytest.approx(dynamic_rating(whole), rel=1e-9)
+    assert dynamic_rating(scene) == pytest.approx(15127.0, rel=1e-4)  # by hand, exponents of the standard rounded
     assert life(scene, load).revolutions == pytest.approx(life(whole, load).revolutions, rel=1e-9)
     np.testing.assert_allclose(contact_capacity(scene), contact_capacity(whole), rtol=1e-9)
     assert body_compliance(scene) == pytest.approx(body_compliance(whole), rel=1e-9)
@@ -81,7 +81,7 @@ def test_a_hand_calculation_by_ISO_3408_5() -> None:
         for s in (1.0, -1.0)
     ]  # fmt: skip
     assert sum(x ** (-10 / 3) for x in sides) ** -0.3 * 4.0**0.86 == pytest.approx(
-        rating(screw(circuits(4, 0.5))), rel=1e-3
+        dynamic_rating(screw(circuits(4, 0.5))), rel=1e-3
     )
 
 
@@ -89,7 +89,7 @@ def test_a_hand_calculation_by_ISO_3408_5() -> None:
 def test_more_circuits_raise_the_rating_by_the_power_of_the_standard(times: int, factor: float) -> None:
     one = screw("count = 60\nturns = 2.5")
     more = screw(f"count = {60 * times}\nturns = 2.5\ncircuits = {times}\ncircuit_gap = 0.5")
-    assert rating(more) / rating(one) == pytest.approx(factor, rel=1e-9)
+    assert dynamic_rating(more) / dynamic_rating(one) == pytest.approx(factor, rel=1e-9)
 
 
 def test_unequal_distances_fill_what_the_median_fills_and_no_jump_comes_of_a_moved_ball() -> None:
@@ -100,14 +100,14 @@ def test_unequal_distances_fill_what_the_median_fills_and_no_jump_comes_of_a_mov
         return replace(whole, balls=replace(whole.balls, azimuths=tuple(azimuths)))
 
     piled = places - np.where(np.arange(96) % 24 == 23, 1e-3, 0.0)  # clearance behind one ball of every turn
-    assert rating(of(piled)) == pytest.approx(rating(whole), rel=1e-9)
+    assert dynamic_rating(of(piled)) == pytest.approx(dynamic_rating(whole), rel=1e-9)
     spread = np.sort(places + np.random.default_rng(0).uniform(-0.02, 0.02, 96))
     assert filled_turns(of(spread)) == pytest.approx(96 * np.median(np.diff(spread)) / (2 * pi))
-    assert rating(of(spread)) == pytest.approx(rating(whole), rel=0.01)
+    assert dynamic_rating(of(spread)) == pytest.approx(dynamic_rating(whole), rel=0.01)
     moved = spread.copy()
     for step in np.linspace(0.0, 0.1, 50):
         moved[50] = spread[50] + step
-        assert rating(of(moved)) == pytest.approx(rating(of(spread)), rel=2e-3)
+        assert dynamic_rating(of(moved)) == pytest.approx(dynamic_rating(of(spread)), rel=2e-3)
     assert filled_turns(of(places[:1])) == 1.0
 
 

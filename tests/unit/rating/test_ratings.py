@@ -10,8 +10,8 @@ from tests.helpers import small_screw
 from rollbench.compare.models.answers import load_answers
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import contacts
-from rollbench.lowfi.rating.life import contact_capacity, filled_turns, life, rating
-from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
+from rollbench.lowfi.rating.life import contact_capacity, dynamic_rating, filled_turns, life
+from rollbench.lowfi.rating.rigidity import approach_per_displacement, body_compliance, contacts_displacement, rigidities
 from rollbench.lowfi.statics import validity
 from rollbench.lowfi.statics.contacts import error_free_hertz, nominal_curvatures
 from rollbench.lowfi.statics.problem import centre_distances
@@ -53,14 +53,14 @@ def drawn(scene: Scene) -> errors.Specimen:
 @pytest.mark.parametrize(("ratio", "printed"), [(0.10, 55.5), (0.16, 59.6), (0.20, 59.9), (0.26, 58.2)])
 def test_radial_rating_of_a_ring_is_that_of_the_table_of_ISO_281(ratio: float, printed: float) -> None:
     """C_r = 1.3 f_c cos(alpha)^0.7 Z^(2/3) D^1.8 with f_c of the standard's table (single-row, grooves up to 0.52)."""
-    found = rating(ring(ratio)) / (1.3 * 9 ** (2 / 3) * 10.0**1.8)
+    found = dynamic_rating(ring(ratio)) / (1.3 * 9 ** (2 / 3) * 10.0**1.8)
     assert found == pytest.approx(printed, rel=0.012)  # the table's own rounding of exponents and steps
 
 
 def test_equal_loads_give_the_cube_of_rating_over_load() -> None:
     screw = catalogue.scene("unseen-40x10")
-    found, axial = life(screw, loads(screw, 250.0)), 250.0 * screw.ball_count * slope_of(screw)
-    assert (found.revolutions, found.equivalent) == pytest.approx(((rating(screw) / axial) ** 3, axial), rel=1e-12)
+    found, axial = life(screw, loads(screw, 250.0)), 250.0 * screw.ball_count * approach_per_displacement(screw)
+    assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(screw) / axial) ** 3, axial), rel=1e-12)
     assert found.hours(2 * pi) == pytest.approx(1e6 * found.revolutions / 3600.0)
 
 
@@ -74,7 +74,7 @@ def test_the_rating_of_a_screw_by_the_formulas_of_ISO_3408_5_in_their_own_form()
     f_c = 9.32 * f_1 * f_2 * (1.0 / (1.0 - 1.0 / (2 * f))) ** 0.41
     C_s = f_c * cos(a) ** 0.86 * 19 ** (2 / 3) * D**1.8 * np.tan(a) * cos(phi) ** 1.3
     f_3 = ((1 - g) / (1 + g)) ** 1.723
-    assert rating(scene) == pytest.approx(C_s * (1 + f_3 ** (10 / 3)) ** -0.3 * 3**0.86, rel=2e-3)
+    assert dynamic_rating(scene) == pytest.approx(C_s * (1 + f_3 ** (10 / 3)) ** -0.3 * 3**0.86, rel=2e-3)
     assert filled_turns(scene) == pytest.approx(3.0)
 
 
@@ -82,8 +82,8 @@ def test_contact_capacities_are_those_of_the_rating_in_ISO_TS_16281() -> None:
     """Q_ci = C_r/(0.407 Z cos(alpha)) (1 + (1.044 ((1 - g)/(1 + g))^1.72)^(10/3))^(3/10), equal grooves."""
     scene, g = ring(0.15, angle=0.4), 0.15
     ratio = 1.044 * ((1 - g) / (1 + g)) ** 1.72
-    inner = rating(scene) / (0.407 * 9 * cos(0.4)) * (1 + ratio ** (10 / 3)) ** 0.3
-    outer = rating(scene) / (0.389 * 9 * cos(0.4)) * (1 + ratio ** (-10 / 3)) ** 0.3
+    inner = dynamic_rating(scene) / (0.407 * 9 * cos(0.4)) * (1 + ratio ** (10 / 3)) ** 0.3
+    outer = dynamic_rating(scene) / (0.389 * 9 * cos(0.4)) * (1 + ratio ** (-10 / 3)) ** 0.3
     np.testing.assert_allclose(contact_capacity(scene)[[0, 3]], [inner, outer], rtol=3e-3)
 
 
@@ -155,7 +155,7 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
 
 def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     scene = catalogue.scene("lin-case1")
-    h, s = error_free_hertz(scene), slope_of(scene)
+    h, s = error_free_hertz(scene), approach_per_displacement(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
     assert contacts_displacement(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
@@ -182,7 +182,7 @@ def test_bodies_add_the_displacement_of_thick_tubes_in_the_form_of_ISO_3408_4() 
 def test_axial_rating_of_a_thrust_bearing_is_that_of_the_table_of_ISO_281(angle: float, printed: float) -> None:
     """C_a = 1.3 f_c cos(alpha)^0.7 tan(alpha) Z^(2/3) D^1.8, D cos(alpha)/D_pw = 0.01, grooves of 0.535."""
     a = np.radians(angle)
-    found = rating(ring(0.01, 0.535, angle=a)) / (1.3 * cos(a) ** 0.7 * np.tan(a) * 9 ** (2 / 3) * 10.0**1.8)
+    found = dynamic_rating(ring(0.01, 0.535, angle=a)) / (1.3 * cos(a) ** 0.7 * np.tan(a) * 9 ** (2 / 3) * 10.0**1.8)
     assert found == pytest.approx(printed, rel=0.012)
 
 
@@ -193,7 +193,7 @@ def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_n
     assert steep == pytest.approx(np.full(4, 0.9 / 0.95 * (1 - sin(a) / 3) * cos(a) ** -0.3), rel=1e-12)
     assert (0.95 / (0.9 * (1 - sin(a) / 3))) ** 3 == pytest.approx(3.35, abs=0.005)
     found, axial = life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
-    assert (found.revolutions, found.equivalent) == pytest.approx(((rating(scene) / axial) ** 3, axial), rel=1e-12)
+    assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(scene) / axial) ** 3, axial), rel=1e-12)
     assert [contacts.ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
 
 
@@ -215,20 +215,20 @@ def test_static_ratings_where_all_balls_share_an_axial_load() -> None:
     k_0 = 27.74 / (D * np.sqrt(across * along))
     assert contacts.static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
     found = contacts.ratings(screw)
-    assert (found.dynamic, found.static_standard) == (rating(screw), "ISO 3408-5")
+    assert (found.dynamic, found.static_standard) == (dynamic_rating(screw), "ISO 3408-5")
 
 
 def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() -> None:
     """SNFA SEA 10: 12 balls of 2.38 mm between 10 and 19 mm, 15 deg: 190 daN."""
     a = np.radians(15.0)
     scene = ring(2.38 * cos(a) / 14.5, balls=12, angle=a)
-    assert rating(scene) * 0.238**1.8 == pytest.approx(1900.0, rel=0.02)
+    assert dynamic_rating(scene) * 0.238**1.8 == pytest.approx(1900.0, rel=0.02)
 
 
 def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
-    C, s = error_free_hertz(scene).C, slope_of(scene)
+    C, s = error_free_hertz(scene).C, approach_per_displacement(scene)
     closure = float(centre_distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):

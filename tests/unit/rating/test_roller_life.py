@@ -50,8 +50,10 @@ def test_life_does_not_depend_on_the_slices_of_an_even_load_and_an_uneven_one_li
 def test_cases_alike_live_as_each_and_shares_count():
     q = np.full((ROLLERS.count, 5), 1e5)
     whole = roller_life.life(ROLLERS, q).revolutions
-    assert roller_life.life(ROLLERS, roller_life.over_cases([q, q], [0.3, 0.7])).revolutions == pytest.approx(whole)
-    mixed = roller_life.life(ROLLERS, roller_life.over_cases([q, 0.0 * q], [0.5, 0.5])).revolutions
+    assert roller_life.life(ROLLERS, roller_life.equivalent_line_loads([q, q], [0.3, 0.7])).revolutions == pytest.approx(
+        whole
+    )
+    mixed = roller_life.life(ROLLERS, roller_life.equivalent_line_loads([q, 0.0 * q], [0.5, 0.5])).revolutions
     assert mixed / whole == pytest.approx(2.0 ** (10.0 / 12.0), rel=1e-9), "means of order 4, life to the 10/3"
 
 

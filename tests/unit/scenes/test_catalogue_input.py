@@ -14,7 +14,7 @@ from rollbench.compare.scenes import catalogue, from_keys, keys, scene_file
 from rollbench.compare.scenes.friction_kinds import table
 from rollbench.compare.scenes.template import double_nut_like, scene_like, template
 from rollbench.lowfi.friction.whole.circuit import circuits
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import axis, helix, parts
 
@@ -172,7 +172,7 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
     assert [s.thrust for s in found.sets] == ["-z", "+z"]
     for one in found.sets:
         assert isinstance(one.parts, parts.Scene)
-        assert one.preload == pytest.approx(0.05 * rating(one.parts), rel=1e-12)
+        assert one.preload == pytest.approx(0.05 * dynamic_rating(one.parts), rel=1e-12)
         assert sum(line.startswith(f"{one.name}: preload of") for line in found.assumed) == 1
     left, right = (s.parts.nut for s in found.sets if isinstance(s.parts, parts.Scene))
     assert right.position - left.position > left.length, "a spacer stands between them"
@@ -182,7 +182,7 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
 def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
     share = 0.025 if "2.5" in text else 0.05
-    assert scene.errors.balls.oversize == from_keys.oversize_for(read(), share * rating(read()))
+    assert scene.errors.balls.oversize == from_keys.oversize_for(read(), share * dynamic_rating(read()))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 

@@ -10,7 +10,7 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.template import scene_like
-from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
+from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_displacement, contacts_displacement
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -35,7 +35,7 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
     scene = halves(hand=hand, screw="rigid")
     found = solved(scene)
     C = error_free_hertz(scene).C
-    expected = (0.5 * slope_of(scene) * OFFSET / (C[0] + C[3])) ** 1.5
+    expected = (0.5 * approach_per_displacement(scene) * OFFSET / (C[0] + C[3])) ** 1.5
     first, second = found.load[:6], found.load[6:]
     loaded, idle = ([0, 3], [1, 2]) if first[0, 0] > 0.0 else ([1, 2], [0, 3])
     np.testing.assert_allclose(first[:, loaded], expected, rtol=0.02)
@@ -74,7 +74,7 @@ def test_a_ball_that_travels_meets_the_half_it_is_in():
     met = draw(scene).at(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
     step = met.centre[1] - met.centre[0]
     np.testing.assert_allclose(step[:2], 0.0, atol=1e-15)
-    along = slope_of(scene) / np.sin(scene.track.contact_angle)
+    along = approach_per_displacement(scene) / np.sin(scene.track.contact_angle)
     np.testing.assert_allclose(step[2:], [[0.0, OFFSET * along]] * 2, atol=1e-12)
 
 

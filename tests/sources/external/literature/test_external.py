@@ -15,7 +15,7 @@ from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.studies.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, axial_displacement, bearing_of_contact_angle
 from rollbench.lowfi.bearings.axis import equilibrium, lift_off_force, preloaded_rows
-from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.parts import Friction
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -53,7 +53,9 @@ def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
 @pytest.mark.parametrize(("size", "times", "printed"), [("5", 2, 1.814), ("7p5", 3, 2.578)])
 def test_ratings_of_nuts_of_more_circuits_grow_as_the_catalogue_prints(size: str, times: int, printed: float) -> None:
     """Circuits of 2.5 turns half a turn apart: twice and three times the turns, by ISO 3408-5 to the power of 0.86."""
-    grown = rating(catalogue.scene(f"external-thk-bnf-3205-{size}")) / rating(catalogue.scene("external-thk-bnf-3205-2p5"))
+    grown = dynamic_rating(catalogue.scene(f"external-thk-bnf-3205-{size}")) / dynamic_rating(
+        catalogue.scene("external-thk-bnf-3205-2p5")
+    )
     assert grown == pytest.approx(times**0.86, rel=1e-3)
     assert grown == pytest.approx(printed, rel=3e-3)
 

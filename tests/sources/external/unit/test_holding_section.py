@@ -15,7 +15,7 @@ from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import on_bolts
-from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import dimensions
 from rollbench.reports.content import Table
@@ -123,7 +123,7 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
         load = holding.loads_of(row)
         assert row["status"] == "converged"
         assert load.shape == (scene.ball_count, 4)
-        assert load.max(axis=1).sum() * slope_of(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
+        assert load.max(axis=1).sum() * approach_per_displacement(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
 
 
 STORED = holding.stored_results(shipped_store())
