@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import ellipe
 
 from rollbench.lowfi.friction.contact.laws import Contacts
-from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.contact.rings import SettledCell
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_joint
@@ -85,7 +85,7 @@ def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str,
 class CoupledBall:
     """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
 
-    load: Settled
+    load: SettledCell
     motion: motion.BallMotion
     change: float
     rounds: int

@@ -22,7 +22,7 @@ from rollbench.compare.studies.friction.linear_kinds import solve_linear
 from rollbench.compare.studies.friction.run import judged, run_data, run_lines, stepped
 from rollbench.compare.text.printing import Column, cell
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, free_motion
+from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, describe_free_motion
 from rollbench.lowfi.friction.contact.laws import Contacts, Regularised
 from rollbench.lowfi.friction.contact.motion import Motion as BallMotion
 from rollbench.lowfi.friction.contact.motion import (
@@ -30,9 +30,9 @@ from rollbench.lowfi.friction.contact.motion import (
     balance_by_root,
     balance_by_sharpening,
     least_dissipation,
-    without_friction,
+    remove_friction_forces,
 )
-from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.contact.rings import SettledCell
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.run import PairResult, solve_pair, summarise
@@ -285,7 +285,7 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
     return "no balance of friction found" if motion == "failed" else "converged"
 
 
-def ball_row(load: Settled, at: Contacts, motion: BallMotion) -> dict[str, Any]:
+def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, Any]:
     """Return the row of a ball.
 
     X of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry.
@@ -336,7 +336,7 @@ def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     at = bearing.ball_contacts(rough, load)
     motion = ball_motion(scene, bearing.motion_problem(rough, load, at))
     if b.mu == 0.0:
-        motion = without_friction(motion)
+        motion = remove_friction_forces(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     ball, torque, speed = ball_row(load, at, motion), bearing.inner_torque(b, load, motion), b.screw_speed
@@ -410,7 +410,7 @@ def loose(scene: BearingPairScene) -> list[str]:
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
         for angle in scene.angle:
-            free = free_motion(case, float(angle))
+            free = describe_free_motion(case, float(angle))
             if free:
                 where = f"load at {np.degrees(angle):.4g} deg"
                 out.append(f"{name} bearing, {where}: {free}: no contact resists it, and the force drives it")

@@ -45,7 +45,7 @@ from rollbench.lowfi.friction.as_source.chain import (
 )
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.friction.contact.motion import HYBRID
-from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.contact.rings import SettledCell
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
@@ -98,7 +98,7 @@ def first_place(cell: Cell) -> Places:
     return Places(0.5 * (cell.screw_motion @ screw + cell.offset), cell.angle.copy(), screw)
 
 
-def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
+def loads_by_root(cell: Cell, start: Places | None = None) -> SettledCell:
     """Return the loads of a cell of N balls as a root of 6 N + m equations; from `first_place` where start is None.
 
     ``left`` [N]: largest force out of balance; ``steps``: calls; ``converged`` is False where no root is found.
@@ -122,7 +122,7 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
     force, _, _ = contact_forces(cell, places)
     left = float(np.max(np.abs(solution.fun))) * scale
     good = left <= ACCEPTED * (scale * n + float(force.sum()))
-    return Settled(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
+    return SettledCell(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
 
 
 def neighbour_interaction(groove: ScrewGroove) -> Neighbours:
@@ -176,7 +176,7 @@ class SourceScrew:
     """Balls of a screw by Lin's method."""
 
     #: Loads without friction.
-    load: Settled
+    load: SettledCell
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
@@ -251,7 +251,7 @@ def start_from_result(result: PairResult, touching: bool) -> SourceState:
     return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
-def at_given_loads(cell: Cell, load: Settled, law: Law) -> SourceState:
+def at_given_loads(cell: Cell, load: SettledCell, law: Law) -> SourceState:
     """Return separate balls at loads without friction, searched from rolling: the start where no other is given."""
     n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
@@ -260,7 +260,12 @@ def at_given_loads(cell: Cell, load: Settled, law: Law) -> SourceState:
 
 
 def coupled_by_root(
-    cell: Cell, load: Settled, reach: Mask, law: Law, start: SourceState | None = None, touching: SourceState | None = None
+    cell: Cell,
+    load: SettledCell,
+    reach: Mask,
+    law: Law,
+    start: SourceState | None = None,
+    touching: SourceState | None = None,
 ) -> SourceScrew:
     """Return N balls whose friction changes their loads, by Lin's method.
 

@@ -18,7 +18,7 @@ import numpy as np
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
 from rollbench.lowfi.friction.contact.laws import Contacts, Law, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
-from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
+from rollbench.lowfi.friction.contact.rings import SettledCell, settle_cell
 from rollbench.lowfi.friction.screw.groove import (
     ON_SCREW,
     SIGN_X,
@@ -95,7 +95,7 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
     return 0.5 * (cell.screw_motion @ u), u
 
 
-def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> Settled:
+def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> SettledCell:
     """Return the loads of the cell, the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p.
 
     By Newton's method with line search; forces do not depend on the start.
@@ -300,7 +300,7 @@ class Mixer:
         return np.asarray(x + damping * (g - x) - ((dx + damping * dr) @ share)[..., 0])
 
 
-def hold_screw(cell: Cell, load: Settled) -> Cell:
+def hold_screw(cell: Cell, load: SettledCell) -> Cell:
     """Return the cell with its screw fixed in its equilibrium position, without freedoms."""
     return replace(
         cell,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.losses import BallPath, ball_friction, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded
@@ -400,7 +400,7 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
         Loads that did not converge, balls that overlap, or impossible circuits.
     """
     path = ball_path(scene, drive, scene.balls.radius)
-    balls = ball_friction(scene, contacts_of(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
+    balls = ball_friction(scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
     carrying = result.load.sum(axis=1)
     orbit = np.where(carrying > 0.0, balls.orbit, idle * path.nominal_orbit)
     spacing, ring = contact_spacing(path), scene.track.lead == 0.0

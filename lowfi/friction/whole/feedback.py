@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.rings import settle_each
+from rollbench.lowfi.friction.contact.rings import settle_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import Mixer
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, with_loads
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, replace_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
@@ -224,9 +224,9 @@ def _seated(
     """Return contacts with some balls where given forces hold them, their shifts ``(k, 3)``, and which did not settle."""
     away = place.away[balls]
     pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
-    x, force, normal, left = settle_each(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)
+    x, force, normal, left = settle_each_ball(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)
     failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[balls].sum(axis=1))
     new_force, angle = contacts.force.copy(), contacts.angle.copy()
     new_force[balls] = force
     angle[balls] = contact_angles(normal)
-    return with_loads(contacts, new_force, angle), x, failed
+    return replace_loads(contacts, new_force, angle), x, failed

@@ -18,7 +18,7 @@ from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import ClosedTrack, Instant, Place
 from rollbench.lowfi.friction.whole.circuit import Balls, SceneGrooves, chain_motion
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread_to_all_balls
 from rollbench.lowfi.friction.whole.feedback import feed_back, seats_at
 from rollbench.lowfi.friction.whole.torque import about_axis, feeds_back
 from rollbench.lowfi.statics.nominal import ContactLoads, beam_loads, elastic_loads
@@ -181,7 +181,7 @@ class Setting:
                 fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc])
                 push[on_arc], at = fed.push, fed.at
                 status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
-        return spread(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
+        return spread_to_all_balls(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
 
     @property
     def groove(self) -> SceneGrooves:

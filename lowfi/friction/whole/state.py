@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of, spread
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result, spread_to_all_balls
 from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, seats_of, second_states
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, from_motions
 from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_up, will_compile
@@ -61,7 +61,7 @@ def neighbours(
     on_arc = np.flatnonzero(all_balls.number >= 0)
     order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
-    full = spread(at.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
+    full = spread_to_all_balls(at.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
     gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
@@ -155,7 +155,7 @@ def friction_state(
     ValueError
         A result that did not converge, no motion, or balls that overlap.
     """
-    at = contacts_of(scene, result, member)
+    at = contacts_of_result(scene, result, member)
     coupled = feeds_back(scene, friction)
     pushed = friction.neighbours
     first = (

@@ -12,13 +12,13 @@ from rollbench.lowfi.friction.contact.laws import (
     Coulomb,
     Regularised,
     Sigmoid,
-    about_point,
     cubic_factor,
     dissipated_power,
     equal_contacts,
     friction_forces,
     linear_error,
     linear_factor,
+    rotation_about_point,
 )
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -76,7 +76,7 @@ def smooth_reference(b, c, d, h=0.0, n=400):
 
 def ours(b, c, d, speed=0.0):
     """(psi, psi_c, psi_d, moment integral) from the friction of a unit contact turning with 1 rad/s."""
-    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), speed)
+    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), rotation_about_point(1.0, c, d), speed)
     return np.array([e.value[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
 
 
@@ -102,7 +102,7 @@ def test_far_away_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize(("c", "d"), [(0.0, 0.0), (0.5, 0.3), (1.0, 0.0), (1.4, -0.3), (6.0, 3.0)])
 def test_regularised_against_a_product_rule(b, c, d):
     h = 0.35
-    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), h)
+    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), rotation_about_point(1.0, c, d), h)
     exact = smooth_reference(b, c, d, h)
     assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
     assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
@@ -154,17 +154,17 @@ def test_regularised_lies_at_most_the_speed_above():
 def test_limits_of_pure_spin_and_pure_sliding():
     """Lin 3.32 and 3.33; M -> mu F b^2 / (5 c) for a centre far along x, the second moment of the pressure."""
     at = equal_contacts(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
-    spin = friction_forces(at, about_point(np.full(3, -3.0), 0.0, 0.0))
+    spin = friction_forces(at, rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
     assert spin.force == pytest.approx(0.0, abs=1e-15)
     assert spin.moment == pytest.approx(pure_spin_moment(at), rel=1e-13)
     assert pure_spin_moment(at)[1] == pytest.approx(0.375 * 10.0 * 2e-3 * ellipe(0.75), rel=1e-14)
     for c in (1e3, -1e9, np.inf):
-        motion = about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
+        motion = rotation_about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
         slide = friction_forces(at, motion)
         assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.strength, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
     for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
-        far_away = friction_forces(equal_contacts(1.0, 0.2, 1.0, 1.0), about_point(1.0, c, 0.0))
+        far_away = friction_forces(equal_contacts(1.0, 0.2, 1.0, 1.0), rotation_about_point(1.0, c, 0.0))
         assert -far_away.moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
 
 
@@ -194,9 +194,9 @@ def test_both_engines_agree():
 def test_force_inside_is_a_cubic(b):
     """Source's linear law: exact slope, exact cubic term, and the error of any slope over any reach."""
     t = np.array([0.1, 0.4, 0.8, 1.0])
-    f = -friction_forces(equal_contacts(2.0, np.full(4, 2.0 * b), 1.0, 1.0), about_point(np.ones(4), 2.0 * t, 0.0)).force[
-        :, 1
-    ]
+    f = -friction_forces(
+        equal_contacts(2.0, np.full(4, 2.0 * b), 1.0, 1.0), rotation_about_point(np.ones(4), 2.0 * t, 0.0)
+    ).force[:, 1]
     assert f == pytest.approx(linear_factor(b) * t - cubic_factor(b) * t**3, rel=1e-12)
     fine = np.linspace(1e-3, 0.5, 200)
     g = linear_factor(b) - cubic_factor(b) * fine**2
@@ -221,10 +221,10 @@ def test_interpolated_maps():
     at = equal_contacts(1.0, 0.2, 1.0, 0.1)
     exact = Coulomb().friction
     coarse = Sigmoid(1e9, 1.0, map_spacing=0.08)
-    on = about_point(2.0, 0.16, 0.0)
+    on = rotation_about_point(2.0, 0.16, 0.0)
     assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
-    off = about_point(-2.0, 0.2, 0.0)
-    ends = [exact(at, about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
+    off = rotation_about_point(-2.0, 0.2, 0.0)
+    ends = [exact(at, rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
     got = coarse.friction(at, off)
     for name in ("loss", "force", "moment"):
         assert getattr(got, name) == pytest.approx(0.5 * sum(getattr(end, name) for end in ends), rel=1e-12)

@@ -12,7 +12,7 @@ from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_
 from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.whole.contacts import contacts_of
+from rollbench.lowfi.friction.whole.contacts import contacts_of_result
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
 from rollbench.lowfi.statics.contacts import drawn_hertz
 from rollbench.meshes.errors import specimen
@@ -108,7 +108,7 @@ def test_ellipses_are_those_that_the_scene_s_ingredients_name():
     found = {}
     for kind in ("nominal", "error-free", "actual", "as printed"):
         scene = with_ingredients(base, hertz=kind)
-        at = contacts_of(scene, solved(scene))
+        at = contacts_of_result(scene, solved(scene))
         cube = np.cbrt(at.force)
         found[kind] = at.a / cube, at.b / cube
     exact, printed = groove.constants, replace(groove, hertz="as printed").constants
@@ -126,6 +126,6 @@ def test_contacts_take_the_specimen_that_was_solved():
     base = small_screw(5, 0.8, oversize=5e-6, force=AXIAL, fixed=ALL_BUT_AXIAL)
     scene = replace(base, errors=replace(base.errors, balls=replace(base.errors.balls, sigma=0.5e-6)))
     result = solved(scene, member=3)
-    at = contacts_of(scene, result, 3)
+    at = contacts_of_result(scene, result, 3)
     assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
-    assert not np.array_equal(at.ball_radius, contacts_of(scene, result, 0).ball_radius)
+    assert not np.array_equal(at.ball_radius, contacts_of_result(scene, result, 0).ball_radius)

@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
-from rollbench.lowfi.friction.whole.contacts import contacts_of
+from rollbench.lowfi.friction.whole.contacts import contacts_of_result
 from rollbench.lowfi.friction.whole.losses import ball_friction, ball_path
 from rollbench.meshes.parts import Friction, Motion
 
@@ -99,7 +99,7 @@ def test_balls_without_load_have_no_motion_and_lose_nothing():
 def test_a_larger_ball_orbits_by_its_own_radius():
     scene = small_screw(4, 0.8, oversize=5e-6, force=AXIAL)
     scene = replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=((3, 2e-6),))))
-    small, _, large, _ = contacts_of(scene, solved(scene)).ball_radius
+    small, _, large, _ = contacts_of_result(scene, solved(scene)).ball_radius
     assert large - small == pytest.approx(2e-6, rel=1e-6)
     assert ball_path(scene, TURN, large).nominal_orbit < ball_path(scene, TURN, small).nominal_orbit
 
@@ -120,6 +120,6 @@ def test_what_is_refused():
     scene = small_screw(force=AXIAL)
     result = solved(scene)
     with pytest.raises(ValueError, match="at rest"):
-        ball_friction(scene, contacts_of(scene, result), MU, Motion(0.0))
+        ball_friction(scene, contacts_of_result(scene, result), MU, Motion(0.0))
     with pytest.raises(ValueError, match="not held"):
-        contacts_of(scene, replace(result, status="not held: it turns"))
+        contacts_of_result(scene, replace(result, status="not held: it turns"))

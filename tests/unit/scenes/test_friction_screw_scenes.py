@@ -148,12 +148,12 @@ def test_run_without_contact_says_nothing_of_where_and_without_friction_there_ar
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
     ball = four_point(count=1)
-    assert "ry" in bearing.free_motion(ball, angle)
-    assert bearing.free_motion(replace(ball, tilt=False), angle) == ""
+    assert "ry" in bearing.describe_free_motion(ball, angle)
+    assert bearing.describe_free_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
-    assert bearing.free_motion(replace(ball, arm=through), angle) == ""
-    assert "ry" in bearing.free_motion(replace(ball, arm=1.001 * through), angle)
-    assert bearing.free_motion(four_point(), angle) == bearing.free_motion(double_row(), angle) == ""
+    assert bearing.describe_free_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in bearing.describe_free_motion(replace(ball, arm=1.001 * through), angle)
+    assert bearing.describe_free_motion(four_point(), angle) == bearing.describe_free_motion(double_row(), angle) == ""
 
 
 @pytest.mark.parametrize("tilt", [True, False])

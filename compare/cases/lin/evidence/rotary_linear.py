@@ -45,7 +45,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def as_printed(case: str) -> bearing.Solution:
+def as_printed(case: str) -> bearing.BallSolution:
     """Solve a case of Table 3.2 as the source does: its Hertz constants, sigmoid friction law, and root finding."""
     scene = source_cases.rotary(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
@@ -53,7 +53,7 @@ def as_printed(case: str) -> bearing.Solution:
 
 
 @cache
-def solve_rotary(case: str, hertz: Mode = "right") -> bearing.Solution:
+def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BallSolution:
     """Solve the motion of one ball of the rotary bearing by least dissipation.
 
     ``hertz``: "as printed" keeps the source's loads and contact ellipses.
@@ -93,7 +93,7 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     findings.numbers(values)
 
 
-def rotary_value(s: bearing.Solution, key: str) -> float:
+def rotary_value(s: bearing.BallSolution, key: str) -> float:
     """Return the computed value of a row of Table 3.2 in its printed unit; ``key``: of the row, without the case."""
     kind, _, what = key.partition("_")
     if kind == "F":
@@ -105,7 +105,7 @@ def rotary_value(s: bearing.Solution, key: str) -> float:
     return 1e3 * s.torque
 
 
-def increase_percent(first: bearing.Solution, raised: bearing.Solution, what: str) -> float:
+def increase_percent(first: bearing.BallSolution, raised: bearing.BallSolution, what: str) -> float:
     """Return the increase of the summed contact forces [%], or that of the torque over the first torque."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))

@@ -39,7 +39,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry, value_of
 from rollbench.compare.sections.curves import numbers
-from rollbench.lowfi.friction.bearing import SIDES, Solution, TorqueCurve, sweep
+from rollbench.lowfi.friction.bearing import SIDES, BallSolution, TorqueCurve, solve_over_displacements
 from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, force_maps
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Run, deviation, summarise
@@ -104,13 +104,13 @@ def root_table() -> Table:
 def torque_figure() -> Figure:
     """Draw Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
-    true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
+    true, printed = solve_over_displacements(ROTARY, AXIAL, u), solve_over_displacements(ROTARY, AXIAL, u, PRINTED_LAW)
     good = np.array([s.motion.status == "exact" for s in printed])
     x, label = numbers(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
-    def curves(pick: Callable[[Solution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+    def curves(pick: Callable[[BallSolution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
         drawn = [
             Series(
                 name, x, numbers(np.where(ok, [pick(s) for s in found], np.nan), factor), "line", emphasis=name == "right"
@@ -137,7 +137,7 @@ def torque_figure() -> Figure:
     return Figure("friction-torque", "Rotary bearing: forces, torque, losses and motion over u_y", panels, caption)
 
 
-def velocity_panel(case: str, s: Solution, title: str) -> Panel:
+def velocity_panel(case: str, s: BallSolution, title: str) -> Panel:
     """Return the panel of sliding velocity at each loaded groove along the contact's major axis."""
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
