@@ -19,12 +19,17 @@ import numpy as np
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary
 from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, four_point, inferred, table_3_6
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
-from rollbench.lowfi.friction.as_source.screw import from_linear_starts, from_pair_starts, from_screw_starts, screw_sigmoid
+from rollbench.lowfi.friction.as_source.screw import (
+    linear_solutions_from_starts,
+    pair_solutions_from_starts,
+    screw_sigmoid,
+    screw_solutions_from_starts,
+)
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, angle_deviations, balanced_loads
-from rollbench.lowfi.friction.linear.chain import Chain, pair_state, prepare_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import Chain, pair_angles_and_loads, prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
@@ -305,7 +310,7 @@ def chain_group(
             tally.add(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:
             continue
-        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
+        for found in linear_solutions_from_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
             tally.theirs(found, first, c.scale)
     return tally.record(group, model, note)
 
@@ -315,7 +320,7 @@ def linear_pair(
 ) -> LinearCase:
     """Return a linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
-    return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
+    return LinearCase(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
 def chain_state(count: int) -> tuple[Array, Array]:
@@ -354,7 +359,7 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
         restart(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.ball_loads.max())
-        for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
+        for found in pair_solutions_from_starts(p, r, rng, CHAIN_STARTS, FAR_START):
             tally.theirs(found, m.ball_force[:1], bound)
     return tally.record(group, "screw pair", note)
 
@@ -397,7 +402,7 @@ def screw_chains() -> Record:
         tally.add(m.converged, m.input_power, m.loss, 0.0)
         restart(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
+        for found in screw_solutions_from_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
             tally.theirs(found, m.ball_force[:-1], bound)
     return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
@@ -480,7 +485,7 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
 
     def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
-        return prepare_chain(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
+        return prepare_chain(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
     return [
         (

@@ -23,9 +23,9 @@ from rollbench.lowfi.friction.linear.chain import (
     RISEN,
     Chain,
     ChainResult,
+    find_second_state,
     may_jam,
     prepare_chain,
-    second_state,
     solve_linear_chain,
 )
 from rollbench.lowfi.statics.validity import size_warnings
@@ -97,7 +97,7 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     chains = [prepare_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
     apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
-    second = second_state(chains[1], near, fast) if near.status == "converged" else None
+    second = find_second_state(chains[1], near, fast) if near.status == "converged" else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)

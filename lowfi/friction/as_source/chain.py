@@ -18,7 +18,7 @@ from scipy.optimize import root
 from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, Law, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.contact.motion import HYBRID
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, semi_axes
-from rollbench.lowfi.friction.linear.chain import pair_state
+from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["exact", "overlapping", "failed"]
@@ -31,7 +31,7 @@ SHARPNESS = 100.0
 
 
 @dataclass(frozen=True)
-class Neighbours:
+class NeighbourInteraction:
     """Forces between touching balls, with n unknowns of motion a ball, the first of them along the track."""
 
     #: Sliding of the first ball's surface at the contact by its motion ``(2, n)`` [m].
@@ -64,7 +64,7 @@ class Balls:
     #: Motion of the contacts without them ``(N, 4, 3)``.
     drives: Array
     #: Forces between neighbours.
-    pair: Neighbours
+    pair: NeighbourInteraction
 
     @property
     def count(self) -> int:
@@ -161,7 +161,7 @@ def touching_groups(touching: Mask) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(ends)]
 
 
-def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[Array, Array, float, int]:
+def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[Array, Array, float, int]:
     """Return motions, forces, residual (see ``ACCEPTED``) and calls of a group of touching balls, from a start.
 
     MINPACK's hybrid method with a Jacobian by differences, as Matlab's fsolve, on scaled equations.
@@ -195,12 +195,14 @@ def solve_source_chain(
     worst, calls = 0.0, 0
     for group in touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
-        q[group], force[inner], left, further = root_of_block(balls.subset(group), law, start[0][group], start[1][inner])
+        q[group], force[inner], left, further = solve_touching_group(
+            balls.subset(group), law, start[0][group], start[1][inner]
+        )
         worst, calls = max(worst, left), calls + further
     return q, force, worst, calls
 
 
-def not_separating(pair: Neighbours, q: Array, tolerance: float = 0.0) -> Mask:
+def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
     """Return which neighbours ``(N-1,)`` do not separate in motions q. tolerance: relative to the nominal speed."""
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
@@ -242,12 +244,12 @@ def solve_by_root(
     return SourceMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
 
 
-def neighbour_interaction(bearing: LinearBearing) -> Neighbours:
+def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
     """Return the interaction of balls of a linear bearing in touch (Lin 3.26-3.29); unknowns v, omega_x, omega_y."""
     r, v = bearing.ball_radius, bearing.speed
     turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])
     nominal = np.array([0.5 * v, 0.5 * v / (r * np.cos(bearing.contact_angle)), 0.0])
-    return Neighbours(turns, -turns, 1.0, bearing.mu_balls, np.array([1.0, r, r]), nominal)
+    return NeighbourInteraction(turns, -turns, 1.0, bearing.mu_balls, np.array([1.0, r, r]), nominal)
 
 
 def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
@@ -295,4 +297,4 @@ def linear_pair_by_root(
 
     Loads in equilibrium at the given angles, in closed form as in the linear pair here.
     """
-    return solve_linear_by_root(bearing, *pair_state(bearing, theta, rho, vertical), True, law)
+    return solve_linear_by_root(bearing, *pair_angles_and_loads(bearing, theta, rho, vertical), True, law)

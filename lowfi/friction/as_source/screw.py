@@ -32,7 +32,7 @@ from rollbench.lowfi.friction.as_source.chain import (
     ACCEPTED,
     SHARPNESS,
     Balls,
-    Neighbours,
+    NeighbourInteraction,
     SourceMotion,
     Status,
     force_balance,
@@ -56,7 +56,7 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 @dataclass(frozen=True)
-class Places:
+class BallPositions:
     """Positions of N balls and the screw."""
 
     #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
@@ -67,7 +67,7 @@ class Places:
     screw: Array
 
 
-def contact_forces(cell: Cell, at: Places) -> tuple[Array, Array, Array]:
+def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
     """Return contact loads ``(N, 4)`` [N], misalignment n . t of groove and line of centres, and normals ``(N, 4, 2)``.
 
     Contact conditions of Lin's chapter 2: the groove's tangent at gamma is normal to the line of centres.
@@ -87,7 +87,7 @@ def load_scale(cell: Cell) -> tuple[float, float]:
     return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
 
 
-def first_place(cell: Cell) -> Places:
+def starting_positions(cell: Cell) -> BallPositions:
     """Return start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
 
     The text's nominal state has no stiffness without preload; this is the start of ``rings.settle_cell``.
@@ -95,20 +95,20 @@ def first_place(cell: Cell) -> Places:
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))
     screw = np.zeros(cell.force.size) if total == 0.0 else 4.0 * size * cell.force / total
-    return Places(0.5 * (cell.screw_motion @ screw + cell.offset), cell.angle.copy(), screw)
+    return BallPositions(0.5 * (cell.screw_motion @ screw + cell.offset), cell.angle.copy(), screw)
 
 
-def loads_by_root(cell: Cell, start: Places | None = None) -> SettledCell:
-    """Return the loads of a cell of N balls as a root of 6 N + m equations; from `first_place` where start is None.
+def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell:
+    """Return the loads of a cell of N balls as a root of 6 N + m equations; from `starting_positions` where start is None.
 
     ``left`` [N]: largest force out of balance; ``steps``: calls; ``converged`` is False where no root is found.
     """
     n = cell.angle.shape[0]
     scale, size = load_scale(cell)
-    at = first_place(cell) if start is None else start
+    at = starting_positions(cell) if start is None else start
 
-    def split(x: Array) -> Places:
-        return Places(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
+    def split(x: Array) -> BallPositions:
+        return BallPositions(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
 
     def residual(x: Array) -> Array:
         force, bent, normal = contact_forces(cell, split(x))
@@ -125,13 +125,13 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> SettledCell:
     return SettledCell(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
 
 
-def neighbour_interaction(groove: ScrewGroove) -> Neighbours:
+def neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
     """Return the interaction of balls of a screw in touch, on the exact helix.
 
     Unknowns omega_B, omega_x, omega_y, omega_z; corrects Lin 3.73-3.75.
     """
     p, r = groove.pair, groove.ball_radius
-    return Neighbours(
+    return NeighbourInteraction(
         p.first, p.second, p.closing, groove.between, np.array([groove.radius, r, r, r]), least_sliding_motion(groove)
     )
 
@@ -158,7 +158,7 @@ class SourceState:
     """N balls with their loads by Lin's method."""
 
     #: Positions.
-    at: Places
+    at: BallPositions
     #: Contact forces ``(N, 4)`` [N].
     force: Array
     #: Motions ``(N, 4)`` [rad/s].
@@ -185,7 +185,7 @@ class SourceScrew:
     motion: SourceMotion
 
 
-def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
+def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
     """Return N touching balls with their loads as one root, with the screw as in ``start`` (Lin 3.71, 3.75-3.77).
 
     scale [N]: sum of a ball's contact loads, by which the equations are scaled.
@@ -194,9 +194,13 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
     n, turn = cell.angle.shape[0], pair.units / pair.speed
     size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
 
-    def split(x: Array) -> tuple[Places, Array, Array]:
+    def split(x: Array) -> tuple[BallPositions, Array, Array]:
         by_ball = x[: 10 * n].reshape(n, 10)
-        return Places(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw), by_ball[:, 6:] / turn, x[10 * n :] * bound
+        return (
+            BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw),
+            by_ball[:, 6:] / turn,
+            x[10 * n :] * bound,
+        )
 
     def residual(x: Array) -> Array:
         if not np.all(np.isfinite(x)):
@@ -220,7 +224,7 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
     return SourceState(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
 
 
-def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
+def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
     """Return all N balls, group by group, for given contacts ``(N-1,)``."""
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
@@ -235,28 +239,28 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
             offset=cell.offset[group],
             push=cell.push[group],
         )
-        at = Places(start.at.ball[group], start.at.gamma[group], start.at.screw)
+        at = BallPositions(start.at.ball[group], start.at.gamma[group], start.at.screw)
         begin = SourceState(at, force[group], start.q[group], start.ball_force[inner], 0.0, 0)
-        solved = coupled_block(group_cell, law, begin, scale)
+        solved = solve_coupled_group(group_cell, law, begin, scale)
         ball[group], gamma[group], force[group] = solved.at.ball, solved.at.gamma, solved.force
         q[group], between[inner] = solved.q, solved.ball_force
         left, calls = max(left, solved.left), calls + solved.calls
-    return SourceState(Places(ball, gamma, start.at.screw), force, q, between, left, calls)
+    return SourceState(BallPositions(ball, gamma, start.at.screw), force, q, between, left, calls)
 
 
 def start_from_result(result: PairResult, touching: bool) -> SourceState:
     """Return a solution of the chain solver, balls in contact or not, as a start."""
     solution = result.touching if touching else result.free
-    at = Places(solution.load.ball, solution.load.angle, np.zeros(0))
+    at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
     return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
-def at_given_loads(cell: Cell, load: SettledCell, law: Law) -> SourceState:
+def solve_separate_balls(cell: Cell, load: SettledCell, law: Law) -> SourceState:
     """Return separate balls at loads without friction, searched from rolling: the start where no other is given."""
     n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
     q, _, left, calls = solve_source_chain(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
-    return SourceState(Places(load.ball, load.angle, np.zeros(0)), load.force, q, none, left, calls)
+    return SourceState(BallPositions(load.ball, load.angle, np.zeros(0)), load.force, q, none, left, calls)
 
 
 def coupled_by_root(
@@ -286,13 +290,13 @@ def coupled_by_root(
     """
     held, pair = hold_screw(cell, load), neighbour_interaction(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
-    begin = at_given_loads(cell, load, law) if start is None else start
+    begin = solve_separate_balls(cell, load, law) if start is None else start
     none = np.zeros(cell.angle.shape[0] - 1)
-    free = solved = coupled_roots(held, law, none > 0.0, replace(begin, ball_force=none), scale)
+    free = solved = solve_coupled_groups(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
     touch = np.asarray(reach, dtype=bool) & not_separating(pair, free.q)
     if free.left <= ACCEPTED and np.any(touch):
-        solved = coupled_roots(held, law, touch, free if touching is None else touching, scale)
+        solved = solve_coupled_groups(held, law, touch, free if touching is None else touching, scale)
         calls += solved.calls
     sums = force_balance(screw_balls(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
     bad = np.any(solved.ball_force < -ACCEPTED * cell.groove.mu * scale)
@@ -371,11 +375,11 @@ class SourceRun:
 
 
 @dataclass
-class _Before:
+class _PreviousStep:
     """State of the previous step: positions of the balls, their motions ``(N, 4)`` and ball-to-ball forces ``(N,)``."""
 
     #: Positions.
-    at: Places
+    at: BallPositions
     #: Motions without ball-to-ball contact.
     free: Array
     #: Motions with ball-to-ball contact.
@@ -407,19 +411,19 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     law = source_law(g, SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
-    before: _Before | None = None
+    before: _PreviousStep | None = None
     omega, rows, status = np.zeros(n), list[tuple[Array, Array, Array, float, float]](), list[str]()
     for k in range(steps or run.steps):
         turned = g.speed * dt * k
         azimuths, loaded = run.place(azimuth, turned)
         load = loads_by_root(run_cell(run, azimuths, loaded, turned), None if before is None else before.at)
-        at = Places(load.ball, load.angle, load.inner)
+        at = BallPositions(load.ball, load.angle, load.inner)
         motion, order = _solve_step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
         force[order[:-1]], q[order], free[order] = motion.ball_force, motion.q, motion.free
         if good:
-            before, omega = _Before(at, free, q, force), q[:, 0] - g.screw_speed
+            before, omega = _PreviousStep(at, free, q, force), q[:, 0] - g.screw_speed
         gap = gap + dt * (np.roll(omega, -1) - omega)
         speed = abs(g.speed)
         rows.append((gap, force, omega, float(motion.groove_loss.sum()) / speed, float(motion.ball_loss.sum()) / speed))
@@ -431,7 +435,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
 
 
 def _solve_step(
-    run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _Before | None
+    run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _PreviousStep | None
 ) -> tuple[SourceMotion, NDArray[np.intp]]:
     """Return the motion of the balls and their order, which begins after a neighbour out of reach, where the ring is cut.
 
@@ -459,7 +463,7 @@ def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: flo
     return np.asarray((x + off * rng.uniform(-1.0, 1.0, q.shape) * size) / units)
 
 
-def from_linear_starts(
+def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
     """Yield solutions for balls of a linear bearing, all in reach, from random starts; forces at random up to doubled.
@@ -507,7 +511,7 @@ def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
     return source_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
 
 
-def from_pair_starts(
+def pair_solutions_from_starts(
     pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
     """Yield solutions for a pair of a screw with its loads from random starts; positions as in our solution ``solved``.
@@ -542,7 +546,7 @@ def from_pair_starts(
             yield None
 
 
-def from_screw_starts(
+def screw_solutions_from_starts(
     chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
     """Yield solutions for an open chain of a screw at given loads from random starts.

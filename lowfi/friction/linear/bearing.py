@@ -119,15 +119,15 @@ def angle_deviations(theta: Array, *, mated: bool = False) -> Array:
     theta
         [rad], any shape.
     mated
-        Whether the top groove is made to match (see `mated_top`): design (b) of Lin 3.3.4.2.
+        Whether the top groove is made to match (see `matching_top_deviations`): design (b) of Lin 3.3.4.2.
     """
     t = np.asarray(theta, dtype=float)
     bottom = np.stack([-t, t], axis=-1)
-    top = mated_top(bottom) if mated else np.zeros_like(bottom)
+    top = matching_top_deviations(bottom) if mated else np.zeros_like(bottom)
     return np.concatenate([bottom, top], axis=-1)
 
 
-def mated_top(bottom: Array) -> Array:
+def matching_top_deviations(bottom: Array) -> Array:
     """Return the deviations (TR, TL) of the top groove for which ball velocity is independent of load, from (BL, BR).
 
     Rule of Lin 3.3.4.2: each diagonal keeps its contacts opposite, so that (3.43) vanishes under any load.
@@ -251,7 +251,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
     return settled.force[0, TOP_FIRST], settled.angle[0]
 
 
-def second_kind(axis_ratio: float) -> float:
+def elliptic_integral_second_kind(axis_ratio: float) -> float:
     """Return the complete elliptic integral E(e) of an ellipse b/a."""
     from scipy.special import ellipe
 
@@ -317,5 +317,5 @@ def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius
-    ellip = second_kind(float(constants.C_b / constants.C_a))
+    ellip = elliptic_integral_second_kind(float(constants.C_b / constants.C_a))
     return np.asarray(0.375 * bearing.mu * loads * constants.C_a * np.cbrt(loads) * ellip * spin)

@@ -15,10 +15,16 @@ from rollbench.lowfi.friction.linear.bearing import (
     diagonal_loads,
     semi_axes,
 )
-from rollbench.lowfi.friction.linear.chain import force_maps, pair_state, prepare_chain, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.linear.chain import (
+    force_maps,
+    pair_angles_and_loads,
+    prepare_chain,
+    solve_linear_chain,
+    solve_pair,
+)
 
 BEARING = source_cases.linear().bearing
-ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)
+ANGLES, LOADS = pair_angles_and_loads(BEARING, np.radians(2.0), -0.6, 100.0)
 
 
 def random_chain(count, seed=0, spread=3.0):

@@ -12,7 +12,7 @@ from rollbench.compare.studies.friction.whole import Choices
 from rollbench.lowfi.friction.as_source.chain import linear_balls
 from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.linear.bearing import elastic_loads
-from rollbench.lowfi.friction.linear.chain import prepare_chain, second_state, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import find_second_state, prepare_chain, solve_linear_chain
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)
@@ -66,7 +66,7 @@ def test_jammed_state_is_found_where_friction_holds_what_makes_it_and_only_there
     assert found.status == "converged"
     assert found.ball_force[0] == 0.0
     assert closing(*pair, 0.0) < -1e-3
-    other = second_state(chain, found, fast=False)
+    other = find_second_state(chain, found, fast=False)
     jams = max(closing(*pair, force) for force in (1.0, 4.0, 6.5, 7.0, 7.5)) > 0.0
     assert jams is (mu_balls > LIMIT)
     assert (other is not None) is jams

@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.linear.bearing import (
     contact_directions,
     diagonal_loads,
     elastic_loads,
-    mated_top,
+    matching_top_deviations,
     sliding_speed,
     spin_loss,
     velocity_deviation,
@@ -184,7 +184,7 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     """Rule of 3.3.4.2 on the formula: any bottom groove, any loads."""
     rng = np.random.default_rng(3)
     bottom = rng.uniform(-0.05, 0.05, (20, 2))
-    turn = np.concatenate([bottom, mated_top(bottom)], axis=1)
+    turn = np.concatenate([bottom, matching_top_deviations(bottom)], axis=1)
     up, down = rng.uniform(1.0, 100.0, (2, 20))
     np.testing.assert_allclose(velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
     np.testing.assert_array_equal(angle_deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])

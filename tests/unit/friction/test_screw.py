@@ -14,7 +14,7 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball
 from rollbench.lowfi.friction.contact.rings import cell_state
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import pair_state
+from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_frame
@@ -199,7 +199,7 @@ def test_long_radius_is_the_linear_bearing() -> None:
     """Ball force and losses of a pair on a radius of 1 km are those of the linear bearing with the same loads."""
     line = LinearBearing(2.5e-3, 0.54, 0.25 * np.pi, 0.1, 0.1, 0.08, 210e9, 0.28)
     found = solve_linear_pair(line, np.radians(3.0), 0.5, 200.0)
-    angles, loads = pair_state(line, np.radians(3.0), 0.5, 200.0)
+    angles, loads = pair_angles_and_loads(line, np.radians(3.0), 0.5, 200.0)
     order = [0, 1, 3, 2]  # BL, BR, TL, TR of BL, BR, TR, TL
     radius = 1000.0
     groove = line.ball_radius, line.conformity * 2.0 * line.ball_radius, radius, 0.0, line.contact_angle

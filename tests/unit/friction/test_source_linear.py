@@ -14,7 +14,7 @@ from rollbench.lowfi.friction.as_source.chain import (
     solve_linear_by_root,
 )
 from rollbench.lowfi.friction.linear.bearing import angle_deviations, balanced_loads
-from rollbench.lowfi.friction.linear.chain import pair_state, prepare_chain, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads, prepare_chain, solve_linear_chain, solve_pair
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
@@ -84,7 +84,7 @@ def test_rule_for_contact_lets_balls_overlap():
 
 def test_failure_is_a_status():
     """All but two contacts unloaded, one rests under Coulomb's law: there is no root to find."""
-    state_2p = pair_state(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
+    state_2p = pair_angles_and_loads(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
     assert solve_linear_by_root(BEARING, *state_2p).status == "failed"
 
 

@@ -7,12 +7,12 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, lin_3_4_4, table_3_6
 from rollbench.lowfi.friction.as_source.screw import (
-    Places,
-    first_place,
+    BallPositions,
     loads_by_root,
     screw_pair_by_root,
     simulate_by_root,
     start_from_result,
+    starting_positions,
 )
 from rollbench.lowfi.friction.screw.motion import settle_load, source_law
 from rollbench.lowfi.friction.screw.run import Run, equal_steps, solve_pair
@@ -41,8 +41,8 @@ def test_loads_are_ours(pair):
 
 def test_loads_that_are_not_found_are_not_converged():
     cell = case_as_printed(TWO).cell()
-    away = first_place(cell)
-    lost = Places(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
+    away = starting_positions(cell)
+    lost = BallPositions(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
     assert not loads_by_root(cell, lost).converged
 
 

@@ -17,7 +17,14 @@ from rollbench.compare.printed import entry, load_table, value_of
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.bearing import Loads, velocity_deviation
-from rollbench.lowfi.friction.linear.chain import PairMaps, PairResult, force_maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.friction.linear.chain import (
+    PairMaps,
+    PairResult,
+    force_maps,
+    pair_angles_and_loads,
+    pair_formulas,
+    solve_pair,
+)
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -201,7 +208,7 @@ def _claims_of_maps(findings: Findings, m: PairMaps) -> None:
 
 def formula_deviation(mated: bool) -> Array:
     """Return the velocity deviations (2,) of both balls by formula (3.43), at the loads stated in the text."""
-    angles, loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
+    angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
@@ -222,7 +229,7 @@ def table_3_4(findings: Findings, study: Study) -> None:
 
 def misprinted_force() -> float:
     """Return the force by formula (3.51) for case (a) with the misprinted exponents -2/3, as if its unit were N."""
-    loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
+    loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]

@@ -41,7 +41,7 @@ def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
 
 
 @kernel
-def slide_and_spin(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
+def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
     """Return the friction of one elliptical contact sliding at s along its minor axis and spinning at w/a, per unit bound.
 
     shape: (b/a, q0, k1, k3), see ``contact_shape``. Returns force and moment/a, the gradient of the dissipation
@@ -58,14 +58,14 @@ def slide_and_spin(s: float, w: float, shape: Array) -> tuple[float, float, floa
 
 
 @kernel
-def regularised(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
+def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
     """Return gradient (2) and Hessian (3: ss, sw, ww) by (s, w) of the convex energy sqrt(phi^2 + eps^2) - eps.
 
     The force is phi/sqrt(phi^2 + eps^2) times Coulomb's, so contacts stick at creeping speeds below eps.
     """
     if s == 0.0 and w == 0.0:
         return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
-    f, m, ss, sw, ww = slide_and_spin(s, w, shape)
+    f, m, ss, sw, ww = slide_and_spin_friction(s, w, shape)
     phi = s * f + w * m
     eta = sqrt(phi * phi + eps * eps)
     c, b = phi / eta, (eps / eta) * (eps / eta) / eta
@@ -73,7 +73,7 @@ def regularised(s: float, w: float, shape: Array, eps: float) -> tuple[float, fl
 
 
 @kernel
-def push_and_rate(z: float, smooth: float) -> tuple[float, float, float]:
+def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
     """Return contact load, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
     if smooth == 0.0:
         return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
@@ -85,7 +85,7 @@ def push_and_rate(z: float, smooth: float) -> tuple[float, float, float]:
 
 
 @kernel
-def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
+def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
     """Add friction at the grooves to g ``(4N,)`` and K ``(4N, 11)``."""
     contacts, slip = chain.contacts, point.slip
     for j in range(contacts.shape[0]):
@@ -93,7 +93,7 @@ def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g:
             bound = contacts[j, i, 3]
             if bound == 0.0:
                 continue
-            f, m, ss, sw, ww = regularised(slip[j, i, 0], slip[j, i, 1], chain.shape, eps)
+            f, m, ss, sw, ww = regularised_friction(slip[j, i, 0], slip[j, i, 1], chain.shape, eps)
             nx, ny, arm = contacts[j, i, 0], contacts[j, i, 1], contacts[j, i, 4]
             # slip and spin by v, R omega_x, R omega_y (Lin 3.22-3.24)
             rows = ((1.0, 0.0), (ny, arm * nx), (-nx, arm * ny))
@@ -107,7 +107,7 @@ def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g:
 
 
 @kernel
-def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
+def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
     """Add friction between balls k and k+1 that slide at ``pair[k, 1:]``; slope: growth of its bound with z."""
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
@@ -124,7 +124,7 @@ def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K:
 
 
 @kernel
-def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
+def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
     """Write forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
     pair, drift, z = point.pair, point.drift, point.z
     eps, share, smooth, spring = law
@@ -137,13 +137,13 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
             K[4 * j + k, HALF] = stiffness
         g[4 * j + 3] = 0.0
         K[4 * j + 3, HALF] = -1.0
-    _add_grooves(chain, point, eps, K, g)
+    _add_groove_friction(chain, point, eps, K, g)
     for k in range(closed.shape[0]):
         i = 4 * k + 3
         if closed[k] == 0.0:
             g[i] = -z[k]
             continue
-        force, rate, slope = push_and_rate(z[k], smooth)
+        force, rate, slope = force_and_gap_rate(z[k], smooth)
         # axial balance of balls k and k + 1 (Lin 3.25)
         g[i - 3] += force
         g[i + 1] -= force
@@ -158,11 +158,11 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
         K[i, HALF + 1] = -scale * stiff
         K[i, HALF] = scale * (slope - 1.0)
         if share * mu > 0.0:
-            _add_rubbing(eps, mu * share * force, mu * share * slope, k, pair, K, g)
+            _add_ball_friction(eps, mu * share * force, mu * share * slope, k, pair, K, g)
 
 
 @kernel
-def _move(contacts: Array, point: ChainPoint, x: Array) -> None:
+def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
     """Add motions x ``(N, 3)`` of the balls to slips and differences of neighbours."""
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
@@ -173,24 +173,24 @@ def _move(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 
 @kernel
-def rebuild(chain: ChainArrays, point: ChainPoint) -> None:
+def rebuild_slips(chain: ChainArrays, point: ChainPoint) -> None:
     """Write slips and differences of neighbours from the drift of the motion."""
     point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
-    _move(chain.contacts, point, chain.nominal + point.drift)
+    _add_ball_motions(chain.contacts, point, chain.nominal + point.drift)
 
 
 @kernel
-def shift(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
+def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
     """Add t times the step ``(4N,)`` of the unknowns to the point and everything that depends on them."""
     n = point.drift.shape[0]
     change = t * step[: 4 * n].reshape(n, 4)
     point.z[:] += change[:-1, 3]
     point.drift[:] += change[:, :3]
-    _move(chain.contacts, point, change)
+    _add_ball_motions(chain.contacts, point, change)
 
 
 @kernel
-def reopen(point: ChainPoint, eps: float) -> None:
+def reset_open_gaps(point: ChainPoint, eps: float) -> None:
     """Take z of open gaps from their rates, in the units of exact complementarity at ``eps``."""
     for k in range(point.z.shape[0]):
         if point.z[k] <= 0.0:
@@ -198,13 +198,13 @@ def reopen(point: ChainPoint, eps: float) -> None:
 
 
 @kernel
-def copied(point: ChainPoint) -> ChainPoint:
+def copy_point(point: ChainPoint) -> ChainPoint:
     """Return a copy of the point."""
     return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
 
 
 @kernel
-def restore(point: ChainPoint, kept: ChainPoint) -> None:
+def restore_point(point: ChainPoint, kept: ChainPoint) -> None:
     """Overwrite the point by ``kept``: moving back by increments would leave round-off in the slips."""
     point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept
 
@@ -217,7 +217,7 @@ SOFTEST = 1e-14
 
 
 @kernel
-def largest(x: Array) -> float:
+def largest_entry(x: Array) -> float:
     """Return the largest size of an entry; nan where there is one."""
     size = 0.0
     for i in range(x.shape[0]):
@@ -227,7 +227,7 @@ def largest(x: Array) -> float:
 
 
 @kernel
-def _reach(step: Array) -> float:
+def _step_limit(step: Array) -> float:
     """Return the part of the step after which no velocity has changed by more than ``LONGEST``."""
     return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
@@ -242,21 +242,21 @@ def semismooth_newton(
     Returns iterations and the largest residual; leaves ``work`` as assembled at the point.
     """
     K, factors, g, step, other = work
-    assemble(chain, point, law, K, g)
+    assemble_equations(chain, point, law, K, g)
     size, damping = sqrt(np.dot(g, g)), 0.0
     for iteration in range(limit):
-        if largest(g) <= tolerance:
-            return iteration, largest(g)
+        if largest_entry(g) <= tolerance:
+            return iteration, largest_entry(g)
         for i in range(g.shape[0]):
             if i % 4 != 3:
                 K[i, HALF] += damping
         step[:] = -g
         solve_banded(K, factors, step, other)
-        t, at, trial = _reach(step), 0.0, size
+        t, at, trial = _step_limit(step), 0.0, size
         for _ in range(12):
-            shift(chain, point, step, t - at)
+            apply_step(chain, point, step, t - at)
             at = t
-            assemble(chain, point, law, K, g)
+            assemble_equations(chain, point, law, K, g)
             trial = sqrt(np.dot(g, g))
             if trial < (1.0 - 0.1 * t) * size:
                 break
@@ -268,16 +268,16 @@ def semismooth_newton(
             else:
                 damping = min(firmest, max(SOFTEST, 100.0 * damping))
             continue
-        shift(chain, point, step, -at)
-        assemble(chain, point, law, K, g)
+        apply_step(chain, point, step, -at)
+        assemble_equations(chain, point, law, K, g)
         damping = max(SOFTEST, 100.0 * damping)
         if not damping <= firmest:
-            return iteration, largest(g)
-    return limit, largest(g)
+            return iteration, largest_entry(g)
+    return limit, largest_entry(g)
 
 
 @kernel
-def leap(
+def undamped_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Iterate by undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
@@ -285,16 +285,16 @@ def leap(
     Returns iterations and the largest residual; the point is left where it was if that has not fallen.
     """
     K, factors, g, step, other = work
-    assemble(chain, point, law, K, g)
-    start, kept = largest(g), copied(point)
+    assemble_equations(chain, point, law, K, g)
+    start, kept = largest_entry(g), copy_point(point)
     for iteration in range(limit):
         step[:] = -g
         solve_banded(K, factors, step, other)
-        shift(chain, point, step, _reach(step))
-        assemble(chain, point, law, K, g)
-        if largest(g) <= tolerance:
-            return iteration + 1, largest(g)
-    if not largest(g) < start:
-        restore(point, kept)
+        apply_step(chain, point, step, _step_limit(step))
+        assemble_equations(chain, point, law, K, g)
+        if largest_entry(g) <= tolerance:
+            return iteration + 1, largest_entry(g)
+    if not largest_entry(g) < start:
+        restore_point(point, kept)
         return limit, start
-    return limit, largest(g)
+    return limit, largest_entry(g)

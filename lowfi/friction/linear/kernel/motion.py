@@ -13,7 +13,18 @@ import numpy as np
 from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
-from .equations import assemble, copied, largest, leap, rebuild, reopen, restore, semismooth_newton, shift, solve_banded
+from .equations import (
+    apply_step,
+    assemble_equations,
+    copy_point,
+    largest_entry,
+    rebuild_slips,
+    reset_open_gaps,
+    restore_point,
+    semismooth_newton,
+    solve_banded,
+    undamped_newton,
+)
 
 #: Creeping speed at the beginning of the path.
 FIRST = 0.1
@@ -32,7 +43,7 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
 @kernel
-def stage(s: float, eps: float) -> Smoothing:
+def path_smoothing(s: float, eps: float) -> Smoothing:
     """Return law at parameter s of the path, 0 to 1: friction between balls comes early, creeping speeds fall to ``eps``.
 
     Springs keep motions without resistance fixed where forces are known to no more than ``ON_PATH``.
@@ -49,13 +60,15 @@ def convex_sign(point: ChainPoint) -> float:
 
 
 @kernel
-def _tangent(chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: Work, change: Array, tau: Array) -> float:
+def _path_tangent(
+    chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: Work, change: Array, tau: Array
+) -> float:
     """Return 1 if the path goes on with the tangent tau, or -1; tau: four entries a ball and last s, unit length, s rising.
 
     Needs ``work`` as assembled at the point; change: the residual's derivative by s.
     """
     K, factors, g, _, other = work
-    assemble(chain, point, stage(s + DIFFERENCE, eps), factors, other)
+    assemble_equations(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
     n = g.shape[0]
     for i in range(n):
         change[i] = (other[i] - g[i]) / DIFFERENCE
@@ -68,7 +81,7 @@ def _tangent(chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: 
 
 
 @kernel
-def _correct(
+def _correct_point(
     chain: ChainArrays,
     point: ChainPoint,
     s: float,
@@ -87,9 +100,9 @@ def _correct(
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
     for newton in range(STEPS + 1):
-        law = stage(s, eps)
-        assemble(chain, point, law, K, g)
-        if largest(g) <= max(ON_PATH, 1e-5 * law.eps):
+        law = path_smoothing(s, eps)
+        assemble_equations(chain, point, law, K, g)
+        if largest_entry(g) <= max(ON_PATH, 1e-5 * law.eps):
             return True, newton, s
         step[:] = -g
         other[:] = -change
@@ -99,54 +112,54 @@ def _correct(
         moved += sqrt(np.dot(step, step) + ds * ds)
         if newton == STEPS or not moved <= 0.7 * max(length, NEAR):
             break
-        shift(chain, point, step, 1.0)
+        apply_step(chain, point, step, 1.0)
         s += ds
     return False, STEPS, s
 
 
 @kernel
-def _cap(tau: Array) -> float:
+def _longest_step(tau: Array) -> float:
     """Return the longest step: what moves no velocity by more than 0.5 and s by more than 0.1."""
     n = tau.shape[0] - 1
     return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
 
 
 @kernel
-def trace(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
+def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
     """Follow the path from a point near its beginning; returns Newton steps and whether its end was reached.
 
     The determinant's sign tells which way is on: it changes where s turns.
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
-    total, left = semismooth_newton(chain, point, stage(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
+    total, left = semismooth_newton(chain, point, path_smoothing(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
     if not left <= ON_PATH:
         return total, False
-    _tangent(chain, point, 0.0, eps, work, change, tau)
-    kept = copied(point)
+    _path_tangent(chain, point, 0.0, eps, work, change, tau)
+    kept = copy_point(point)
     s, length = 0.0, LENGTH
     while total < limit and length > SHORTEST:
-        length = min(length, _cap(tau))
+        length = min(length, _longest_step(tau))
         last = s + length * tau[n] >= 1.0
         if last:
             length = (1.0 - s) / tau[n]
-        shift(chain, point, tau, length)
-        good, used, found = _correct(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
+        apply_step(chain, point, tau, length)
+        good, used, found = _correct_point(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
         total += used
         if good and last:
             return total, True
         if good and -0.01 < found < 1.0:
-            ahead *= _tangent(chain, point, found, eps, work, change, ahead)
+            ahead *= _path_tangent(chain, point, found, eps, work, change, ahead)
             total += 1
             good = np.dot(tau, ahead) > 0.5 or length < KINK
         else:
             good = False
         if good:
-            restore(kept, point)
+            restore_point(kept, point)
             tau[:], s = ahead, found
             length *= 2.0 if used < 3 else (1.3 if used == 3 else 0.8)
         else:
-            restore(point, kept)
+            restore_point(point, kept)
             length *= 0.4
     return total, False
 
@@ -177,9 +190,9 @@ STARTS, PRESSED = 3, 3.0
 
 
 @kernel
-def _order(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
+def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
     """Solve without friction between balls at creeping speed ``FIRST``, from any drift; return the Newton steps."""
-    rebuild(chain, point)
+    rebuild_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
         law = Smoothing(FIRST, 0.0, smooth, SPRING * FIRST)
@@ -189,13 +202,13 @@ def _order(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
 
 
 @kernel
-def _supported(contacts: Array) -> bool:
+def _all_balls_supported(contacts: Array) -> bool:
     """Return whether every ball has at least ``SUPPORTS`` loaded contacts."""
     return bool(np.min((contacts[:, :, 3] > 0.0).sum(axis=1)) >= SUPPORTS)
 
 
 @kernel
-def _descend_eps(
+def _reduce_creeping_speed(
     chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
     """Solve at creeping speeds from ``FIRST`` to ``eps_end``, with a share of the friction between balls.
@@ -204,7 +217,7 @@ def _descend_eps(
     """
     total, eps = 0, FIRST
     while True:
-        reopen(point, eps)
+        reset_open_gaps(point, eps)
         used, left = semismooth_newton(chain, point, Smoothing(eps, share, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
         total += used
         if not left <= COARSE:
@@ -223,65 +236,67 @@ def chain_motion(
 
     The first step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
-    once while creeping speeds fall, the path by `trace` decides, unless the balls all part without that friction. Returns
+    once while creeping speeds fall, the path by `trace_path` decides, unless the balls all part without that friction. Returns
     iterations and largest residual.
     """
-    total = _order(chain, point, work)
-    first = copied(point)
+    total = _solve_without_ball_friction(chain, point, work)
+    first = copy_point(point)
     share = chain.mu * sqrt(point.z.shape[0])
-    good = chain.mu == 0.0 or (share <= LARGE and _supported(chain.contacts))
+    good = chain.mu == 0.0 or (share <= LARGE and _all_balls_supported(chain.contacts))
     if good:
-        used, good = _descend_eps(chain, point, work, eps, 1.0, FEW if share > SLIGHT else MANY)
+        used, good = _reduce_creeping_speed(chain, point, work, eps, 1.0, FEW if share > SLIGHT else MANY)
         total += used
     if not good:
-        restore(point, first)
-        used, good = _descend_eps(chain, point, work, eps, 0.0, int(np.int64(MANY)))
+        restore_point(point, first)
+        used, good = _reduce_creeping_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
         total += used
         good = good and not np.any(point.z > 0.0)
     if not good:
-        restore(point, first)
-        used, _ = trace(chain, point, eps, work, limit)
+        restore_point(point, first)
+        used, _ = trace_path(chain, point, eps, work, limit)
         total += used
-        reopen(point, eps)
-    used, residual = _settle(chain, point, work, eps, tolerance)
+        reset_open_gaps(point, eps)
+    used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
     return total + used, residual
 
 
 @kernel
-def other_motion(
+def motion_from_other_start(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
     """Solve as `chain_motion`, from another of ``STARTS`` starts.
 
     The end of the path, the balls as they are without friction between them, all pairs pressed together.
     """
-    total = _order(chain, point, work)
+    total = _solve_without_ball_friction(chain, point, work)
     if start == 0:
-        used, _ = trace(chain, point, eps, work, limit)
+        used, _ = trace_path(chain, point, eps, work, limit)
     elif start == 1:
-        used, _ = _descend_eps(chain, point, work, eps, 0.0, int(np.int64(MANY)))
+        used, _ = _reduce_creeping_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
     else:
         point.z[:] = PRESSED * chain.closed
-        used, _ = _descend_eps(chain, point, work, eps, 1.0, int(np.int64(MANY)))
+        used, _ = _reduce_creeping_speed(chain, point, work, eps, 1.0, int(np.int64(MANY)))
     total += used
-    reopen(point, eps)
-    used, residual = _settle(chain, point, work, eps, tolerance)
+    reset_open_gaps(point, eps)
+    used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
     return total + used, residual
 
 
 @kernel
-def motion_from(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
+def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
     """Solve as `chain_motion`, by Newton's method only, from the state given, one of a similar chain."""
-    reopen(point, eps)
-    return _settle(chain, point, work, eps, tolerance)
+    reset_open_gaps(point, eps)
+    return _solve_exact_equations(chain, point, work, eps, tolerance)
 
 
 @kernel
-def _settle(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
+def _solve_exact_equations(
+    chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float
+) -> tuple[int, float]:
     """Iterate on the exact equations from the point; return the steps and the largest residual."""
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:
-        used, residual = leap(chain, point, exact, work, tolerance, LEAPS)
+        used, residual = undamped_newton(chain, point, exact, work, tolerance, LEAPS)
         total += used
     return total, residual
